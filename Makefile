@@ -149,13 +149,13 @@ loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on th
 	python tests/faults/benchmark_loop.py
 
 # The libraries have their own folder, so that nothing else finds them.
-benchmark: .venv/.ready  ## compare speed with other libraries, for docs/performance.md: some minutes
+benchmark: .venv/.ready  ## compare speed with other libraries, for docs/running.md: some minutes
 	python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
 	  --target .venv/benchmark --requirement tools/benchmark/requirements.txt
-	$(MEASURE).speed --page docs/performance.md
+	$(MEASURE).speed --page docs/running.md
 
 benchmark-all: .venv/.ready  ## compare the workflow with an uncompiled one: half an hour
-	$(MEASURE).whole --cores $(CORES) --page docs/performance.md
+	$(MEASURE).whole --cores $(CORES) --page docs/running.md
 
 # pip would compile on one processor, and the tests of the libraries too.
 .venv/.ready: environment.txt pyproject.toml

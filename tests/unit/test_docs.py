@@ -29,7 +29,7 @@ BLOCKS = {
         "a protocol without bodies",
     ],
     "docs/hardware.md": ["needs a sensor on the bus"],
-    "docs/module.md": ["tests/workflow/test_module.py"],
+    "docs/running.md": ["tests/workflow/test_module.py"],
     "docs/own-data.md": ["tests/unit/commands/test_import_recording.py"] * 2,
 }
 #: Targets of other Snakefiles than ours, and the tests that make them.

@@ -1,7 +1,7 @@
 """Compare speed with other libraries: `make benchmark`, which installs them.
 
     python -m tools.benchmark.speed                             # prints the tables
-    python -m tools.benchmark.speed --page docs/performance.md  # and writes them there
+    python -m tools.benchmark.speed --page docs/running.md  # and writes them there
 
 Everything runs on one core; times are those of the processor. What is compared takes turns, so that
 a disturbance of the machine slows all of it. States are compared first: if they differ, no times

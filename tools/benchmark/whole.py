@@ -1,6 +1,6 @@
 """Time `all` against the same rules without compiled code: `make benchmark-all`.
 
-    python -m tools.benchmark.whole --page docs/performance.md
+    python -m tools.benchmark.whole --page docs/running.md
 
 The last commit is cloned twice. One clone uses no compiled code of ours: scikit-fuzzy's fuzzy
 c-means, NumPy line by line for the ESN states and the steps of the models, and
