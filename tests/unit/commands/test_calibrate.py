@@ -90,6 +90,18 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
     assert json.dumps(call)  # plain values, as the key of the checkpoint needs them
 
 
+def test_without_files_the_configuration_of_the_project_is_taken(fit, tmp_path, monkeypatch):
+    (tmp_path / "config").symlink_to(CONFIG)
+    out = tmp_path / "out.yaml"
+    monkeypatch.chdir(tmp_path)
+    assert main(["calibrate", "--out", str(out)]) == 0
+    (call,) = fit.calls
+    assert call["published"] == str(PUBLISHED)
+    expected = from_files(["config/config.yaml"]).model_dump(mode="json")
+    assert call["on_rig"]["rig"] == expected["rig"]
+    assert call["judgement"]["models"] == expected["models"]
+
+
 @pytest.mark.parametrize("name", ["mine.yaml", "mine.json"])
 def test_file_that_no_fit_wrote_is_kept(run, tmp_path, capsys, name):
     (tmp_path / name).write_text("seed: 1\n")

@@ -10,6 +10,7 @@ import yaml
 from fprc.artifacts import read_json
 from fprc.cli import main
 from fprc.commands import readout as readout_command
+from fprc.commands.readout import report_readout
 from fprc.commands.readout_page import findings
 from fprc.config.importing import read_map
 from fprc.errors import ConfigError
@@ -175,6 +176,12 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch,
     # the workflow would also find the log that is left
     assert run(tmp_path, map_file, "--train", *further(tmp_path, 1)) == 1
     assert "sweep_2.h5: from an earlier run with more training logs" in capsys.readouterr().err
+
+
+def test_map_of_a_whole_test_log_needs_training_logs(recording, tmp_path):
+    map_file = recording(test_from_s=None, experiment="complex")
+    with pytest.raises(ConfigError, match="test_from_s is missing"):
+        report_readout(str(tmp_path / "log.csv"), map_=map_file, out=str(tmp_path / "out"))
 
 
 @pytest.mark.parametrize(

@@ -81,11 +81,7 @@ def test_each_folder_of_the_system_that_can_be_written_has_a_lock(folders, denie
         found = [folder.name for folder in folders.shared if list(folder.iterdir())]
         assert found == [name for name in ("run", "tmp") if name not in denied]
         assert len(files) == 2 * len(found)
-    assert caplog.messages == [
-        f"boards are locked in one folder only, not in {getattr(folders, name)} (Permission "
-        "denied); two users need one in common (hardware.boards.lock_folder)"
-        for name in denied
-    ]
+    assert len(caplog.messages) == len(denied)
 
 
 @pytest.mark.parametrize("first", [(), ("run",)])

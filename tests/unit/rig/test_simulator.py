@@ -323,17 +323,13 @@ def test_state_is_physical_or_the_divergence_is_reported(rig):
 # --- sensors --------------------------------------------------------------------------------
 
 
-def test_pressure_readings_lie_on_the_grid_of_the_converter(rig):
+def test_readings_lie_on_the_grids_of_converter_and_angle_sensor(rig):
     _, readings = drive(rig, swing(0.5, 1))
     step_kpa = 20.0 / 65536.0 / 4.0 * 1000.0
     for column in (1, 3, 4):
         codes = (readings[:, column] + 250.0) / step_kpa
         np.testing.assert_allclose(codes, np.round(codes), atol=1e-6)
         assert len(set(np.round(codes))) > 20
-
-
-def test_angle_readings_lie_on_the_grid_of_the_sensor(rig):
-    _, readings = drive(rig, swing(0.5, 1))
     assert np.array_equal(readings[:, 2] * 64.0, np.round(readings[:, 2] * 64.0))
     assert np.ptp(readings[:, 2]) > 30.0
 
