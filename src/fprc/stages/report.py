@@ -64,12 +64,13 @@ def write_report(
     ]
     pages = {Path(page).stem: _page(page, terms, folder) for page in tables[::2]}
     frames = {Path(path).stem: pd.read_csv(path) for path in tables[1::2]}
-    names = {each["anchor"]: each["short"] for each in (*pages.values(), *shown)}
     # a table of one seed is folded up below the same one over seeds
     for name in [name for name in pages if f"{name}_seeds" in pages]:
         one = pages[name]
-        over = {"title": f"{one['title']}, over seeds", "short": one["short"], "one_seed": one}
-        pages[name] = pages.pop(f"{name}_seeds") | over
+        over = {"title": f"{one['title']}, over seeds", "short": one["short"]}
+        one["short"] += " with one seed"
+        pages[name] = pages.pop(f"{name}_seeds") | over | {"one_seed": one}
+    names = {each["anchor"]: each["short"] for each in (*pages.values(), *shown)}
     drawn_from = {figure["source"] for figure in shown} - {"none"}
     kinds = " and ".join(SOURCES[source] for source in sorted(drawn_from))
     simulated = "sim" in drawn_from
