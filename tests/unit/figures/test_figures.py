@@ -127,6 +127,19 @@ def test_training_is_shown_by_its_first_and_its_last_tenth_and_the_test_is_whole
         assert len(truth) == len(model) == 80
 
 
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("FPRC on low-passed theta_d", r"FPRC on low-passed $\theta_{d}$"),
+        ("P_o's n_c", "$P_{o}$'s $n_{c}$"),
+        ("P_ff over P_fb", r"$P_\mathrm{ff}$ over $P_\mathrm{fb}$"),
+        ("fuzzy_linear costs $5", r"fuzzy_linear costs \$5"),
+    ],
+)
+def test_symbols_of_the_paper_are_typeset(text, shown):
+    assert style.symbols(text) == shown
+
+
 @pytest.mark.parametrize("unit", [r"$\frac{$", "$x$", "\x1b[31mN"])
 def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     """A pair of dollars would be a formula, and a wrong one an error."""
