@@ -78,7 +78,7 @@ def test_lines_of_the_page_give_the_table_of_the_results(tmp_path, monkeypatch):
     lines, printed = (
         re.search(rf"```{kind}\n(.*?)```", page, flags=re.DOTALL)[1] for kind in ("python", "text")
     )
-    assert len(list(filter(None, lines.splitlines()))) == 10
+    assert len(list(filter(None, lines.splitlines()))) <= 10
     monkeypatch.chdir(tmp_path)
     output = io.StringIO()
     # as in the workflow: sums by more threads have other last digits

@@ -40,8 +40,8 @@ class CrossValidated(NamedTuple):
 
 
 #: What a model learns from a log or is judged on: inputs of shape (n_samples, n_inputs), P_exp in
-#: kPa, and the samples of each recording, None for one.
-Samples = tuple[np.ndarray, np.ndarray, Sequence[int] | None]
+#: kPa, and the samples of each recording if there are several.
+Samples = tuple[np.ndarray, np.ndarray] | tuple[np.ndarray, np.ndarray, Sequence[int] | None]
 
 Progress = Callable[[int, float, float], None]
 
@@ -130,8 +130,10 @@ def prepare(
                 f"{len(first):,} samples; training it holds the features of all samples in "
                 f"memory, so with its settings it takes at most {most:,}: use a shorter log"
             )
-        rows = {name: transform_each(features, X, n) for name, (X, _, n) in logs.items()}
-    return Prepared(model, features, rows, {name: y for name, (_, y, _) in logs.items()})
+        rows = {
+            name: transform_each(features, X, *lengths) for name, (X, _, *lengths) in logs.items()
+        }
+    return Prepared(model, features, rows, {name: log[1] for name, log in logs.items()})
 
 
 def cross_validate(
