@@ -189,7 +189,8 @@ def test_numbers_of_a_sentence_are_those_of_the_generated_table(page, sentence, 
         for line in table.splitlines()
         if line.startswith("|")
     ]
-    by_name = {row[0]: dict(zip(rows[0], row, strict=True)) for row in rows}
+    # of several rows of a model the first counts
+    by_name = {row[0]: dict(zip(rows[0], row, strict=True)) for row in reversed(rows)}
     printed = [
         re.findall(r"\d+\.\d+", by_name[row][column])[sum(which)] for row, column, *which in cells
     ]
