@@ -181,7 +181,8 @@ def test_venting_is_given_up_only_by_the_user(alive, settings, heard, quick, cap
     else:
         assert said == VENTED
     assert alive.shared.failures > 5
-    assert all("THE CHAMBERS COULD NOT BE VENTED" in message for message in caplog.messages)
+    # once the board answers, a message may say that only readings are still missing
+    assert all("COULD NOT BE VENTED" in message for message in caplog.messages[:5])
     assert any("failed with code 777" in message for message in caplog.messages)
 
 
