@@ -12,19 +12,26 @@ import numpy as np
 from fprc import __version__
 from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
 from fprc.channels import CHANNELS, TARGETS, unit_of
-from fprc.config.importing import ImportMap, likely_channel, likely_unit, read_draft, read_map
+from fprc.config.importing import (
+    DEFAULT_HZ,
+    ImportMap,
+    likely_channel,
+    likely_unit,
+    read_draft,
+    read_map,
+)
 from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import write_raw
-from fprc.logs.clock import likely_rate, other_unit, refuse_length
+from fprc.logs.clock import Recording, likely_rate, other_unit, refuse_length
 from fprc.logs.columns import read_header
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather, pick_all
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import other_quantity
-from fprc.logs.resample import resample
+from fprc.logs.resample import rate_of, resample
 from fprc.logs.sources import read_source
 from fprc.logs.variables import Source, columns_of
 from fprc.provenance import sha256
@@ -35,6 +42,9 @@ _DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
 _LISTED_OTHERS = 50
 #: Largest distance of a clock that jitters from a straight line, as a share of its span.
 _OFF_LINE = 0.01
+#: A sample rate this near to a whole number of Hz, as a share of it, is that number: quartz clocks
+#: are better. Rates such as 142.857 Hz, a sample each 7 ms, stay as they are.
+_NEAR_WHOLE = 5e-4
 
 
 def import_or_list(
@@ -149,15 +159,41 @@ def _missing_columns(map_file: str, source: str) -> list[str]:
     return pick_all(content, draft.columns)[1]
 
 
+def own_rate(mapping: ImportMap, source: str) -> float:
+    """Return the sample rate of a recording by its clock, Hz; pauses are excluded.
+
+    A rate that differs from a whole number by no more than a clock's error is that number.
+
+    Raises
+    ------
+    LogError
+        The file cannot be used with this map.
+    """
+    _, recording = _read(mapping, source)
+    rate_hz = rate_of(recording.time_s)
+    whole_hz = float(np.round(rate_hz))
+    return whole_hz if abs(rate_hz - whole_hz) <= _NEAR_WHOLE * rate_hz else rate_hz
+
+
+def _read(mapping: ImportMap, source: str) -> tuple[Source, Recording]:
+    """Return a file, and of it what the map selects."""
+    content = read_source(source, **mapping.csv.model_dump())
+    recording = gather(
+        content,
+        time=mapping.time.model_dump(),
+        channels=mapping.channels.model_dump(exclude_none=True),
+        start_s=mapping.start_s,
+        end_s=mapping.end_s,
+    )
+    return content, recording
+
+
 def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     """Do as ``import_recording``, with a map that has been read already."""
     diagnosed, drawn = _outputs_beside(raw)
-    columns, rate_hz = mapping.channels.model_dump(exclude_none=True), mapping.sample_rate_hz
-    content = read_source(source, **mapping.csv.model_dump())
-    time = mapping.time.model_dump()
-    recording = gather(
-        content, time=time, channels=columns, start_s=mapping.start_s, end_s=mapping.end_s
-    )
+    columns = mapping.channels.model_dump(exclude_none=True)
+    time, rate_hz = mapping.time.model_dump(), mapping.sample_rate_hz or DEFAULT_HZ
+    content, recording = _read(mapping, source)
     refuse_length(content, time, recording, rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
     diagnosis = diagnose(recording.time_s, recording.channels, recording.corrections)

@@ -12,15 +12,16 @@ from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, write_text
 from fprc.claims.recording import sentences
-from fprc.commands.import_recording import checked_map, import_mapped
+from fprc.commands.import_recording import checked_map, import_mapped, own_rate
 from fprc.commands.models import refuse_repeats
 from fprc.commands.processes import processes
-from fprc.commands.readout_page import Recordings, log_names, report_page
+from fprc.commands.readout_page import Recordings, log_names, rates_in_words, report_page
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.errors import FprcError, LogError
 from fprc.experiments.competitors import ON_RECORDINGS
+from fprc.experiments.rates import settings_at
 from fprc.fingerprint import fingerprint
 from fprc.given import open_given
 from fprc.plan.arguments import judgement, paper_models
@@ -34,6 +35,9 @@ from fprc.stages.reservoir import add_reservoir
 from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
+
+#: Lowest sample rate at which the models work, Hz, as of ``sample_rate_hz`` in a map.
+_LOWEST_HZ = 1.0
 
 #: Modules that pandas imports only when it writes a table.
 TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
@@ -53,8 +57,9 @@ def report_readout(
 
     Imports a recording, trains FPRC with and without P_o and other models on its first part, tests
     them on its second, and writes a report with verdicts. The map gives test_from_s, where the
-    second part begins; docs/own-data.md describes it. Repeat the command to continue a run that
-    was stopped.
+    second part begins; docs/own-data.md describes it. Without a rate in the map, the models work at
+    the recording's own rate, at most 200 Hz; settings in samples are scaled to the same time.
+    Repeat the command to continue a run that was stopped.
 
     Writes ``report.md``, ``readout/`` (tables, figure, cells), ``raw/`` (the logs with their
     diagnoses), ``data/`` and ``quality/``, in the workflow's formats.
@@ -103,23 +108,32 @@ def report_readout(
     mapping = checked_map(map_, source, problems_of)
     count = processes(workers)
     folder = Path(out or Path("results", Path(source).stem))
-    parts = _parts(source, mapping, train)
     refuse_unwritable([folder])
     for path in (source, *train):
         open_given(path, error=LogError).close()
+    own_hz = [own_rate(mapping, source)]
+    own_hz += [own_rate(mapping.of_whole("sweep"), path) for path in train]
+    rate_hz = mapping.sample_rate_hz or _common_rate(own_hz, settings)
+    mapping, scaled = mapping.at_rate(rate_hz), settings_at(settings, rate_hz)
+    rates = rates_in_words(own_hz, rate_hz, settings, scaled)
+    log.info("%s", rates)
+    parts = _parts(source, mapping, train)
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
     lock = folder / ".lock"
     with exclusive(lock):
-        data = {name: _prepare(name, parts[name], settings, folder) for name in parts}
-        roles = ("the first part", "the second part")
+        roles = ("the training part", "the test part")
         if train:
             roles = ("the training logs", "the test log")
+        data = {}
+        for (name, recordings), role in zip(parts.items(), roles, strict=True):
+            log.info("preparing %s", role)
+            data[name] = _prepare(name, recordings, rate_hz, settings, folder)
         results_folder = folder / "readout"
         results_folder.mkdir(parents=True, exist_ok=True)
         # the shorter task first: a run that is stopped during the longer one resumes there
-        competitors = _compete(data, results_folder, settings, count)
-        results = _judge(data, results_folder, settings, count, roles)
-        results["competitors"] = competitors
+        competitors = _compete(data, results_folder, scaled, count)
+        results = _judge(data, results_folder, scaled, count, roles)
+        results |= {"competitors": competitors, "rates": rates}
         page = folder / "report.md"
         write_text(page, report_page(parts, map_, mapping, settings, folder, results))
         for line in sentences(competitors["verdicts"]):
@@ -150,11 +164,26 @@ def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> dict[str, R
     }
 
 
+def _common_rate(own_hz: Sequence[float], settings: Mapping[str, Any]) -> float:
+    """Return the rate at which the models work on recordings of these rates, Hz.
+
+    It is that of the slowest recording, at most the configuration's. The loops of a simulated
+    reservoir need the configuration's.
+    """
+    highest: float = settings["control"]["sample_rate_hz"]
+    if settings["evaluation"]["reservoir"] == "simulated":
+        return highest
+    return min(highest, max(min(own_hz), _LOWEST_HZ))
+
+
 def _prepare(
-    experiment: str, recordings: Recordings, settings: Mapping[str, Any], folder: Path
+    experiment: str,
+    recordings: Recordings,
+    sample_rate_hz: float,
+    settings: Mapping[str, Any],
+    folder: Path,
 ) -> str:
     """Import the recordings of one role and preprocess them; return the path of their data."""
-    sample_rate_hz = recordings[0][1].sample_rate_hz
     logs = []
     names = log_names(experiment, len(recordings))
     for name, (source, mapping) in zip(names, recordings, strict=True):

@@ -37,9 +37,8 @@ def report_page(
 ) -> str:
     """Return the report as Markdown, with links to the figures."""
     table = readout.readout(results)
-    ((source, tested),) = parts["complex"]
+    ((source, _),) = parts["complex"]
     further = [path for path, _ in parts["sweep"] if path != source]
-    rate_hz = tested.sample_rate_hz
     default = from_files([]).model_dump(mode="json")["models"]
     lines = [
         f"# Value of the readout in {code(Path(source).name)}",
@@ -48,8 +47,8 @@ def report_page(
         "",
         f"Recording: {_with_hash(source)}; map: {code(map_file)}.",
         *([f"Training logs: {', '.join(map(_with_hash, further))}."] if further else []),
-        f"Data: {SOURCES[results['source']]}; {rate_hz:g} samples per second; epsilon "
-        "and taps are in samples.",
+        f"Data: {SOURCES[results['source']]}.",
+        results["rates"],
         f"{what_trained(mapping, further)}; models as in the paper"
         f"{'' if settings['models'] == default else ', except for the settings given'}. "
         f"The models predict the {_TARGETS[results['target']]} P_exp.",
@@ -106,6 +105,42 @@ def _others(folder: Path, report: Mapping[str, Any]) -> list[str]:
 
 def _with_hash(path: str) -> str:
     return f"{code(path)}, SHA-256 `{sha256(path)[:16]}`"
+
+
+def rates_in_words(
+    own_hz: Sequence[float], rate_hz: float, given: Mapping[str, Any], scaled: Mapping[str, Any]
+) -> str:
+    """Return the rates of the recordings, the rate that the models use, and what was scaled.
+
+    Parameters
+    ----------
+    own_hz : sequence of float
+        Rate of each recording, that with the test first.
+    given, scaled : Mapping
+        The configuration, and that for the rate of the models.
+    """
+    own = f"recording {own_hz[0]:g} Hz"
+    if len(own_hz) > 1:
+        own += f", training logs {', '.join(f'{each:g}' for each in own_hz[1:])} Hz"
+    line = f"Sample rates: {own}; the models use {rate_hz:g} Hz."
+    before, after = given["models"], scaled["models"]
+    reference_hz = given["control"]["sample_rate_hz"]
+    if before == after:
+        return f"{line} Settings in samples are for that rate: none was scaled."
+    changes = [
+        f"{words} {before[section][key]:g} to {after[section][key]:.4g}"
+        for words, section, key in (
+            ("epsilon", "fprc", "epsilon"),
+            ("the ESN's gamma", "esn", "gamma"),
+            ("its washout", "esn", "washout"),
+        )
+    ]
+    return (
+        f"{line} Settings in samples were scaled from {reference_hz:g} Hz to the same time: "
+        f"{', '.join(changes)}; the grid of epsilon, the other low-passes and the spacing of NVAR "
+        f"alike. Taps keep their number (n_y = {after['n_y']}, n_u = {after['fprc']['n_u']}), so "
+        f"they span {reference_hz / rate_hz:.3g} times the time."
+    )
 
 
 def what_trained(mapping: ImportMap, further: Sequence[str]) -> str:

@@ -13,6 +13,9 @@ from fprc.config.section import Section
 from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
 
+#: Sample rate of a raw log, Hz, unless the map or the recording gives another.
+DEFAULT_HZ = 200.0
+
 
 def _as_text(value: Any) -> Any:
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
@@ -119,12 +122,22 @@ class ImportMap(Section):
     test_from_s: float | None = Field(
         None, gt=0, description="end of training and begin of test, s after the first sample"
     )
-    sample_rate_hz: float = Field(200.0, ge=1, le=1e5, description="rate of the raw log")
+    sample_rate_hz: float | None = Field(
+        None,
+        ge=1,
+        le=1e5,
+        description="rate of the raw log; by default 200, or for `fprc readout` the recording's "
+        "own, at most 200",
+    )
     time: Time
     start_s: float = Field(0.0, ge=0, description="first time kept, s after the first sample")
     end_s: float | None = Field(None, gt=0, description="last time kept, s after the first sample")
     channels: Channels
     csv: Csv = Csv()
+
+    def at_rate(self, rate_hz: float) -> "ImportMap":
+        """Return the map with this sample rate of the raw log, Hz."""
+        return self.model_copy(update={"sample_rate_hz": rate_hz})
 
     def part(self, experiment: str) -> "ImportMap":
         """Return the map of one of the two parts.
@@ -138,7 +151,7 @@ class ImportMap(Section):
             raise ValueError("a map without test_from_s has no parts")
         parts: dict[str, dict[str, Any]] = {
             # the sample at the border belongs to the test
-            "sweep": {"end_s": self.test_from_s - 0.5 / self.sample_rate_hz},
+            "sweep": {"end_s": self.test_from_s - 0.5 / (self.sample_rate_hz or DEFAULT_HZ)},
             "complex": {"start_s": self.test_from_s},
         }
         alone = {"experiment": experiment, "test_from_s": None}

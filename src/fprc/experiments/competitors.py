@@ -8,8 +8,9 @@ from fprc.evaluation.blocks import split_blocks
 from fprc.evaluation.crossval import prepare
 from fprc.evaluation.folds import Fold
 from fprc.experiments.data import Data
+from fprc.experiments.rates import PAPER_HZ, scaled
 from fprc.experiments.settings import Judgement
-from fprc.registry import build
+from fprc.registry import build, entry_of
 
 #: Competitors that can be judged on a recording without tuning; the slowest first.
 ON_RECORDINGS = (
@@ -19,6 +20,9 @@ ON_RECORDINGS = (
 BLOCKS = 10
 #: Shortest block: as many times the purge, and as many time constants of FPRC's low-pass.
 PURGES, TIME_CONSTANTS = 2, 3
+#: A block may be shorter by this share: the last sample of a part lies up to one period before its
+#: end, and clocks have errors.
+_ROUNDING = 0.01
 #: Most numbers in a model's states of one log: 0.5 GB, of which training makes about three copies.
 _MOST_NUMBERS = 60_000_000
 
@@ -28,7 +32,7 @@ def recording_blocks(data: Data, judgement: Judgement) -> list[Fold]:
     purge = round(judgement.purge_s / period_s(data))
     time_constant = 1.0 / judgement.models["fprc"]["epsilon"]
     shortest = max(PURGES * purge, round(TIME_CONSTANTS * time_constant))
-    return split_blocks(data.lengths, BLOCKS, shortest, purge)
+    return split_blocks(data.lengths, BLOCKS, round((1.0 - _ROUNDING) * shortest), purge)
 
 
 def period_s(data: Data) -> float:
@@ -42,8 +46,9 @@ def judge_competitor(
 ) -> dict[str, Any]:
     """Return the errors of one competitor with its default settings.
 
-    The features are computed over each whole recording, in the order of time; the blocks select
-    rows of them.
+    Settings that only competitors have are scaled from 200 Hz to the rate of the training log;
+    those of ``judgement.models`` are used as they are. The features are computed over each whole
+    recording, in the order of time; the blocks select rows of them.
 
     Returns
     -------
@@ -56,7 +61,9 @@ def judge_competitor(
     EvaluationError
         A log does not suit the model: it is too short, or too long for the memory.
     """
-    model = build(name, judgement.models, judgement.seed)
+    rate_hz = train.attributes.get("sample_rate_hz", PAPER_HZ)
+    own = scaled(entry_of(name).own, rate_hz / PAPER_HZ)
+    model = build(name, judgement.models, judgement.seed, **own)
     _refuse_too_long(name, model.get_params(), train, test)
     logs = {key: log.samples(name) for key, log in (("train", train), ("test", test))}
     prepared = prepare(model, logs)

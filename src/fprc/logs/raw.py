@@ -130,14 +130,19 @@ def read_raw(
             "or the file has the wrong name"
         )
     declared = attributes.get("sample_rate_hz", 0.0)
-    expected = sample_rate_hz or declared
+    expected, wrong = sample_rate_hz or declared, []
     if expected > 0.0 and _is_usable_time(log.channels.get("time_s")):
-        problems += _wrong_rate(path, log.channels["time_s"], expected, rate_tolerance)
+        time_s = log.channels["time_s"]
+        wrong = _wrong_rate(path, time_s, expected, rate_tolerance)
     if sample_rate_hz and declared > 0.0 and abs(declared / sample_rate_hz - 1.0) > rate_tolerance:
+        if wrong and not _wrong_rate(path, time_s, declared, rate_tolerance):
+            wrong = []  # the clock is as declared: the next problem says all
         problems.append(
-            f"{path}: attribute sample_rate_hz = {declared:g}; must be {sample_rate_hz:g}, "
-            "resample the log or change control.sample_rate_hz"
+            f"{path}: attribute sample_rate_hz = {declared:g}; must be {sample_rate_hz:g}, as "
+            "control.sample_rate_hz; import the recording again with that sample_rate_hz in the "
+            "map, or change control.sample_rate_hz and all settings in samples"
         )
+    problems += wrong
     if problems:
         raise LogError("\n".join(problems))
     return log

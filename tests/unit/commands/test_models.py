@@ -160,6 +160,7 @@ def test_logs_of_the_same_name_train_together(recorded_by_rule, few, settings, i
         (["train", "LOG", "--model", "fpcr", "--out", "m.h5"], "use esn, fprc or fuzzy_linear"),
         (["predict", "none.h5", "LOG", "--out", "p.csv"], "none.h5: cannot be opened (No such"),
         (["predict", "precious.h5", "LOG", "--out", "p.csv"], "holds no model of fprc"),
+        (["predict", "LOG", "LOG", "--out", "p.csv"], "is a log, no model; give the model of"),
         (["predict", "none.h5", "LOG", "--out", "p.txt"], "must end in .csv or .h5"),
     ],
 )

@@ -14,7 +14,11 @@ from fprc.commands.readout import report_readout
 from fprc.commands.readout_page import findings
 from fprc.config.importing import read_map
 from fprc.errors import ConfigError
+from fprc.experiments.competitors import period_s, recording_blocks
+from fprc.experiments.data import read_data
+from fprc.experiments.settings import Judgement
 from fprc.logs import read_columns
+from fprc.plan.arguments import judgement, paper_models
 
 CHANNELS = {
     "theta_deg": {"column": "angle", "unit": "deg"},
@@ -182,6 +186,59 @@ def test_map_of_a_whole_test_log_needs_training_logs(recording, tmp_path):
     map_file = recording(test_from_s=None, experiment="complex")
     with pytest.raises(ConfigError, match="test_from_s is missing"):
         report_readout(str(tmp_path / "log.csv"), map_=map_file, out=str(tmp_path / "out"))
+
+
+@pytest.mark.parametrize(
+    ("own_hz", "given_hz", "used_hz"),
+    [
+        (100, None, 100.0),
+        (100, 200, 200.0),
+        (50, 200, 200.0),
+        (50.01, None, 50.0),  # a quartz is that good
+        (1000 / 7, None, 1000 / 7),
+        (1000, None, 200.0),
+    ],
+)
+def test_models_work_at_the_rate_of_the_recording(
+    tmp_path, monkeypatch, capsys, own_hz, given_hz, used_hz
+):
+    """Of 40 s come ten blocks at every rate, and all settings in samples are for it."""
+    seen = []
+
+    def stop(data, folder, settings, workers):
+        seen.append((data, settings))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(readout_command, "_compete", stop)
+    time_s = np.arange(round(41 * own_hz)) / own_hz
+    columns = {"t": time_s, "angle": 20.0 * np.sin(2.0 * time_s), "memory": np.sin(time_s)}
+    pd.DataFrame(columns | {"force": np.cos(time_s)}).to_csv(tmp_path / "log.csv", index=False)
+    mapping = {"test_from_s": 40, "time": {"column": "t"}, "channels": CHANNELS}
+    mapping |= {"sample_rate_hz": given_hz} if given_hz else {}
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
+    (tmp_path / "few.yaml").write_text("{}")
+    assert run(tmp_path, str(tmp_path / "map.yaml")) == 130
+    ((data, settings),) = seen
+    train = read_data(data["sweep"])
+    assert train.attributes["sample_rate_hz"] == pytest.approx(used_hz, rel=1e-12)
+    assert period_s(train) == pytest.approx(1.0 / used_hz, rel=1e-6)
+    how = Judgement(**judgement({**settings, "models": paper_models(settings)}))
+    assert len(recording_blocks(train, how)) == 10
+    epsilon = settings["models"]["fprc"]["epsilon"]
+    assert (1.0 - epsilon) ** (used_hz / 200.0) == pytest.approx(0.99)
+    assert ("epsilon 0.01 to" in capsys.readouterr().err) == (used_hz != 200.0)
+
+
+def test_slowest_of_several_recordings_sets_the_rate(recording, tmp_path, monkeypatch):
+    def stop(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(readout_command, "_compete", stop)
+    (more,) = further(tmp_path, 3)
+    pd.read_csv(more)[::2].to_csv(more, index=False)
+    assert run(tmp_path, recording(), "--train", more) == 130
+    train = read_data(tmp_path / "out/data/sweep.h5")
+    assert train.attributes["recordings"] == {"sweep.h5": 700, "sweep_2.h5": 300}
 
 
 @pytest.mark.parametrize(

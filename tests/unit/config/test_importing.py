@@ -50,7 +50,7 @@ def with_channel(name, **column):
 
 def test_small_map_has_the_documented_defaults(read):
     told = read(SMALL)
-    assert (told.sample_rate_hz, told.start_s, told.end_s) == (200.0, 0.0, None)
+    assert (told.sample_rate_hz, told.start_s, told.end_s) == (None, 0.0, None)
     assert (told.time.unit, told.time.rate_hz) == ("s", None)
     assert (told.channels.theta_deg.scale, told.channels.theta_deg.offset) == (1.0, 0.0)
     assert told.channels.p_o_kpa is None

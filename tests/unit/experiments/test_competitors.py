@@ -5,9 +5,11 @@ import pytest
 
 from fprc.config import Settings
 from fprc.errors import EvaluationError
+from fprc.experiments import competitors
 from fprc.experiments.competitors import judge_competitor, recording_blocks
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
+from fprc.registry import build
 
 MODELS = Settings().model_dump(mode="json")["models"]
 N_Y, N_U, EPSILON, ALPHA = MODELS["n_y"], *(MODELS["fprc"][key] for key in ("n_u", "epsilon")), 1e-3
@@ -69,6 +71,40 @@ def test_errors_of_a_ridge_are_those_by_hand(seen, judgement):
 def test_blocks_are_as_many_as_two_purges_allow(seen, judgement, purge_s, blocks):
     how = Judgement(**{**vars(judgement), "purge_s": purge_s})
     assert len(recording_blocks(data_of(seen["sweep"]), how)) == blocks
+
+
+@pytest.mark.parametrize(
+    ("samples", "blocks"),
+    [(8000, 10), (7999, 10), (7981, 10), (7800, 9)],  # of 40 s; 7981 were interpolated from 10 Hz
+)
+def test_ten_blocks_come_of_40_s_without_their_last_samples(judgement, samples, blocks):
+    train = data_of({"time_s": np.arange(samples) / 200.0})
+    how = Judgement(**{**vars(judgement), "purge_s": 2.0})
+    assert len(recording_blocks(train, how)) == blocks
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "name", "changed"),
+    [
+        (200.0, "nvar", {}),
+        (100.0, "nvar", {"spacing": 12}),
+        (50.0, "bank", {"epsilons": pytest.approx([1 - 0.97**4, 1 - 0.99**4, 1 - 0.997**4])}),
+        (50.0, "ridge_p_o", {}),
+    ],
+)
+def test_settings_of_a_competitor_alone_fit_the_rate(
+    seen, judgement, monkeypatch, rate_hz, name, changed
+):
+    given = []
+
+    def built(name, models, seed, **own):
+        given.append(own)
+        return build(name, models, seed, **own)
+
+    monkeypatch.setattr(competitors, "build", built)
+    train = Data(seen["sweep"], {"sample_rate_hz": rate_hz})
+    judge_competitor(name, train, train, recording_blocks(train, judgement), judgement)
+    assert given == [changed]
 
 
 def test_blocks_are_longer_than_the_memory(seen, judgement):

@@ -98,6 +98,13 @@ def test_declared_rate_that_is_not_the_configured_one_is_an_error(write_log):
     assert f"{path}: attribute sample_rate_hz = 100; must be 200" in problem(path)
 
 
+def test_log_at_another_rate_has_one_problem(write_log, channels):
+    slower = {"time_s": 2.0 * channels["time_s"]}
+    message = problem(write_log(sample_rate_hz=100.0, changed=slower))
+    assert "attribute sample_rate_hz = 100; must be 200" in message
+    assert "mean rate" not in message
+
+
 def test_time_may_begin_anywhere_and_its_rate_differ_within_the_tolerance(write_log, channels):
     for factor in (0.995, 1.005):
         path = write_log(changed={"time_s": channels["time_s"] / factor + 1.7e9})
