@@ -14,7 +14,7 @@ import yaml
 from fprc.artifacts import read_json, write_text
 from fprc.claims.paired import LEAST_UNITS
 from fprc.cli import main
-from fprc.studies.stages.documents import replace_block
+from fprc.studies.blocks import replace_block
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs/own-data.md"

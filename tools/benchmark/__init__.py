@@ -24,7 +24,7 @@ def load() -> str:
 def show(blocks: Mapping[str, str], page: Path | None) -> None:
     """Print what was measured, and write it to the blocks of a page if there is one."""
     from fprc.artifacts import write_text
-    from fprc.studies.stages.documents import replace_block
+    from fprc.studies.blocks import replace_block
 
     print(*blocks.values(), sep="\n\n")
     if page:

@@ -12,14 +12,7 @@ import numpy as np
 from fprc import __version__
 from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
 from fprc.channels import CHANNELS, TARGETS, unit_of
-from fprc.config.importing import (
-    DEFAULT_HZ,
-    ImportMap,
-    likely_channel,
-    likely_unit,
-    read_draft,
-    read_map,
-)
+from fprc.config.importing import ImportMap, likely_channel, likely_unit, read_draft, read_map
 from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
 from fprc.figures import style
@@ -191,8 +184,8 @@ def _read(mapping: ImportMap, source: str) -> tuple[Source, Recording]:
 def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     """Do as ``import_recording``, with a map that has been read already."""
     diagnosed, drawn = _outputs_beside(raw)
-    columns = mapping.channels.model_dump(exclude_none=True)
-    time, rate_hz = mapping.time.model_dump(), mapping.sample_rate_hz or DEFAULT_HZ
+    columns, rate_hz = mapping.channels.model_dump(exclude_none=True), mapping.rate_hz
+    time = mapping.time.model_dump()
     content, recording = _read(mapping, source)
     refuse_length(content, time, recording, rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}

@@ -10,15 +10,13 @@ from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import refuse_output, replacing, write_text
 from fprc.config import from_files, local_files
-from fprc.errors import ConfigError, FprcError, LogError
+from fprc.errors import ConfigError, FprcError
 from fprc.escape import visible
 from fprc.evaluation import cross_validate, rmse
 from fprc.evaluation.crossval import refusals_of
 from fprc.experiments.data import Data, join
 from fprc.experiments.settings import Judgement
 from fprc.logs import write_columns
-from fprc.logs.columns import read_header
-from fprc.logs.isolated import attempt_each
 from fprc.models import SequenceModel, load_model, remembering, save_model
 from fprc.plan.arguments import judgement
 from fprc.registry import build, entries, load_class, outside_class
@@ -131,7 +129,7 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     settings = from_files(config or local_files()).model_dump(mode="json")
     models = settings["models"]
     outside = [cls for name in models["others"] for cls in outside_class(name, models)]
-    fitted = _load(model, outside)
+    fitted = load_model(model, outside)
     name = _name_of(fitted, model, models)
     data = _read([raw], settings)
     X, y = data.pair(name, models)
@@ -170,43 +168,16 @@ def refuse_repeats(paths: Sequence[str], why: str) -> None:
         raise ConfigError(f"{', '.join(repeated)}: given twice; give each recording once: {why}")
 
 
-def _load(path: str, outside: Sequence[type]) -> SequenceModel:
-    """Load a model; say so if the file is a log."""
-    try:
-        return load_model(path, outside)
-    except FprcError as error:
-        if "time_s" not in _channels(path):
-            raise
-        raise FprcError(
-            f"{path}: is a log, no model; give the model of `fprc train` first, then the raw log"
-        ) from error
-
-
-def _channels(path: str) -> frozenset[str]:
-    """Return the channels of a log; none if the file is no log."""
-    (header,) = attempt_each(read_header, [path])
-    return frozenset() if isinstance(header, LogError) else header[0]
-
-
 def _read(logs: Sequence[str], settings: Settings) -> Data:
     """Read raw logs as the workflow's preprocessing does; several become one."""
     rate_hz = settings["control"]["sample_rate_hz"]
-    try:
-        recordings, _ = read_recordings(
-            logs,
-            experiment=None,
-            target=settings["evaluation"]["target"],
-            sample_rate_hz=rate_hz,
-            limits=settings["quality"],
-        )
-    except LogError as error:
-        preprocessed = [path for path in logs if "p_target_kpa" in _channels(path)]
-        if not preprocessed:
-            raise
-        raise LogError(
-            f"{', '.join(preprocessed)}: preprocessed, no raw log; give the raw log of the same "
-            "name, which `fprc readout` and the workflow keep in a folder raw"
-        ) from error
+    recordings, _ = read_recordings(
+        logs,
+        experiment=None,
+        target=settings["evaluation"]["target"],
+        sample_rate_hz=rate_hz,
+        limits=settings["quality"],
+    )
     if len(recordings) == 1:
         return recordings[0]
     return join(dict(zip(logs, recordings, strict=True)), 1.0 / rate_hz)

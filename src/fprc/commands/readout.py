@@ -36,8 +36,6 @@ from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
 
-#: Lowest sample rate at which the models work, Hz, as of ``sample_rate_hz`` in a map.
-_LOWEST_HZ = 1.0
 
 #: Modules that pandas imports only when it writes a table.
 TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
@@ -114,7 +112,8 @@ def report_readout(
     own_hz = [own_rate(mapping, source)]
     own_hz += [own_rate(mapping.of_whole("sweep"), path) for path in train]
     rate_hz = mapping.sample_rate_hz or _common_rate(own_hz, settings)
-    mapping, scaled = mapping.at_rate(rate_hz), settings_at(settings, rate_hz)
+    mapping = mapping.model_copy(update={"sample_rate_hz": rate_hz})
+    scaled = settings_at(settings, rate_hz)
     rates = rates_in_words(own_hz, rate_hz, settings, scaled)
     log.info("%s", rates)
     parts = _parts(source, mapping, train)
@@ -127,7 +126,7 @@ def report_readout(
         data = {}
         for (name, recordings), role in zip(parts.items(), roles, strict=True):
             log.info("preparing %s", role)
-            data[name] = _prepare(name, recordings, rate_hz, settings, folder)
+            data[name] = _prepare(name, recordings, settings, folder)
         results_folder = folder / "readout"
         results_folder.mkdir(parents=True, exist_ok=True)
         # the shorter task first: a run that is stopped during the longer one resumes there
@@ -167,23 +166,19 @@ def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> dict[str, R
 def _common_rate(own_hz: Sequence[float], settings: Mapping[str, Any]) -> float:
     """Return the rate at which the models work on recordings of these rates, Hz.
 
-    It is that of the slowest recording, at most the configuration's. The loops of a simulated
-    reservoir need the configuration's.
+    It is that of the slowest recording, at least the 1 Hz that a map can give and at most the
+    configuration's. The loops of a simulated reservoir need the configuration's.
     """
     highest: float = settings["control"]["sample_rate_hz"]
-    if settings["evaluation"]["reservoir"] == "simulated":
-        return highest
-    return min(highest, max(min(own_hz), _LOWEST_HZ))
+    is_simulated = settings["evaluation"]["reservoir"] == "simulated"
+    return highest if is_simulated else min(highest, max(1.0, min(own_hz)))
 
 
 def _prepare(
-    experiment: str,
-    recordings: Recordings,
-    sample_rate_hz: float,
-    settings: Mapping[str, Any],
-    folder: Path,
+    experiment: str, recordings: Recordings, settings: Mapping[str, Any], folder: Path
 ) -> str:
     """Import the recordings of one role and preprocess them; return the path of their data."""
+    sample_rate_hz = recordings[0][1].rate_hz
     logs = []
     names = log_names(experiment, len(recordings))
     for name, (source, mapping) in zip(names, recordings, strict=True):

@@ -112,32 +112,21 @@ def rates_in_words(
 ) -> str:
     """Return the rates of the recordings, the rate that the models use, and what was scaled.
 
-    Parameters
-    ----------
-    own_hz : sequence of float
-        Rate of each recording, that with the test first.
-    given, scaled : Mapping
-        The configuration, and that for the rate of the models.
+    ``given`` is the configuration, ``scaled`` that for the rate of the models.
     """
-    own = f"recording {own_hz[0]:g} Hz"
-    if len(own_hz) > 1:
-        own += f", training logs {', '.join(f'{each:g}' for each in own_hz[1:])} Hz"
-    line = f"Sample rates: {own}; the models use {rate_hz:g} Hz."
+    own = ", ".join(f"{each:g}" for each in dict.fromkeys(own_hz))
+    line = f"Sample rates: recorded at {own} Hz; the models use {rate_hz:g} Hz."
     before, after = given["models"], scaled["models"]
     reference_hz = given["control"]["sample_rate_hz"]
     if before == after:
         return f"{line} Settings in samples are for that rate: none was scaled."
     changes = [
-        f"{words} {before[section][key]:g} to {after[section][key]:.4g}"
-        for words, section, key in (
-            ("epsilon", "fprc", "epsilon"),
-            ("the ESN's gamma", "esn", "gamma"),
-            ("its washout", "esn", "washout"),
-        )
+        f"{section}.{key} {before[section][key]:g} to {after[section][key]:.4g}"
+        for section, key in (("fprc", "epsilon"), ("esn", "gamma"), ("esn", "washout"))
     ]
     return (
         f"{line} Settings in samples were scaled from {reference_hz:g} Hz to the same time: "
-        f"{', '.join(changes)}; the grid of epsilon, the other low-passes and the spacing of NVAR "
+        f"{', '.join(changes)}; the grid of epsilon, the other low-passes and NVAR's spacing "
         f"alike. Taps keep their number (n_y = {after['n_y']}, n_u = {after['fprc']['n_u']}), so "
         f"they span {reference_hz / rate_hz:.3g} times the time."
     )

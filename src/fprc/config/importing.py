@@ -13,9 +13,6 @@ from fprc.config.section import Section
 from fprc.errors import ConfigError
 from fprc.yaml_file import read_yaml
 
-#: Sample rate of a raw log, Hz, unless the map or the recording gives another.
-DEFAULT_HZ = 200.0
-
 
 def _as_text(value: Any) -> Any:
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
@@ -135,9 +132,10 @@ class ImportMap(Section):
     channels: Channels
     csv: Csv = Csv()
 
-    def at_rate(self, rate_hz: float) -> "ImportMap":
-        """Return the map with this sample rate of the raw log, Hz."""
-        return self.model_copy(update={"sample_rate_hz": rate_hz})
+    @property
+    def rate_hz(self) -> float:
+        """Sample rate of the raw log, Hz."""
+        return self.sample_rate_hz or 200.0
 
     def part(self, experiment: str) -> "ImportMap":
         """Return the map of one of the two parts.
@@ -151,7 +149,7 @@ class ImportMap(Section):
             raise ValueError("a map without test_from_s has no parts")
         parts: dict[str, dict[str, Any]] = {
             # the sample at the border belongs to the test
-            "sweep": {"end_s": self.test_from_s - 0.5 / (self.sample_rate_hz or DEFAULT_HZ)},
+            "sweep": {"end_s": self.test_from_s - 0.5 / self.rate_hz},
             "complex": {"start_s": self.test_from_s},
         }
         alone = {"experiment": experiment, "test_from_s": None}

@@ -124,6 +124,11 @@ def read_raw(
     """
     log, problems = _gather(path)
     attributes = log.attributes
+    if "p_target_unit" in attributes:
+        raise LogError(
+            f"{path}: is preprocessed; give the raw log of the same name, which `fprc readout` and "
+            "the workflow keep in the folder raw"
+        )
     if experiment is not None and attributes.get("experiment", experiment) != experiment:
         problems.append(
             f"{path}: attribute experiment = {attributes['experiment']}; must be {experiment}, "

@@ -95,6 +95,8 @@ def _checked_image(content: bytes) -> bytes:
     if block == _block(image):
         return image
     if content.startswith(_HDF5):
+        if b"time_s" in content:  # the name of a channel
+            raise FprcError("is a log, no model; give the model of `fprc train` here")
         raise FprcError(
             "holds no model of fprc, or one that an earlier version saved without a checksum; "
             f"{_AGAIN}"

@@ -157,19 +157,20 @@ def test_logs_of_the_same_name_train_together(recorded_by_rule, few, settings, i
         (["train", "LOG", "--out", "model.csv"], "model.csv: must end in .h5"),
         (["train", "LOG", "LOG", "--out", "m.h5"], "given twice"),
         (["train", "none.h5", "--out", "m.h5"], "none.h5: cannot be opened (No such file"),
+        (["train", "DATA", "--out", "m.h5"], "is preprocessed; give the raw log"),
         (["train", "LOG", "--model", "fpcr", "--out", "m.h5"], "use esn, fprc or fuzzy_linear"),
         (["predict", "none.h5", "LOG", "--out", "p.csv"], "none.h5: cannot be opened (No such"),
         (["predict", "precious.h5", "LOG", "--out", "p.csv"], "holds no model of fprc"),
-        (["predict", "LOG", "LOG", "--out", "p.csv"], "is a log, no model; give the model of"),
+        (["predict", "LOG", "LOG", "--out", "p.csv"], "is a log, no model; give the model"),
         (["predict", "none.h5", "LOG", "--out", "p.txt"], "must end in .csv or .h5"),
     ],
 )
 def test_wrong_request_is_refused_and_leaves_no_file(
-    words, problem, recorded_by_rule, inside, capsys
+    words, problem, recorded_by_rule, prepared, inside, capsys
 ):
     (inside / "precious.h5").write_text("precious")
-    log = str(recorded_by_rule["sweep"])
-    assert run(*(log if word == "LOG" else word for word in words)) == 1
+    logs = {"LOG": recorded_by_rule["sweep"], "DATA": prepared[0]}
+    assert run(*(logs.get(word, word) for word in words)) == 1
     assert problem in capsys.readouterr().err
     assert [path.name for path in inside.iterdir()] == ["precious.h5"]
     assert (inside / "precious.h5").read_text() == "precious"

@@ -226,7 +226,7 @@ def test_models_work_at_the_rate_of_the_recording(
     assert len(recording_blocks(train, how)) == 10
     epsilon = settings["models"]["fprc"]["epsilon"]
     assert (1.0 - epsilon) ** (used_hz / 200.0) == pytest.approx(0.99)
-    assert ("epsilon 0.01 to" in capsys.readouterr().err) == (used_hz != 200.0)
+    assert ("fprc.epsilon 0.01 to" in capsys.readouterr().err) == (used_hz != 200.0)
 
 
 def test_slowest_of_several_recordings_sets_the_rate(recording, tmp_path, monkeypatch):
