@@ -21,7 +21,7 @@ from fprc.logs import (
     resample,
     sealed_chamber,
 )
-from fprc.stages import check as checked
+from fprc.studies.stages import check as checked
 
 ROOT = Path(__file__).parents[2]
 WORDS = {8: "eight", 10: "ten"}
@@ -59,7 +59,6 @@ def quoted():
             f"| {arrays.MOST_NUMBERS / 1e6:g} million: ",
             f"MATLAB 7.3 file | {arrays.MOST_ARRAYS:,};",
             f"| {clock.LONGEST_S / 3600:g} h, and {clock.MOST_POINTS / 1e6:g} million samples",
-            f"({clock.LIKELY_HZ[0]:g} Hz to {clock.LIKELY_HZ[1] / 1e3:g} kHz)",
             f"cut into {WORDS[competitors.BLOCKS]} blocks",
             f"`evaluation.purge_s` ({settings.evaluation.purge_s:g} s)",
             f"({competitors.TIME_CONSTANTS * filter_s:g} s at {times})",
