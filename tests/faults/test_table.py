@@ -5,3 +5,9 @@ def test_page_holds_what_the_tests_found(whole_matrix, page):
         return [cells[:7] for cells in lines]
 
     assert compared(page) == compared(whole_matrix), "run `make fault-matrix`"
+
+
+def test_only_two_faults_leave_a_valve_that_does_not_vent(whole_matrix):
+    cells = [line.strip("| ").split(" | ") for line in whole_matrix.splitlines()]
+    unsafe = {row[0] for row in cells if len(row) > 6 and row[4].startswith("no")}
+    assert unsafe == {"a valve stays open", "every driver call fails from then on"}
