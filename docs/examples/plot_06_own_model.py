@@ -1,15 +1,14 @@
 """
-A new model
-===========
+A model of your own
+===================
 
 A model is features over time and a readout of each row; this one is ridge regression on the taps of
 theta.
 """
 
-import matplotlib.pyplot as plt
-
 from fprc.datasets import load_hysteresis
 from fprc.evaluation import rmse
+from fprc.figures import style
 from fprc.models import FuzzyLinear, RidgeReadout, SequenceModel, TapFeatures
 
 
@@ -31,14 +30,14 @@ class RidgeOnTaps(SequenceModel):
 # ``fit``, ``predict``, ``reset`` and ``step`` come from the base class, which also fits several
 # recordings at once.
 train, test = load_hysteresis("sweep"), load_hysteresis("complex")
-figure, axes = plt.subplots(figsize=(4, 3), layout="constrained")
-axes.plot(test.data[:, 0], test.target, color="black", lw=0.5, label="measured")
-for model in (RidgeOnTaps(), FuzzyLinear(random_state=1)):
+figure, axes = style.figure(1, 1, style.COLUMN_IN, 3)
+axes.plot(test.data[:, 0], test.target, color=style.SIGNALS["p_exp"], lw=0.5, label="P_exp")
+for model, grey in ((RidgeOnTaps(), "0.7"), (FuzzyLinear(random_state=1), "0.2")):
     predicted = model.fit(train.data[:, :1], train.target).predict(test.data[:, :1])
     name = type(model).__name__
     print(f"{name}: test RMSE {rmse(test.target, predicted):.1f} kPa")
-    axes.plot(test.data[:, 0], predicted, lw=0.5, label=name)
-axes.set(xlabel="theta [deg]", ylabel="P_exp [kPa]", title="Test log, simulated rig")
+    axes.plot(test.data[:, 0], predicted, color=grey, lw=0.5, label=name)
+axes.set(xlabel="theta [deg]", ylabel="Pressure [kPa]", title="Test log, simulated rig")
 axes.legend()
 
 # %%
