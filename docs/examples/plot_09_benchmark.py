@@ -6,11 +6,11 @@ Compare models on several draws of both rigs: what makes the loops decides what 
 worth.
 """
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from fprc.datasets import load_hysteresis
 from fprc.evaluation import rmse
+from fprc.figures import style
 from fprc.models import FPRC, FuzzyLinear
 
 
@@ -32,12 +32,14 @@ def errors(rig, seed):
 # %%
 # Three seeds show how it is done; a comparison needs ten or more.
 names = ["FPRC", "FPRC on low-passed theta", "Fuzzy-linear"]
-figure, axes = plt.subplots(figsize=(6, 2.5), layout="constrained")
+figure, axes = style.figure(1, 1, style.PAGE_IN, 2)
 for place, rig in enumerate(["dry", "viscous"]):
     found = np.array([errors(rig, seed) for seed in (501, 502, 503)])
-    axes.barh(np.arange(3) + 0.35 * place, found.mean(axis=0), 0.3, label=f"rig {rig}")
+    grey = ("0.35", "0.75")[place]
+    axes.barh(np.arange(3) + 0.35 * place, found.mean(axis=0), 0.3, color=grey, label=f"rig {rig}")
     for name, mean, std in zip(names, found.mean(axis=0), found.std(axis=0, ddof=1), strict=True):
         print(f"rig {rig}, {name}: {mean:.1f} ± {std:.1f} kPa")
 axes.set_yticks(np.arange(3) + 0.175, names)
-axes.set(xlabel="test RMSE [kPa]", title="Mean of three seeds, simulated rigs")
-axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
+axes.set(xlabel="Test RMSE [kPa]")
+style.letter(axes, "Mean of three seeds, simulated rigs")
+style.legend_above(axes)
