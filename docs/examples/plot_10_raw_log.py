@@ -19,7 +19,7 @@ from fprc.logs import read_raw
 path = Path(tempfile.mkdtemp()) / "sweep.h5"
 command = f"simulate sweep --out {path}"
 fprc = [sys.executable, "-m", "fprc"]  # the same as `fprc`, wherever it is installed
-subprocess.run([*fprc, *command.split()], check=True)
+subprocess.run([*fprc, *command.split()], capture_output=True, check=True)
 
 # %%
 # Any program that reads HDF5 can read it:
