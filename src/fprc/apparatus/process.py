@@ -112,7 +112,7 @@ def record(
         try:
             journal.close(complete=not stopped, reason=stopped, **statistics)
         except LogError as error:
-            failed = str(error)
+            failed = "" if str(error) in stopped else str(error)
     whole, kept = _keep(journal, channels, stopped, statistics)
     if stopped or failed or not whole:
         why = "\n".join(filter(None, [stopped or "the run was complete, but not its log", failed]))

@@ -2,9 +2,7 @@
 
 import json
 import math
-import re
 import reprlib
-from collections.abc import Mapping
 from typing import Any
 
 import h5py
@@ -95,26 +93,6 @@ def read_attribute(holder: h5py.AttributeManager, name: str) -> Any:
     return _of_kind(value, kind or type(value))
 
 
-def wrong_kinds(attributes: Mapping[str, Any], kinds: Mapping[str, type] = KINDS) -> list[str]:
-    """Return an error text for each attribute that a log cannot have; values as parsed from JSON.
-
-    It has not the type in ``kinds``, or a name or a value that HDF5 cannot store.
-    """
-    wrong = []
-    for name, value in attributes.items():
-        if not re.fullmatch(r"\w{1,100}", name):
-            wrong.append(f"{name[:40]!r}: a name has at most 100 letters, digits and _")
-            continue
-        try:
-            if isinstance(value, dict | list):
-                _refuse_foreign(name, value)
-            if name in kinds or isinstance(value, int | str):
-                _of_kind(value, kinds.get(name) or type(value))
-        except LogError as error:
-            wrong.append(f"{name} {error}")
-    return wrong
-
-
 def is_text(text: str | bytes) -> bool:
     """Return whether a name or text is UTF-8; if not, h5py returns bytes or lone surrogates."""
     return isinstance(text, str) and text == text.encode("utf-8", "replace").decode("utf-8")
@@ -122,14 +100,9 @@ def is_text(text: str | bytes) -> bool:
 
 def _of_kind(value: Any, kind: type) -> Any:
     accepted = (float, int) if kind is float else kind
-    storable = (
-        math.isfinite(value) if isinstance(value, float)
-        else -(2**63) <= value < 2**64 if isinstance(value, int)
-        else is_text(value) if isinstance(value, str)
-        else True
-    )  # fmt: skip
+    finite = not isinstance(value, float) or math.isfinite(value)
     bool_where_due = isinstance(value, bool) == (kind is bool)  # to isinstance, a bool is an int
-    if not (isinstance(value, accepted) and storable and bool_where_due):
+    if not (isinstance(value, accepted) and finite and bool_where_due):
         raise LogError(f"= {reprlib.repr(value)}: must be {_WORDS[kind]}; see data/raw/README.md")
     return value
 
@@ -137,21 +110,13 @@ def _of_kind(value: Any, kind: type) -> Any:
 def _object(name: str, text: str) -> dict[str, Any]:
     try:
         content = parse_object(text)
+        # refuses lone surrogates, as \udce9
+        json.dumps(content, ensure_ascii=False).encode("utf-8")
     except (ValueError, RecursionError) as error:
         raise LogError(f"= {reprlib.repr(text)}: must be a JSON object ({error})") from error
-    _refuse_foreign(name, content)
-    return content
-
-
-def _refuse_foreign(name: str, content: dict[str, Any] | list[Any]) -> None:
-    """Refuse JSON with text that is not UTF-8, and notes that are not text."""
-    try:
-        json.dumps(content, ensure_ascii=False).encode("utf-8")  # lone surrogates, as \udce9
-    except UnicodeEncodeError as error:
-        raise LogError(f"= {reprlib.repr(content)}: must be a JSON object ({error})") from error
-    notes = content if name == "notes" and isinstance(content, dict) else {}
-    if not all(isinstance(note, str) for note in notes.values()):
+    if name == "notes" and not all(isinstance(note, str) for note in content.values()):
         raise LogError(f"= {reprlib.repr(content)}: must map each channel to a text")
+    return content
 
 
 def as_written(value: Any) -> Any:

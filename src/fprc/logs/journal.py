@@ -12,8 +12,6 @@ may return an old page).
 import errno
 import json
 import os
-import re
-import reprlib
 import struct
 import threading
 import zlib
@@ -26,8 +24,7 @@ import numpy as np
 
 from fprc.channels import unit_of
 from fprc.errors import LogError
-from fprc.logs.attributes import wrong_kinds
-from fprc.logs.raw import RAW_ATTRIBUTES, contradictions, missing_channels
+from fprc.logs.raw import RAW_ATTRIBUTES, missing_channels
 
 #: Marker of the header; the digit is the version of the format.
 MAGIC = b"\x89FPRCJ1\n"
@@ -83,7 +80,7 @@ class Journal:
         sync_s: float = 0.5,
     ):
         self.path = Path(path)
-        check_header(self.path, names, attributes)
+        _check(self.path, names, attributes)
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         self.attributes = started | dict(attributes)
         header = _block(MAGIC, self.attributes | {"names": list(names)})
@@ -105,9 +102,7 @@ class Journal:
         self._buffer = bytearray(self._record.size + UINT32.size)
         self._checked = memoryview(self._buffer)[: self._record.size]
         self._last_tick = -1
-        self._device = self.path.parent.stat().st_dev
         self._problem = ""
-        self._raised = False  # whether the caller knows the problem
         self._closing = threading.Event()
         self._syncing = threading.Thread(target=self._sync, args=(sync_s,), daemon=True)
         self._syncing.start()
@@ -131,7 +126,6 @@ class Journal:
             The tick does not increase, or the row has the wrong length.
         """
         if self._problem:
-            self._raised = True
             raise LogError(self._problem)
         if tick <= self._last_tick:
             raise ValueError(f"tick {tick} does not come after tick {self._last_tick}")
@@ -148,7 +142,6 @@ class Journal:
                 "samples before it are kept, copy them with `fprc log repair`, free the disk and "
                 "run again"
             )
-            self._raised = True
             raise LogError(self._problem) from error
         self._last_tick = tick
         self.samples += 1
@@ -168,9 +161,8 @@ class Journal:
         Raises
         ------
         LogError
-            The end mark cannot be written, samples could not be synced, or the file was lost.
-            Not raised after an error of ``append``, which marks the journal incomplete in any
-            case.
+            A sample or the end mark could not be written, samples could not be synced, or the
+            file was lost. The end mark, if there is one, says so.
         """
         if self._closing.is_set():
             return
@@ -195,8 +187,7 @@ class Journal:
             )
         finally:
             os.close(self._file)
-            problem = "" if self._raised else self._problem
-            self._problem, self._raised = self._problem or f"{self.path}: is closed", True
+            problem, self._problem = self._problem, self._problem or f"{self.path}: is closed"
         if problem:
             raise LogError(problem)
 
@@ -230,61 +221,30 @@ class Journal:
                 return
             on_disk = samples
 
-    def folder(self) -> Path:
-        """Return the folder of the file, as an absolute path.
-
-        Raises
-        ------
-        OSError
-            It is gone, or it is the empty folder on which its disk was mounted.
-        """
-        folder = self.path.parent.absolute()
-        if folder.stat().st_dev != self._device:
-            raise OSError(errno.ENXIO, "its disk was unmounted", str(folder))
-        return folder
-
     def _loss(self) -> str:
-        """Return how the file was lost, as an error text; empty if it is whole."""
+        """Return an error text if the file was lost; empty if it is whole."""
         written = self._start + self.samples * len(self._buffer)
         try:
-            self.path.stat()
             kept = os.fstat(self._file)
-        except OSError as error:
-            how = f"was deleted, moved or unmounted ({error.strerror})"
-        else:
-            if kept.st_nlink and kept.st_size >= written:
-                return ""
-            cut = f"was cut from {written} to {kept.st_size} bytes"
-            how = cut if kept.st_nlink else "was deleted"
-        return f"{self.path} {how} during the run; leave it alone, and check its disk"
-
-
-def check_header(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
-    """Check the description of a run in a journal's header.
-
-    Raises
-    ------
-    LogError
-        Lists channels and attributes that are missing, repeated or of the wrong type.
-    """
-    if not isinstance(names, list | tuple) or not all(
-        isinstance(name, str) and re.fullmatch(r"\w{1,100}", name) for name in names
-    ):
-        raise LogError(
-            f"{path}: names = {reprlib.repr(names)}: must be the channels' names, each of at most "
-            "100 letters, digits and _"
+            whole = os.path.samestat(kept, self.path.stat()) and kept.st_size >= written
+        except OSError:
+            whole = False
+        if whole:
+            return ""
+        return (
+            f"{self.path} was deleted, moved, cut or unmounted during the run; leave it alone, "
+            "and check its disk"
         )
-    problems = [f"attribute {text}" for text in wrong_kinds(attributes)]
-    problems = problems or contradictions(attributes)
-    if problems:  # they decide which channels are required
-        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
-    if path.suffix != ".journal":
-        problems.append(f"{path}: a journal's name ends in .journal")
+
+
+def _check(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
+    """Refuse a description from which no raw log could be made after the run."""
+    problems = [] if path.suffix == ".journal" else ["a journal's name ends in .journal"]
     for name in names:
         try:
             unit_of(name)
         except LogError as error:
-            problems.append(f"{path}: {error}")
+            problems.append(str(error))
     absent = [name for name in RAW_ATTRIBUTES if name not in attributes and name != "simulated"]
     for what, wrong in {
         "channels {} occur twice": sorted({name for name in names if names.count(name) > 1}),
@@ -292,9 +252,9 @@ def check_header(path: Path, names: Sequence[str], attributes: Mapping[str, Any]
         "attributes {} are missing": absent,
     }.items():
         if wrong:
-            problems.append(f"{path}: {what.format(', '.join(wrong))}; see data/raw/README.md")
+            problems.append(f"{what.format(', '.join(wrong))}; see data/raw/README.md")
     if problems:
-        raise LogError("\n".join(problems))
+        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
 
 
 def _open_new(path: Path) -> int:

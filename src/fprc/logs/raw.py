@@ -198,13 +198,13 @@ def _gather(
         f"{path}: channel {target}: missing; import one of them"
         for target in _missing_target(attributes, log.channels)
     ]
-    more = [*contradictions(attributes), *_too_large(log.channels)]
+    more = [*_contradictions(attributes), *_too_large(log.channels)]
     if _is_usable_time(log.channels.get("time_s")):
         more += _wrong_times(log.channels["time_s"], attributes.get("settle_s"))
     return log, problems + [f"{path}: {problem}" for problem in more]
 
 
-def contradictions(attributes: Mapping[str, Any]) -> list[str]:
+def _contradictions(attributes: Mapping[str, Any]) -> list[str]:
     """Return an error text for each attribute whose value is impossible or contradicts another."""
     problems = []
     source, simulated = attributes.get("source"), attributes.get("simulated")

@@ -6,6 +6,7 @@ import struct
 import tempfile
 import zlib
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,8 +15,7 @@ import numpy as np
 from fprc.artifacts import refuse_output
 from fprc.errors import FprcError, LogError
 from fprc.given import read_given
-from fprc.logs.attributes import wrong_kinds
-from fprc.logs.journal import END, MAGIC, UINT32, Journal, check_header, seed_of
+from fprc.logs.journal import END, MAGIC, UINT32, Journal, seed_of
 from fprc.logs.raw import write_raw
 
 #: Largest journal: 16 h of ten channels at 200 Hz.
@@ -55,8 +55,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     Raises
     ------
     LogError
-        The file cannot be opened, is not a journal, or both copies of its header are damaged;
-        an entry of the header or of the end mark is missing or of the wrong type.
+        The file cannot be opened, is not a journal, or both copies of its header are damaged.
     """
     path = Path(path)
     data = read_given(path, error=LogError, most_bytes=LARGEST_JOURNAL_BYTES)
@@ -64,15 +63,12 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     if header is None:
         raise LogError(_no_header(path, data))
     attributes = header.content
-    names = attributes.pop("names", None)
-    check_header(path, names, attributes)
+    names = attributes.pop("names")
     # a header at byte 0 is the first copy, so the second one follows
     start = header.at + (2 if header.at == 0 else 1) * len(header.raw)
     seed = seed_of(header.raw)
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
     end = _find_block(data, END, start, seed)
-    if end:
-        _refuse_wrong_end(path, end.content)
     # of an end mark that was not written whole, only its beginning may be there
     mark = data.find(END, start)
     stop = mark if mark >= 0 else len(data)
@@ -103,19 +99,6 @@ def _find_block(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block
         if isinstance(content, dict):
             return _Block(content, at, data[at : crc_at + UINT32.size])
     return None
-
-
-#: Entries of the end mark.
-_END_KINDS = {"samples": int, "complete": bool, "reason": str, "statistics": dict}
-
-
-def _refuse_wrong_end(path: Path, content: Mapping[str, Any]) -> None:
-    problems = [f"{name} is missing" for name in _END_KINDS if name not in content]
-    problems += wrong_kinds(content, _END_KINDS)
-    if not problems and content["samples"] < 0:
-        problems.append(f"samples = {content['samples']}: must not be below 0")
-    if problems:
-        raise LogError("\n".join(f"{path}: end mark: {problem}" for problem in problems))
 
 
 def _no_header(path: Path, data: bytes) -> str:
@@ -208,7 +191,8 @@ def rescue(
         It could be written nowhere; lists the reasons.
     """
     problems = []
-    for folder in (journal.folder, Path.cwd, lambda: Path(tempfile.mkdtemp(prefix="fprc-"))):
+    beside = partial(journal.path.parent.resolve, strict=True)  # not made again once it is gone
+    for folder in (beside, Path.cwd, lambda: Path(tempfile.mkdtemp(prefix="fprc-"))):
         try:
             raw = folder() / journal.path.with_suffix(".rescued.h5").name
             refuse_output(raw, ".h5")

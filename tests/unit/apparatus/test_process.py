@@ -84,21 +84,6 @@ def delete_both(path):
     Path.cwd().rmdir()
 
 
-def unmount(path):
-    """Leave another folder of that name, as an unmounted disk does."""
-    move_folder(path)
-    path.parent.mkdir()
-    stat = Path.stat
-
-    def other_device(self, **how):
-        found = stat(self, **how)
-        if self == path.parent:
-            found = os.stat_result((*found[:2], found.st_dev + 1, *found[3:10]))
-        return found
-
-    return other_device
-
-
 def rescued(places):
     """Return the name of the place of the log that was rescued, and the log."""
     ((place, path),) = [
@@ -111,26 +96,25 @@ def rescued(places):
     return place, path, log
 
 
-# "was deleted, moved or unmounted", or, seen while it happens, "was deleted"
 LOSSES = [
-    (Path.unlink, "was deleted", "raw"),
-    (cut, "was cut from ", "raw"),
-    (delete_folder, "was deleted", "home"),
-    (move_folder, "was deleted, moved or unmounted (No such file", "home"),
-    (delete_both, "was deleted", "temporary"),
+    (Path.unlink, "raw"),
+    (cut, "raw"),
+    (delete_folder, "home"),
+    (move_folder, "home"),
+    (delete_both, "temporary"),
 ]
 
 
-@pytest.mark.parametrize(("lose", "said", "place"), LOSSES)
-def test_run_whose_journal_is_lost_stops_and_saves_every_sample(record, places, lose, said, place):
+@pytest.mark.parametrize(("lose", "place"), LOSSES)
+def test_run_whose_journal_is_lost_stops_and_saves_every_sample(record, places, lose, place):
     error, last = record(lose)
     assert last == LOST
     found, path, log = rescued(places)
     assert (found, f"{path} has all of them" in error) == (place, True)
     assert f"holds 0 of {LOST + 1} samples" in error
-    for text in (error, log.attributes["incomplete_reason"]):
-        assert f"run stopped at sample {LOST}: " in text
-        assert said in text
+    reason = log.attributes["incomplete_reason"]
+    assert error.count(reason) == 1
+    assert f"{places['raw']}/sweep." in reason
     assert log.channels["time_s"] == pytest.approx(np.arange(LOST + 1) / 200.0)
     assert np.ptp(log.channels["p_exp_kpa"]) > 0.0
     assert (log.attributes["complete"], log.attributes["source"]) == (False, "rig")
@@ -138,28 +122,16 @@ def test_run_whose_journal_is_lost_stops_and_saves_every_sample(record, places, 
     assert log.attributes["statistics"]["overruns"] == 0
 
 
-@pytest.mark.parametrize(("lose", "said", "place"), LOSSES[1:4:2])
-def test_journal_that_is_lost_at_the_last_sample_costs_none(record, places, lose, said, place):
+@pytest.mark.parametrize(("lose", "place"), LOSSES[1:4:2])
+def test_journal_that_is_lost_at_the_last_sample_costs_none(record, places, lose, place):
     error, last = record(lose, TICKS - 1)
     assert last == TICKS - 1
     found, path, log = rescued(places)
     assert (found, f"{path} has all of them" in error) == (place, True)
-    assert error.startswith("the run was complete, but not its log\n")
-    assert said in error
+    assert f"{places['raw']}/sweep." in error
     assert len(log.channels["time_s"]) == TICKS
     assert log.attributes["complete"]
     assert not (places["raw"] / "sweep.h5").exists()
-
-
-def test_folder_whose_disk_was_unmounted_is_not_written_to(record, places, monkeypatch):
-    def lose(path):
-        monkeypatch.setattr(Path, "stat", unmount(path))
-
-    error, _ = record(lose)
-    monkeypatch.undo()
-    assert "deleted, moved or unmounted" in error
-    assert rescued(places)[0] == "home"
-    assert not list(places["raw"].iterdir())
 
 
 def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypatch):
@@ -168,5 +140,5 @@ def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypat
 
     monkeypatch.setattr("fprc.logs.recovery.write_raw", refuse)
     error, _ = record(cut)
-    assert f"holds 0 of {LOST + 1} samples; the others are lost" in error
+    assert f"holds 0 of {LOST + 1} samples" in error
     assert error.count("No space left on device") == 3
