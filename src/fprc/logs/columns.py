@@ -1,6 +1,6 @@
 """HDF5 files of channels of equal length, each with a unit and checksums."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -8,10 +8,10 @@ import h5py
 import numpy as np
 
 from fprc.artifacts import replacing
-from fprc.channels import UNITS, unit_of
+from fprc.channels import unit_of
 from fprc.errors import LogError
 from fprc.logs.attributes import as_written, read_attributes
-from fprc.logs.hdf5 import channel_of, links_of, opened, refuse_never_written, too_large
+from fprc.logs.hdf5 import channel_of, opened, refuse_never_written, too_large
 
 #: The oldest format in which everything but the samples has checksums.
 _FORMAT = (h5py.h5f.LIBVER_V110, h5py.h5f.LIBVER_V110)
@@ -122,14 +122,12 @@ def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
     Raises
     ------
     LogError
-        The file cannot be opened, or is cut short; an attribute has the wrong type; a
-        channel is a link.
+        The file cannot be opened, or is cut short; an attribute has the wrong type.
     """
     with opened(Path(path)) as file:
         names = frozenset(file)
         attributes, wrong = read_attributes(file.attrs)
-        _, problems = _datasets(file, (n for n in links_of(file) if n.endswith(tuple(UNITS))))
-    if problems := problems + _attribute_problems(wrong):
+    if problems := _attribute_problems(wrong):
         raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
     return names, attributes
 
@@ -144,7 +142,14 @@ def _read_all(
     file: h5py.File, names: tuple[str, ...]
 ) -> tuple[dict[str, np.ndarray], tuple[str, ...], list[str]]:
     """Return the channels, the names of those without a checksum, and the problems."""
-    datasets, problems = _datasets(file, names)
+    datasets, problems = {}, []
+    for name in names:
+        try:
+            dataset = channel_of(file, name)
+            refuse_never_written(dataset)
+            datasets[name] = dataset
+        except LogError as error:
+            problems.append(f"channel {name}: {error}")
     if why := too_large(datasets.values()):
         return {}, (), [*problems, why]
     channels, unchecked = {}, []
@@ -170,19 +175,6 @@ def _read_all(
             more += _not_finite(channels[name])
         problems += [f"channel {name}: {problem}" for problem in more]
     return channels, tuple(unchecked), problems + _wrong_lengths(channels)
-
-
-def _datasets(file: h5py.File, names: Iterable[str]) -> tuple[dict[str, h5py.Dataset], list[str]]:
-    """Return the datasets of the readable channels, and the problems of the others."""
-    datasets, problems = {}, []
-    for name in names:
-        try:
-            dataset = channel_of(file, name)
-            refuse_never_written(dataset)
-            datasets[name] = dataset
-        except LogError as error:
-            problems.append(f"channel {name}: {error}")
-    return datasets, problems
 
 
 def _not_finite(values: np.ndarray) -> list[str]:

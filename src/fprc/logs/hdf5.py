@@ -47,18 +47,6 @@ def opened(path: Path) -> Iterator[h5py.File]:
         ) from error
 
 
-def links_of(file: h5py.File) -> list[str]:
-    """Return the names of the soft and external links in a file, without following them."""
-    names = []
-
-    def note(name: bytes, info: h5py.h5l.LinkInfo) -> None:
-        if info.type != h5py.h5l.TYPE_HARD:
-            names.append(name.decode("utf-8", "surrogateescape"))
-
-    file.id.links.iterate(note, info=True)
-    return names
-
-
 def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
     """Return the dataset of a channel.
 
@@ -69,14 +57,11 @@ def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
         message names neither file nor channel.
     """
     link = file.get(name, getlink=True)
-    if isinstance(link, h5py.ExternalLink):
-        where = visible(f"{link.filename} {link.path}")
-        raise LogError(f"is a link to another file, {where}; copy the samples into this one")
-    if isinstance(link, h5py.SoftLink):
-        raise LogError(f"is a link to {visible(link.path)}; copy the samples into a dataset")
+    if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
+        raise LogError(f"is a link to {visible(link.path)}; copy the samples into a dataset here")
     dataset = None if link is None else file.get(name)
     if not isinstance(dataset, h5py.Dataset):
-        raise LogError(f"missing; the file has {listed(file)}")
+        raise LogError(f"missing; the file has {_listed(file)}")
     if dataset.is_virtual or dataset.external:
         raise LogError("its samples are in another file; copy them into this one")
     if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
@@ -110,15 +95,12 @@ def refuse_never_written(dataset: h5py.Dataset) -> None:
         raise LogError(f"declares {dataset.size:,} numbers, but {problem}; record the file again")
 
 
-def bytes_of(dataset: h5py.Dataset) -> int:
-    """Return the memory that reading a channel needs, bytes; chunks are read whole."""
-    samples = max(dataset.size, math.prod(dataset.chunks or ()))
-    return samples * max(dataset.dtype.itemsize, 8)
-
-
 def too_large(datasets: Iterable[h5py.Dataset]) -> str:
     """Return an error text if the channels together exceed the memory limit, else ''."""
-    sizes = {dataset: bytes_of(dataset) for dataset in datasets}
+    sizes = {  # chunks are read whole
+        dataset: max(dataset.size, math.prod(dataset.chunks or ())) * max(dataset.dtype.itemsize, 8)
+        for dataset in datasets
+    }
     total = sum(sizes.values())
     if total <= MAX_BYTES:
         return ""
@@ -130,13 +112,8 @@ def too_large(datasets: Iterable[h5py.Dataset]) -> str:
     )
 
 
-def shown(name: str | bytes) -> str:
-    """Return a name from a file as text for a message; h5py gives bytes if it is not UTF-8."""
-    return visible(os.fsdecode(name))
-
-
-def listed(names: Iterable[str]) -> str:
+def _listed(names: Iterable[str | bytes]) -> str:
     """Return names as text for a message, at most the first twelve."""
-    every = list(names)
+    every = [visible(os.fsdecode(name)) for name in names]  # bytes: the name is not UTF-8
     more = f" and {len(every) - 12} more" if len(every) > 12 else ""
-    return (", ".join(map(shown, every[:12])) or "none") + more
+    return (", ".join(every[:12]) or "none") + more

@@ -134,21 +134,8 @@ def read_raw(
             f"{path}: attribute experiment = {attributes['experiment']}; must be {experiment}, "
             "or the file has the wrong name"
         )
-    declared = attributes.get("sample_rate_hz", 0.0)
-    expected, wrong = sample_rate_hz or declared, []
-    if expected > 0.0 and _is_usable_time(log.channels.get("time_s")):
-        time_s = log.channels["time_s"]
-        wrong = _wrong_rate(path, time_s, expected, rate_tolerance)
-    if sample_rate_hz and declared > 0.0 and abs(declared / sample_rate_hz - 1.0) > rate_tolerance:
-        if wrong and not _wrong_rate(path, time_s, declared, rate_tolerance):
-            wrong = []  # the clock is as declared: the next problem says all
-        problems.append(
-            f"{path}: attribute sample_rate_hz = {declared:g}; must be {sample_rate_hz:g}, as "
-            "control.sample_rate_hz; import the recording again with that sample_rate_hz in the "
-            "map, or change control.sample_rate_hz and all settings in samples"
-        )
-    problems += wrong
-    if problems:
+    # the rate of a log with other problems means nothing
+    if problems := problems or _wrong_rates(log, sample_rate_hz, rate_tolerance):
         raise LogError("\n".join(problems))
     return log
 
@@ -199,8 +186,9 @@ def _gather(
         for target in _missing_target(attributes, log.channels)
     ]
     more = [*_contradictions(attributes), *_too_large(log.channels)]
-    if _is_usable_time(log.channels.get("time_s")):
-        more += _wrong_times(log.channels["time_s"], attributes.get("settle_s"))
+    time_s = log.channels.get("time_s", np.empty(0))
+    if time_s.size and (np.abs(time_s) <= _LARGEST).all():
+        more += _wrong_times(time_s, attributes.get("settle_s"))
     return log, problems + [f"{path}: {problem}" for problem in more]
 
 
@@ -237,10 +225,6 @@ def _too_large(channels: Mapping[str, np.ndarray]) -> list[str]:
     return problems
 
 
-def _is_usable_time(time_s: np.ndarray | None) -> bool:
-    return time_s is not None and time_s.size > 0 and bool((np.abs(time_s) <= _LARGEST).all())
-
-
 def _wrong_times(time_s: np.ndarray, settle_s: float | None) -> list[str]:
     back = np.flatnonzero(time_s[1:] <= time_s[:-1])
     if back.size:
@@ -257,15 +241,24 @@ def _wrong_times(time_s: np.ndarray, settle_s: float | None) -> list[str]:
     return []
 
 
-def _wrong_rate(
-    path: Path | str, time_s: np.ndarray, expected_hz: float, tolerance: float
-) -> list[str]:
-    if len(time_s) < 2 or (time_s[1:] <= time_s[:-1]).any():
-        return []
-    period_s = float(time_s[-1] - time_s[0]) / (len(time_s) - 1)
-    if abs(period_s * expected_hz - 1.0) <= tolerance:
-        return []
-    return [
-        f"{path}: channel time_s: the mean rate up to sample {len(time_s) - 1} is "
-        f"{1.0 / period_s:.4g} Hz, must be {expected_hz:g} Hz; resample the log"
-    ]
+def _wrong_rates(log: Columns, expected_hz: float | None, tolerance: float) -> list[str]:
+    """Compare the mean rate and the declared one with the expected rate, or with each other."""
+    time_s, declared_hz = log.channels["time_s"], log.attributes["sample_rate_hz"]
+    expected_hz = expected_hz or declared_hz
+    steps, problems = len(time_s) - 1, []
+    period_s = (time_s[-1] - time_s[0]) / steps if steps else 1.0 / expected_hz
+    is_other = abs(declared_hz / expected_hz - 1.0) > tolerance
+    # a clock that is as declared has no error of its own
+    right_hz = [expected_hz, declared_hz] if is_other else [expected_hz]
+    if all(abs(period_s * rate_hz - 1.0) > tolerance for rate_hz in right_hz):
+        problems.append(
+            f"channel time_s: the mean rate up to sample {steps} is {1.0 / period_s:.4g} Hz, must "
+            f"be {expected_hz:g} Hz; resample the log"
+        )
+    if is_other:
+        problems.append(
+            f"attribute sample_rate_hz = {declared_hz:g}; must be {expected_hz:g}, as "
+            "control.sample_rate_hz; import the recording again with that sample_rate_hz in the "
+            "map, or change control.sample_rate_hz and all settings in samples"
+        )
+    return [f"{log.path}: {problem}" for problem in problems]

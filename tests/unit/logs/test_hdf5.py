@@ -6,7 +6,6 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.logs import hdf5, read_columns, write_columns
-from fprc.logs.columns import read_header
 
 NAMES = ("time_s", "p_o_kpa")
 
@@ -55,29 +54,14 @@ def virtual(file):
     return file.create_virtual_dataset("p_o_kpa", layout)
 
 
-@pytest.mark.parametrize(
-    ("make", "why"),
-    [
-        (linked_outside, "is a link to another file, other.h5 /secret"),
-        (linked_inside, "is a link to /time_s"),
-        (stored_outside, "its samples are in another file"),
-        (virtual, "its samples are in another file"),
-    ],
-)
-def test_channel_that_is_elsewhere_is_refused_with_the_reason(path, tmp_path, make, why):
+@pytest.mark.parametrize("make", [linked_outside, linked_inside, stored_outside, virtual])
+def test_channel_that_is_elsewhere_is_refused(path, tmp_path, make):
     with h5py.File(tmp_path / "other.h5", "w") as other:
         other["secret"] = np.zeros(300)
     (tmp_path / "other.bin").write_bytes(bytes(2400))
     replace(path, make)
-    assert problem(read_columns, path, NAMES).startswith(f"{path}: channel p_o_kpa: {why}")
-    with pytest.raises(LogError, match="channel p_o_kpa"):
-        read_columns(path, ("time_s",), optional=("p_o_kpa",))
-
-
-@pytest.mark.parametrize("make", [linked_outside, linked_inside])
-def test_header_of_a_log_with_a_link_is_refused(path, make):
-    replace(path, make)
-    assert f"{path}: channel p_o_kpa: is a link to " in problem(read_header, path)
+    for asked in (NAMES, ()), (("time_s",), ("p_o_kpa",)):
+        assert problem(read_columns, path, *asked).startswith(f"{path}: channel p_o_kpa: ")
 
 
 # --- too large --------------------------------------------------------------------------------
