@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fprc.apparatus import check, process, session
+from fprc.apparatus import session
 from fprc.config import Settings
 
 # libraries and thousands of tests stay: to look through them for garbage takes a tenth of the time
@@ -112,8 +112,7 @@ def live_by(monkeypatch):
 
         monkeypatch.setattr(session, "Metronome", begin)
         monkeypatch.setattr(session, "request_realtime", lambda priority: [])
-        for module in (session, process, check):
-            monkeypatch.setattr(module, "notify", lambda what: messages.append(what) or True)
+        monkeypatch.setattr(session, "notify", lambda what: messages.append(what) or True)
         waited_s = [0.0]
 
         def wait(seconds):

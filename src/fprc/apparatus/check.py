@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.apparatus.guardian import HEARTBEAT
-from fprc.apparatus.session import loops, notify, on_rig
+from fprc.apparatus.session import loops, on_rig
 from fprc.channels import SENSORS, Readings
 from fprc.control import run
 from fprc.devices import Clock, Device
@@ -57,8 +56,8 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     channels = seen.channels
     if armed and not seen.unvented:  # a rig that may not vent must not be filled
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
-        pressure_loops = loops(control, hardware["valves"]["neutral_v"])
-        filling = partial(_fill_and_vent, setpoints=setpoints, stop=stop, **pressure_loops)
+        how: dict[str, Any] = loops(control, hardware["valves"]["neutral_v"]) | {"stop": stop}
+        filling = partial(run, law=lambda k, now: setpoints[k], samples=len(setpoints), **how)
         seen = on_rig(hardware, period_s, filling)
         seen.channels["time_s"] += ends[0] * period_s
         channels = {k: np.append(values, seen.channels[k]) for k, values in channels.items()}
@@ -84,24 +83,11 @@ def _read_at_rest(
 ) -> dict[str, np.ndarray]:
     readings, k = [], 0
     while k < samples and (k := clock.wait_for(k)) < samples:
-        notify(HEARTBEAT)
         readings.append(device.read())
         if reason := stop():
             raise ControlError(reason)
         k += 1
     return dict(zip(Readings._fields, np.array(readings).T, strict=True))
-
-
-def _fill_and_vent(
-    device: Device, clock: Clock, /, *, setpoints: list[list[float]], **how: Any
-) -> dict[str, np.ndarray]:
-    """Follow setpoints; ``how`` is passed to ``run``."""
-
-    def law(k: int, now: Readings) -> list[float]:
-        notify(HEARTBEAT)
-        return setpoints[k]
-
-    return run(device, clock, law, len(setpoints), **how)
 
 
 def _setpoints(phases: Sequence[Phase], bounds: np.ndarray, period_s: float) -> np.ndarray:

@@ -10,7 +10,7 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,9 +19,8 @@ from typing import Any
 import numpy as np
 
 from fprc.apparatus.check import check_rig
-from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.programme import plan
-from fprc.apparatus.session import Stop, loops, notify, on_rig, reserve_pipes
+from fprc.apparatus.session import Stop, loops, on_rig, reserve_pipes
 from fprc.artifacts import refuse_output
 from fprc.channels import RAW_CHANNELS
 from fprc.control import RunAbortedError, run
@@ -99,8 +98,7 @@ def record(
                 experiment.samples,
                 **loops(control, hardware["valves"]["neutral_v"]),
                 extra=experiment.channels[len(RAW_CHANNELS) :],
-                progress=_progress(experiment.samples, period_s),
-                keep=journal.append,
+                keep=_keeping(journal, experiment.samples, period_s),
                 stop=stop,
             )
 
@@ -161,22 +159,23 @@ def _keep(
     return False, f"{short}; {saved} has all of them"
 
 
-def _progress(samples: int, period_s: float) -> Callable[[int], None]:
-    """Return a function that sends heartbeats, and logs a line every tenth of the run."""
-    every, tenth = max(int(0.05 / period_s), 1), max(samples // 10, 1)
-    sent = printed = 0
+def _keeping(
+    journal: Journal, samples: int, period_s: float
+) -> Callable[[int, Sequence[float]], None]:
+    """Return a function that appends a sample, and logs a line every tenth of the run."""
+    tenth = max(samples // 10, 1)
+    printed = 0
 
-    def progress(done: int) -> None:
-        nonlocal sent, printed
-        # not `done % every`: missed ticks can skip the multiples
-        if done - sent >= every:
-            sent = done
-            notify(HEARTBEAT)
+    def keep(tick: int, row: Sequence[float]) -> None:
+        nonlocal printed
+        journal.append(tick, row)
+        done = tick + 1
+        # not `done % tenth`: missed ticks can skip the multiples
         if done // tenth > printed:
             printed = done // tenth
             log.info("%3.0f of %3.0f s", done * period_s, samples * period_s)
 
-    return progress
+    return keep
 
 
 if __name__ == "__main__":

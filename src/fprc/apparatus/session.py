@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
+from fprc.apparatus.guardian import ARMED, BEAT_S, HEARTBEAT, OPENING, SAFE
 from fprc.control import PressurePI, RunAbortedError
 from fprc.control.clock import Metronome
 from fprc.control.realtime import request_realtime
@@ -163,6 +163,8 @@ def _boottime() -> float:
 class Stop:
     """Reason to stop: a signal, a guardian that ended or is silent, a suspended computer.
 
+    The loop asks at every tick, and each time the guardian gets a heartbeat if one is due.
+
     Parameters
     ----------
     stalled_s : float
@@ -182,16 +184,19 @@ class Stop:
         self._stalled_s = stalled_s
         self._monotonic, self._boottime = monotonic, boottime
         self._suspended_s = boottime() - monotonic()
-        self._heartbeat_s = monotonic()
+        self._heartbeat_s = self._sent_s = monotonic()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._signalled)
         threading.Thread(target=self._listen, daemon=True).start()
 
     def __call__(self) -> str:
-        """Return the reason; empty if there is none."""
+        """Send a heartbeat; return the reason, empty if there is none."""
+        # boottime first: a delay before the second call cannot look like a suspension
+        boottime_s, now_s = self._boottime(), self._monotonic()
+        if now_s - self._sent_s >= BEAT_S:
+            self._sent_s = now_s
+            notify(HEARTBEAT)
         if not self._reason:
-            # boottime first: a delay before the second call cannot look like a suspension
-            boottime_s, now_s = self._boottime(), self._monotonic()
             suspended_s = boottime_s - now_s - self._suspended_s
             silent_s = now_s - self._heartbeat_s
             if suspended_s > _SUSPENDED_S:

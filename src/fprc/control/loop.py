@@ -35,7 +35,6 @@ def run(
     main_loop: PressurePI,
     reservoir_loop: PressurePI,
     extra: tuple[str, ...] = (),
-    progress: Callable[[int], None] = lambda k: None,
     keep: Callable[[int, Sequence[float]], None] = lambda k, row: None,
     stop: Callable[[], str] = lambda: "",
 ) -> dict[str, np.ndarray]:
@@ -49,8 +48,6 @@ def run(
     ----------
     extra : tuple of str
         Names of the values that the law returns after the two setpoints.
-    progress : callable
-        Called with the number of ticks that have passed.
     keep : callable
         Called with each tick and its row as soon as the row is complete.
     stop : callable
@@ -97,7 +94,6 @@ def run(
             done += 1
             keep(k, row)
             k += 1
-            progress(k)
     except Exception as error:
         unsafe = _make_safe(device)
         what = error if isinstance(error, FprcError) else f"{type(error).__name__}: {error}"

@@ -2,6 +2,8 @@ import signal
 
 import pytest
 
+from fprc.apparatus import session
+from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.session import Stop
 
 
@@ -25,8 +27,9 @@ def clocks():
 
 @pytest.fixture(autouse=True)
 def own_signals(monkeypatch):
-    """Leave the signal handlers of the tests' process alone."""
+    """Leave the signal handlers and the output of the tests' process alone."""
     monkeypatch.setattr(signal, "signal", lambda *_: None)
+    monkeypatch.setattr(session, "notify", lambda message: True)
 
 
 @pytest.fixture
@@ -34,6 +37,15 @@ def stop(clocks, monkeypatch):
     """Built without a guardian on the standard input."""
     monkeypatch.setattr(Stop, "_listen", lambda self: None)
     return Stop(0.5, monotonic=clocks.monotonic, boottime=clocks.boottime)
+
+
+def test_heartbeat_is_sent_when_the_loop_asks_and_one_is_due(stop, clocks, monkeypatch):
+    sent = []
+    monkeypatch.setattr(session, "notify", sent.append)
+    for _ in range(21):
+        stop()
+        clocks.ran_s += 0.01
+    assert sent == 4 * [HEARTBEAT]
 
 
 def test_guardian_that_is_silent_ends_the_run(stop, clocks):

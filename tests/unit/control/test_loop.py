@@ -146,7 +146,7 @@ def test_device_is_made_safe_when_it_fails(where, at, error):
     assert bench.names().count("safe") == 1
 
 
-@pytest.mark.parametrize("broken", ["law", "main_loop", "reservoir_loop", "progress", "keep"])
+@pytest.mark.parametrize("broken", ["law", "main_loop", "reservoir_loop", "keep"])
 def test_device_is_made_safe_when_anything_else_fails(broken):
     class Broken(PressurePI):
         def step(self, setpoint_kpa, measured_kpa):
