@@ -47,7 +47,7 @@ def record(bench, settings, live_by, monkeypatch, tmp_path):
     settings["experiments"]["sweep"]["duration_s"] = 2.0
     plan = process.plan
 
-    def record(ticks=TICKS, at=lambda tick: None, law=None, stop=lambda: ""):
+    def record(ticks=TICKS, *, at=lambda tick: None, law=None, stop=lambda: ""):
         found = Outcome()
         found.sessions, found.messages = live_by(bench, at)
 
@@ -103,11 +103,6 @@ def test_chamber_that_keeps_its_pressure_is_not_called_vented(bench, record, mat
         "a valve stays open", "mid-run", "no reading shows that it vents",
         "no: the guardian tries, then says what to do by hand", "-", 0,
     )  # fmt: skip
-
-
-def ticks_after(found, fault_tick):
-    """Ticks that began after the one in which the fault was."""
-    return found.sessions[-1].tick - fault_tick if found.sessions else 0
 
 
 def samples_before(at):
@@ -193,184 +188,121 @@ def test_board_that_fails_for_a_moment_is_vented_as_soon_as_it_answers(
                "yes, once it answers", "-", 0)  # fmt: skip
 
 
-def inject(bench, code, begin, end=math.inf):
-    """Return a function that sets a fault of the I2C bus between two ticks."""
+def bus(code, ticks=math.inf):
+    """Return what sets a fault of the I2C bus for some ticks, from one on."""
 
-    def at(tick):
-        bench.shared.i2c_fault = code if begin <= tick < end else 0
+    def make(bench, settings, begin):
+        def at(tick):
+            bench.shared.i2c_fault = code if begin <= tick < begin + ticks else 0
 
-    return at
+        return {"at": at}
 
-
-SENSOR = [
-    ("dropout, one packet", 1, 1, "reading the angle failed", 0),
-    ("spike of +90 deg, one packet", 3, 1, "theta_deg jumped from", 0),
-    ("packet cut short, once", 6, 1, "the reply has 2 bytes, not 3", 0),
-    ("frozen", 2, math.inf, "theta_deg has been", 50),
-    ("packets of the wrong type", 4, math.inf, "theta_deg has been", 50),
-    ("packets with their bytes in the wrong order", 5, math.inf, "theta_deg has been", 50),
-]
+    return make
 
 
-@pytest.mark.parametrize(("fault", "code", "ticks", "said", "until"), SENSOR)
-def test_angle_sensor_that_fails_ends_the_run_vented(
-    bench, record, matrix, fault, code, ticks, said, until
+def pressure(sensor, change):
+    """Return what changes the voltage of a pressure sensor at a tick."""
+
+    def make(bench, settings, begin):
+        own = settings["hardware"]["p_exp"]
+
+        def volts_at(kpa):
+            return own["zero_v"] + kpa / own["gain_kpa_per_v"]
+
+        def at(tick):
+            if tick == begin:
+                bench.shared.inputs[sensor] = change(bench.shared.inputs[sensor], volts_at)
+
+        return {"at": at}
+
+    return make
+
+
+def frozen(sensor):
+    def make(bench, settings, begin):
+        held = []
+
+        def at(tick):
+            if tick >= begin:
+                held.append(bench.shared.inputs[sensor])
+                bench.shared.inputs[sensor] = held[0]
+
+        return {"at": at}
+
+    return make
+
+
+def controller(respond):
+    def make(bench, settings, begin):
+        return {"law": lambda k, now: respond() if k == begin else (10.0, 0.0)}
+
+    return make
+
+
+def asked_to_stop(bench, settings, begin):
+    asked = []
+    return {
+        "at": asked.append,
+        "stop": lambda: "stopped by SIGTERM" if asked[-1] == begin else "",
+    }
+
+
+PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
+REJECTED, FROZEN, GOES_ON = "a rejected reading", "frozen sensor", "nothing: the run continues"
+FAILED = "the controller's error"
+#: What fails, how, at which tick, what is said, what ends the run, and how many ticks later.
+FAULTS = [
+    ("angle sensor: dropout, one packet", bus(1, 1), 20, "angle", REJECTED, 0),
+    ("angle sensor: spike of +90 deg, one packet", bus(3, 1), 20, "theta_deg", REJECTED, 0),
+    ("angle sensor: packet cut short, once", bus(6, 1), 20, "2 bytes, not 3", REJECTED, 0),
+    ("angle sensor: frozen", bus(2), 20, "theta_deg", FROZEN, 50),
+    ("angle sensor: packets of the wrong type", bus(4), 20, "theta_deg", FROZEN, 50),
+    ("angle sensor: packets with their bytes in the wrong order", bus(5), 20, "theta_deg", FROZEN,
+     50),
+    # early in the sweep the angle does not move far in 0.2 s
+    ("angle sensor: frozen for 0.2 s", bus(2, 40), 20, "", GOES_ON, None),
+    ("angle sensor: packets of the wrong type for 0.2 s", bus(4, 40), 20, "", GOES_ON, None),
+    ("angle sensor: packets with their bytes in the wrong order for 0.2 s", bus(5, 40), 20, "",
+     GOES_ON, None),
+    *[
+        (f"pressure sensor: {fault}", pressure(sensor, change), 5, name, REJECTED, 0)
+        for fault, change in (
+            ("over its limit", lambda volts, volts_at: volts_at(500.0)),
+            ("cable off, 0 V", lambda volts, volts_at: 0.0),
+            ("spike of +100 kPa", lambda volts, volts_at: volts + volts_at(100.0) - volts_at(0.0)),
+            ("no number", lambda volts, volts_at: math.nan),
+        )
+        for sensor, name in enumerate(PRESSURES)
+    ],
+    *[
+        ("pressure sensor: frozen", frozen(sensor), 26, name, FROZEN, 51)
+        for sensor, name in enumerate(PRESSURES)
+    ],
+    ("the controller raises", controller(lambda: 1 / 0), 5, "ZeroDivisionError", FAILED, 0),
+    ("the controller gives no number", controller(lambda: (math.nan, 0.0)), 5, "", FAILED, 0),
+    ("the controller gives too few values", controller(tuple), 5, "", FAILED, 0),
+    ("a stop is requested", asked_to_stop, 5, "stopped by SIGTERM", "the request", 0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("fault", "make", "begin", "said", "ends", "until"), FAULTS)
+def test_part_that_fails_in_mid_run_ends_it_vented(
+    bench, settings, record, matrix, fault, make, begin, said, ends, until
 ):
-    begin = 20
-    found = record(ticks=200, at=inject(bench, code, begin, begin + ticks))
-    assert said in str(found.error)
+    ticks = 200 if until else 100
+    found = record(ticks, **make(bench, settings, begin))
     assert vented(bench)
-    after = ticks_after(found, begin)
+    if until is None:
+        assert (found.error, found.samples) == (None, ticks)
+        held = found.channels["theta_deg"][begin : begin + 40]
+        assert len(np.unique(held)) < 5
+        matrix.add(fault, "mid-run", ends, "yes, at the end", "-", 0)
+        return
+    assert said in str(found.error)
+    after = found.sessions[-1].tick - begin
     assert after == until
     assert found.samples == begin + until
-    matrix.add(
-        f"angle sensor: {fault}",
-        "mid-run",
-        "frozen sensor" if until else "a rejected reading",
-        "yes",
-        after,
-        begin + after - found.samples,
-    )
-
-
-TOLERATED = [
-    ("frozen for 0.2 s", 2, 40),
-    ("packets of the wrong type for 0.2 s", 4, 40),
-    ("packets with their bytes in the wrong order for 0.2 s", 5, 40),
-]
-
-
-@pytest.mark.parametrize(("fault", "code", "ticks"), TOLERATED)
-def test_angle_sensor_that_recovers_in_time_does_not_end_the_run(
-    bench, record, matrix, fault, code, ticks
-):
-    # early in the sweep the angle does not move far in 0.2 s
-    begin = 20
-    found = record(ticks=100, at=inject(bench, code, begin, begin + ticks))
-    assert found.error is None
-    held = found.channels["theta_deg"][begin : begin + ticks]
-    assert np.ptp(held) < np.ptp(found.channels["theta_deg"])
-    assert len(np.unique(held)) < 5
-    assert found.samples == 100
-    assert vented(bench)
-    matrix.add(
-        f"angle sensor: {fault}", "mid-run", "nothing: the run continues", "yes, at the end", "-", 0
-    )
-
-
-def to_volts(settings, kpa):
-    own = settings["hardware"]["p_exp"]
-    return kpa / own["gain_kpa_per_v"] + own["zero_v"]
-
-
-@pytest.mark.parametrize("sensor", range(3))
-@pytest.mark.parametrize(
-    ("fault", "kpa", "said"),
-    [
-        ("over its limit", 500.0, "is outside"),
-        ("cable off, 0 V", None, "is outside"),
-        ("spike of +100 kPa", "+100", "jumped from"),
-        ("no number", math.nan, "no reading"),
-    ],
-)
-def test_pressure_sensor_that_is_beyond_its_limits_ends_the_run_vented(
-    bench, settings, record, matrix, sensor, fault, kpa, said
-):
-    def at(tick):
-        if tick == 5:
-            inputs = bench.shared.inputs
-            if kpa == "+100":
-                inputs[sensor] += 100.0 / settings["hardware"]["p_exp"]["gain_kpa_per_v"]
-            else:
-                inputs[sensor] = 0.0 if kpa is None else to_volts(settings, kpa)
-
-    found = record(at=at)
-    name = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")[sensor]
-    assert any(
-        line.startswith(name) or f": {name}" in line for line in str(found.error).split("\n")
-    )
-    assert said in str(found.error)
-    assert vented(bench)
-    after = ticks_after(found, 5)
-    assert found.samples == 5
-    matrix.add(
-        f"pressure sensor: {fault}",
-        "mid-run",
-        "a rejected reading",
-        "yes",
-        after,
-        5 - found.samples,
-    )
-
-
-@pytest.mark.parametrize("sensor", range(3))
-def test_pressure_sensor_that_freezes_ends_the_run_vented(bench, record, matrix, sensor):
-    held = []
-
-    def at(tick):
-        if tick == 26:
-            held.append(bench.shared.inputs[sensor])
-        if tick >= 26:
-            bench.shared.inputs[sensor] = held[0]
-
-    found = record(ticks=200, at=at)
-    name = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")[sensor]
-    assert f"{name} has been" in str(found.error)
-    assert vented(bench)
-    after = ticks_after(found, 26)
-    assert after == 51
-    assert found.samples == 26 + after
-    matrix.add("pressure sensor: frozen", "mid-run", "frozen sensor", "yes", after, 0)
-
-
-def raising(k, now):
-    if k == 5:
-        raise ZeroDivisionError("the law broke")
-    return 10.0, 0.0
-
-
-def no_number(k, now):
-    return (math.nan if k == 5 else 10.0), 0.0
-
-
-def nothing(k, now):
-    return () if k == 5 else (10.0, 0.0)
-
-
-@pytest.mark.parametrize(
-    ("fault", "law", "said"),
-    [
-        ("raises", raising, "ZeroDivisionError: the law broke"),
-        ("gives no number", no_number, "must be finite"),
-        ("gives too few values", nothing, "not enough values"),
-    ],
-)
-def test_controller_that_fails_ends_the_run_vented(bench, record, matrix, fault, law, said):
-    found = record(law=law)
-    assert said in str(found.error)
-    assert vented(bench)
-    assert found.samples == 5
-    after = ticks_after(found, 5)
-    matrix.add(
-        f"the controller {fault}",
-        "mid-run",
-        "the controller's error",
-        "yes",
-        after,
-        5 - found.samples,
-    )
-
-
-def test_requested_stop_ends_the_run_vented(bench, record, matrix):
-    asked = []
-    found = record(
-        at=lambda tick: asked.append(tick),
-        stop=lambda: "stopped by SIGTERM" if asked[-1] == 5 else "",
-    )
-    assert "stopped by SIGTERM" in str(found.error)
-    assert vented(bench)
-    assert found.samples == 5
-    matrix.add("a stop is requested", "mid-run", "the request", "yes", ticks_after(found, 5), 0)
+    matrix.add(fault, "mid-run", ends, "yes", after, begin + after - found.samples)
 
 
 def test_computer_that_was_suspended_ends_the_run_vented(bench, record, matrix, monkeypatch):
@@ -388,7 +320,7 @@ def test_computer_that_was_suspended_ends_the_run_vented(bench, record, matrix, 
     assert vented(bench)
     assert found.samples == 5
     matrix.add("the computer is suspended", "mid-run", "the loop, once the computer resumes", "yes",
-               ticks_after(found, 5), 0)  # fmt: skip
+               found.sessions[-1].tick - 5, 0)  # fmt: skip
 
 
 def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatch, tmp_path):
@@ -406,8 +338,8 @@ def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatc
     assert found.samples == 5
     (rescued,) = tmp_path.glob("*.rescued.h5")
     saved = len(read_columns(rescued, ("time_s",)).channels["time_s"])
-    matrix.add("the disk is full", "mid-run", "the journal's error", "yes", ticks_after(found, 5),
-               6 - saved)  # fmt: skip
+    after = found.sessions[-1].tick - 5
+    matrix.add("the disk is full", "mid-run", "the journal's error", "yes", after, 6 - saved)
 
 
 def test_unexpected_exception_leaves_no_valve_open(bench, record, matrix):
@@ -442,7 +374,7 @@ def test_rig_that_is_not_armed_is_not_touched(bench, settings, tmp_path, caplog)
 
 
 def test_reason_of_a_run_is_kept_when_the_rig_cannot_be_closed_either(bench, record):
-    found = record(at=inject(bench, 1, 5))
+    found = record(**bus(1)(bench, None, 5))
     for text in (str(found.error), found.reason):
         assert "run stopped at sample 5: angle sensor 0x12 on I2C bus 1: reading the angle" in text
         assert "stopping it failed" in text
