@@ -27,7 +27,8 @@ FOLDER = Path(__file__).parent
 PATIENCE_S = 120.0
 # on a busy machine, only the tested fault may end a run
 LIMITS = {"overruns_in_a_row": 1000, "stale_s": 10.0, "pressure_step_kpa": 1000.0}
-CLOSED, VENTED = [(0, 5.0), (1, 5.0)], [(0, 0.0), (1, 0.0)]
+SHUT, VENTED = [(0, 5.0), (1, 5.0)], [(0, 0.0), (1, 0.0)]
+VENTED_AS_SHOWN = "both chambers are vented, as their sensors show"
 PERIOD_S = 0.005
 
 
@@ -218,17 +219,22 @@ def test_run_that_ends_well_leaves_a_log_that_can_be_read_and_not_written(start,
     assert rig.opened == 0
     _, venting = split(program.writes())
     rows = [row[1:] for row in venting]
-    assert rows[:4] == CLOSED + VENTED
+    assert rows[:4] == SHUT + VENTED
     assert rows[4:] == VENTED * (len(rows[4:]) // 2)
 
 
-def to_the_guardian(name, send=os.kill):
-    """Return what sends a signal to the guardian, or to its group."""
-    return lambda program: send(program.process.pid, getattr(signal, name))
+def wait_until_vented(rig):
+    wait_until(lambda: list(rig.outputs[:2]) == [0.0, 0.0], "the valves")
 
 
-def to_the_loop(name):
-    return lambda program: os.kill(program.loop(), getattr(signal, name))
+def send(name, *, loop=False, group=False):
+    """Return what sends a signal to the guardian, to its group, or to the loop."""
+
+    def happen(program):
+        number = program.loop() if loop else program.process.pid
+        (os.killpg if group else os.kill)(number, getattr(signal, name))
+
+    return happen
 
 
 def fail_for_a_moment(program):
@@ -236,54 +242,108 @@ def fail_for_a_moment(program):
     rig.fail_code, rig.fail_count, rig.fail_at = 777, 12, rig.calls + 1
 
 
-def hang_in_the_driver(program):
-    program.rig.stall_us = 3_600_000_000
+def every_reading_takes(microseconds):
+    def happen(program):
+        program.rig.stall_us = microseconds
+
+    return happen
 
 
-STOPPED = "the stop, at the next tick"
-KILLED = "ended with code -9 in the middle of a run; both chambers are vented"
-HUNG = "stopped responding and was killed in the middle of a run; "
+def stop_the_guardian(program, and_then=lambda loop: None):
+    loop = program.loop()
+    os.kill(program.process.pid, signal.SIGSTOP)
+    wait_until_vented(program.rig)
+    and_then(loop)
+    os.kill(program.process.pid, signal.SIGCONT)
+
+
+def stop_the_guardian_then_kill_the_loop(program):
+    stop_the_guardian(program, lambda loop: os.kill(loop, signal.SIGKILL))
+
+
+def stop_both(program):
+    """Return when they resume, before which nothing can happen."""
+    both = [program.loop(), program.process.pid]
+    for process in both:
+        os.kill(process, signal.SIGSTOP)
+    time.sleep(1.0)
+    resumed_s = time.monotonic()
+    for process in both:
+        os.kill(process, signal.SIGCONT)
+    return resumed_s
+
+
+def kill_the_loop_while_the_board_fails(program):
+    rig = program.rig
+    rig.fail_code, rig.fail_count, rig.fail_at = 777, 1 << 40, rig.calls + 1
+    os.kill(program.loop(), signal.SIGKILL)
+    heard = b""
+    while b"THE CHAMBERS COULD NOT BE VENTED" not in heard:
+        errors = program.process.stderr.fileno()
+        assert select.select([errors], [], [], PATIENCE_S)[0], heard
+        heard += (said := os.read(errors, 1000))
+        assert said, heard
+    rig.fail_at = 0
+
+
 STALLED = {"loop": {"stalled_s": 0.5}}
-#: What fails, how, settings, what is said, and what ends the run.
+AT_STOP, AT_STALL = "the stop, at the next tick", "after stalled_s = 0.5 s"
+ALONE = "the guardian process has ended"
+#: Whether the loop closed the journal itself or was killed.
+CLOSED, KILLED = True, False
+#: What fails, how, settings, what is said, what ends the run, and how the journal ends.
 FAULTS = [
-    ("SIGTERM to the guardian", to_the_guardian("SIGTERM"), {}, "stopped by SIGTERM", STOPPED),
-    ("Ctrl-C, SIGINT to the group", to_the_guardian("SIGINT", os.killpg), {},
-     "stopped by SIGTERM", STOPPED),
-    ("terminal closed, SIGHUP to the group", to_the_guardian("SIGHUP", os.killpg), {},
-     "stopped by SIGTERM", STOPPED),
-    ("SIGKILL to the loop", to_the_loop("SIGKILL"), {}, KILLED, "the guardian"),
-    ("SIGKILL to the loop, whose driver prints", to_the_loop("SIGKILL"), {},
-     KILLED, "the guardian"),
-    ("twelve calls of the driver fail", fail_for_a_moment, {},
-     "failed with code 777", "the driver's error"),
-    ("SIGSTOP to the loop", to_the_loop("SIGSTOP"), STALLED,
-     HUNG + "both chambers are vented", "the guardian, after stalled_s = 0.5 s"),
+    ("SIGTERM to the guardian", send("SIGTERM"), {}, "by SIGTERM", AT_STOP, CLOSED),
+    ("Ctrl-C, SIGINT to the group", send("SIGINT", group=True), {}, "by SIGTERM", AT_STOP, CLOSED),
+    ("terminal closed, SIGHUP to the group", send("SIGHUP", group=True), {}, "by SIGTERM", AT_STOP,
+     CLOSED),
+    ("SIGKILL to the loop", send("SIGKILL", loop=True), {}, "code -9", "the guardian", KILLED),
+    ("SIGKILL to the loop, whose driver prints", send("SIGKILL", loop=True), {}, "code -9",
+     "the guardian", KILLED),
+    ("twelve calls of the driver fail", fail_for_a_moment, {}, "code 777", "the driver's error",
+     CLOSED),
+    ("SIGSTOP to the loop", send("SIGSTOP", loop=True), STALLED, VENTED_AS_SHOWN,
+     f"the guardian, {AT_STALL}", KILLED),
     # the guardian's own reading hangs too
-    ("a driver call never returns", hang_in_the_driver, STALLED | {"valves": {"vent_s": 0.3}},
-     HUNG + "THE CHAMBERS MAY BE", "the guardian, after stalled_s = 0.5 s"),
+    ("a driver call never returns", every_reading_takes(3_600_000_000),
+     STALLED | {"valves": {"vent_s": 0.3}}, "THE CHAMBERS MAY BE", f"the guardian, {AT_STALL}",
+     KILLED),
+    ("SIGKILL to the guardian", send("SIGKILL"), {}, ALONE, "the loop, at the next tick", CLOSED),
+    ("SIGKILL to the guardian's group", send("SIGKILL", group=True), {}, ALONE,
+     "the loop, at the next tick", CLOSED),
+    ("every reading takes 60 ms", every_reading_takes(60_000),
+     {"limits": {"overruns_in_a_row": 40}}, "40", "more than 40 overruns in a row", CLOSED),
+    ("SIGSTOP to the guardian", stop_the_guardian, STALLED, "stalled_s", f"the loop, {AT_STALL}",
+     CLOSED),
+    ("SIGSTOP to the guardian, SIGKILL to the loop once it vented",
+     stop_the_guardian_then_kill_the_loop, STALLED, VENTED_AS_SHOWN, f"the loop, {AT_STALL}",
+     KILLED),
+    ("SIGSTOP to both processes, SIGCONT one second later", stop_both,
+     STALLED | {"limits": {"overruns_in_a_row": 20}}, "", "the loop, once it resumes", None),
+    ("SIGKILL to the loop, and the board fails for a while", kill_the_loop_while_the_board_fails,
+     {}, VENTED_AS_SHOWN, "the guardian, once the board answers", KILLED),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("fault", "happen", "settings", "says", "ends"), FAULTS)
+@pytest.mark.parametrize(("fault", "happen", "settings", "says", "ends", "closed"), FAULTS)
 def test_run_in_which_something_fails_ends_vented(
-    start, rig, matrix, monkeypatch, fault, happen, settings, says, ends
+    start, rig, matrix, monkeypatch, fault, happen, settings, says, ends, closed
 ):
     if "prints" in fault:  # which must not pass for the message that all is safe
         monkeypatch.setenv("FAKE_CHATTY", "1")
     program = start("run", "sweep", **settings)
     program.is_in_mid_run()
     faulted_s = time.monotonic()
-    happen(program)
+    faulted_s = happen(program) or faulted_s
     code, said = program.end()
-    assert code == 1
+    assert code == (-signal.SIGKILL if says == ALONE else 1)
     assert says in said
-    stopped, failed = ends == STOPPED, happen is fail_for_a_moment
-    exactly = stopped or happen is hang_in_the_driver
+    # a reading that hangs comes before the writes that complete a sample, a call that fails may not
+    exactly = "never returns" in fault or (closed and happen is not fail_for_a_moment)
     findings = add(matrix, program, faulted_s, fault, ends, again=not exactly)
     assert not findings.complete
-    assert findings.closed is (stopped or failed)
-    assert not stopped or (says in findings.reason and rig.opened == 0)
-    assert not failed or rig.failures == 12
+    assert closed in (None, findings.closed)
+    assert not closed or (says in findings.reason and rig.opened == 0)
 
 
 @pytest.mark.parametrize(
@@ -347,42 +407,6 @@ def test_board_that_never_opens_is_vented_by_the_guardian(start, rig, matrix):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("fault", "send"),
-    [
-        ("SIGKILL to the guardian", os.kill),
-        ("SIGKILL to the guardian's group", os.killpg),
-    ],
-)
-def test_loop_whose_guardian_is_killed_stops_and_vents(start, rig, matrix, fault, send):
-    program = start("run", "sweep")
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
-    send(program.process.pid, signal.SIGKILL)
-    code, said = program.end()
-    assert code == -signal.SIGKILL
-    assert "the guardian process has ended" in said
-    findings = add(matrix, program, faulted_s, fault, "the loop, at the next tick")
-    assert findings.closed
-    assert "the guardian process has ended" in findings.reason
-    assert rig.opened == 0
-
-
-def test_loop_that_misses_too_many_ticks_in_a_row_stops_and_vents(start, rig, matrix):
-    program = start("run", "sweep", limits={"overruns_in_a_row": 40})
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
-    rig.stall_us = 60_000
-    code, said = program.end()
-    assert code == 1
-    assert "ticks of 5 ms were missed in a row, the limit is 40" in said
-    findings = add(
-        matrix, program, faulted_s, "every reading takes 60 ms", "more than 40 overruns in a row"
-    )
-    assert findings.missed_ticks >= 20
-    assert findings.statistics["overruns"] > 40
-
-
 def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
     program = start("run", "sweep", seconds=2.0)
     program.is_in_mid_run()
@@ -401,78 +425,6 @@ def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
     assert np.diff(channels["time_s"]).max() > 0.1
     matrix.add("a reading takes 150 ms", "mid-run, real time", "nothing: the run continues",
                "yes, at the end", "-", "0: ticks are missed and counted")  # fmt: skip
-
-
-def wait_until_vented(rig):
-    wait_until(lambda: list(rig.outputs[:2]) == [0.0, 0.0], "the valves")
-
-
-def test_guardian_that_is_stopped_is_missed_and_the_loop_vents(start, rig, matrix):
-    program = start("run", "sweep", loop={"stalled_s": 0.5})
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
-    os.kill(program.process.pid, signal.SIGSTOP)
-    wait_until_vented(rig)
-    os.kill(program.process.pid, signal.SIGCONT)
-    code, said = program.end()
-    assert code == 1
-    assert "the guardian process has been silent for" in said
-    findings = add(
-        matrix, program, faulted_s, "SIGSTOP to the guardian", "the loop, after stalled_s = 0.5 s"
-    )
-    assert findings.closed
-    assert rig.opened == 0
-
-
-def test_loop_that_is_killed_while_its_guardian_is_stopped_has_vented_before(start, rig, matrix):
-    program = start("run", "sweep", loop={"stalled_s": 0.5})
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
-    loop = program.loop()
-    os.kill(program.process.pid, signal.SIGSTOP)
-    wait_until_vented(rig)
-    os.kill(loop, signal.SIGKILL)
-    os.kill(program.process.pid, signal.SIGCONT)
-    code, _ = program.end()
-    assert code == 1
-    add(matrix, program, faulted_s, "SIGSTOP to the guardian, SIGKILL to the loop once it vented",
-        "the loop, after stalled_s = 0.5 s", again=1)  # fmt: skip
-
-
-def test_processes_that_are_both_stopped_and_go_on_end_the_run_vented(start, rig, matrix):
-    program = start("run", "sweep", loop={"stalled_s": 0.5}, limits={"overruns_in_a_row": 20})
-    program.is_in_mid_run()
-    both = [program.loop(), program.process.pid]
-    for process in both:
-        os.kill(process, signal.SIGSTOP)
-    time.sleep(1.0)
-    faulted_s = time.monotonic()
-    for process in both:
-        os.kill(process, signal.SIGCONT)
-    code, _ = program.end()
-    assert code == 1
-    add(matrix, program, faulted_s, "SIGSTOP to both processes, SIGCONT one second later",
-        "the loop, once it resumes", again=1)  # fmt: skip
-
-
-def test_board_that_fails_when_the_loop_is_killed_is_vented_once_it_recovers(start, rig, matrix):
-    program = start("run", "sweep")
-    program.is_in_mid_run()
-    faulted_s = time.monotonic()
-    rig.fail_code, rig.fail_count, rig.fail_at = 777, 1 << 40, rig.calls + 1
-    os.kill(program.loop(), signal.SIGKILL)
-    heard = b""
-    while b"THE CHAMBERS COULD NOT BE VENTED" not in heard:
-        errors = program.process.stderr.fileno()
-        assert select.select([errors], [], [], PATIENCE_S)[0], heard
-        heard += (said := os.read(errors, 1000))
-        assert said, heard
-    rig.fail_at = 0
-    code, said = program.end()
-    assert code == 1
-    assert "both chambers are vented" in said
-    add(matrix, program, faulted_s, "SIGKILL to the loop, and the board fails for a while",
-        "the guardian, once the board answers", again=1)  # fmt: skip
 
 
 def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix):
