@@ -1,5 +1,6 @@
 """Faults of parts, in this process: the rig runs on its bench's clock, tick by tick."""
 
+import errno
 import logging
 import math
 import signal
@@ -11,9 +12,8 @@ from fprc.apparatus import process
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.apparatus.record import record_on_rig
 from fprc.apparatus.session import Stop
-from fprc.errors import ControlError, FprcError, LogError, OutputError
-from fprc.logs import read_columns, read_journal
-from fprc.logs.journal import Journal
+from fprc.errors import ControlError, FprcError, OutputError
+from fprc.logs import journal, read_columns, read_journal
 
 TICKS = 8
 VENTED = [0.0, 0.0]
@@ -324,16 +324,17 @@ def test_computer_that_was_suspended_ends_the_run_vented(bench, record, matrix, 
 
 
 def test_disk_that_is_full_ends_the_run_vented(bench, record, matrix, monkeypatch, tmp_path):
-    append = Journal.append
+    write, written = journal._write, []
 
-    def full(journal, tick, row):
-        if tick == 5:
-            raise LogError("no space left on device")
-        append(journal, tick, row)
+    def full(file, data):
+        written.append(data)
+        if len(written) == 7:  # the header, five samples, and this one
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write(file, data)
 
-    monkeypatch.setattr(Journal, "append", full)
+    monkeypatch.setattr(journal, "_write", full)
     found = record()
-    assert "no space left on device" in str(found.error)
+    assert str(found.error).count("No space left on device") == 1
     assert vented(bench)
     assert found.samples == 5
     (rescued,) = tmp_path.glob("*.rescued.h5")

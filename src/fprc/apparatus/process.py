@@ -11,7 +11,6 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -27,7 +26,7 @@ from fprc.control import RunAbortedError, run
 from fprc.devices import Clock, Device
 from fprc.errors import FprcError, LogError
 from fprc.logs.journal import Journal
-from fprc.logs.recovery import read_journal, recover, rescue
+from fprc.logs.recovery import recover, rescue
 
 log = logging.getLogger("fprc.rig")
 
@@ -110,10 +109,12 @@ def record(
         try:
             journal.close(complete=not stopped, reason=stopped, **statistics)
         except LogError as error:
-            failed = "" if str(error) in stopped else str(error)
-    whole, kept = _keep(journal, channels, stopped, statistics)
-    if stopped or failed or not whole:
-        why = "\n".join(filter(None, [stopped or "the run was complete, but not its log", failed]))
+            failed = str(error)
+    kept = _kept(journal, channels, stopped, statistics, failed)
+    if stopped or failed:
+        why = stopped or "the run was complete, but not its log"
+        if failed not in why:  # which holds that of a sample
+            why += f"\n{failed}"
         shown = "" if unvented else "both chambers are vented, as their sensors show; "
         raise RunAbortedError(f"{why}\n{shown}{kept}", channels)
     try:
@@ -132,31 +133,25 @@ def record(
     )
 
 
-def _keep(
+def _kept(
     journal: Journal,
     channels: Mapping[str, np.ndarray],
     stopped: str,
     statistics: Mapping[str, float],
-) -> tuple[bool, str]:
-    """Return whether a closed journal holds every sample, and where they are.
-
-    If it does not, they are saved elsewhere.
-    """
-    path, recorded, held = journal.path, len(channels["time_s"]), 0
-    with suppress(LogError):
-        held = read_journal(path)[2].samples
-    if held >= recorded:
+    failed: str,
+) -> str:
+    """Return where the samples of a closed journal are; if it failed, save them elsewhere."""
+    path, recorded = journal.path, len(channels["time_s"])
+    if not failed:
         out = path.with_suffix(".rescued.h5")
         return (
-            True,
-            f"{held} samples are in {path}, copy them with: fprc log repair {path} --out {out}",
+            f"{recorded} samples are in {path}, copy them with: fprc log repair {path} --out {out}"
         )
-    short = f"{path} holds {held} of {recorded} samples"
     try:
         saved = rescue(journal, channels, reason=stopped, statistics=statistics)
     except LogError as error:
-        return False, f"{short}; the others are lost, since they can be saved nowhere:\n{error}"
-    return False, f"{short}; {saved} has all of them"
+        return f"{path} may lack some of {recorded} samples, which can be saved nowhere:\n{error}"
+    return f"{saved} has all of them, {recorded} samples"
 
 
 def _keeping(
