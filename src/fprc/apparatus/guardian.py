@@ -167,19 +167,24 @@ def _vent(hardware: Mapping[str, Any], received: Sequence[int]) -> str:
     attempts and prints nothing; this one prints the state every second.
     """
     before, began_s = received.count(signal.SIGINT), time.monotonic()
-    attempts = _Attempts(hardware)
-    attempts.start()
-    printed_s, printed = began_s, ""
+    given_up, told = threading.Event(), queue.SimpleQueue[tuple[str, str]]()
+    threading.Thread(target=_attempt, args=(hardware, given_up, told), daemon=True).start()
+    printed_s, printed, problem, written_s = began_s, "", "", 0.0
     while True:
         with suppress(queue.Empty):
-            return attempts.outcome.get(timeout=_POLL_S)
-        now_s, problem = time.monotonic(), attempts.problem
-        since_s = attempts.written_s
-        if since_s and now_s - since_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S:
+            what, text = told.get(timeout=_POLL_S)
+            if what == "outcome":
+                return text
+            if text:
+                problem = text
+            else:
+                written_s = written_s or time.monotonic()
+        now_s = time.monotonic()
+        if written_s and now_s - written_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S:
             return str(not_vented("no pressure can be read: the driver does not answer"))
         if received.count(signal.SIGINT) > before:
-            attempts.given_up.set()
-            if since_s:
+            given_up.set()
+            if written_s:
                 return str(not_vented("Ctrl-C ended the wait for the pressures"))
             return f"{_NOT_VENTED} ({problem})"
         if (problem and not printed) or now_s - printed_s > _MESSAGE_S:
@@ -187,41 +192,31 @@ def _vent(hardware: Mapping[str, Any], received: Sequence[int]) -> str:
             log.error(
                 "%s after %.1f s (%s). Still trying; Ctrl-C gives up",
                 "the valves were set to vent, but no reading confirms it yet"
-                if since_s
+                if written_s
                 else _NOT_VENTED,
                 now_s - began_s,
                 problem or "the driver has not answered yet",
             )
 
 
-class _Attempts(threading.Thread):
-    """Thread that tries to vent until it succeeds or is given up."""
+def _attempt(
+    hardware: Mapping[str, Any],
+    given_up: threading.Event,
+    told: queue.SimpleQueue[tuple[str, str]],
+) -> None:
+    """Try to vent until it succeeds or is given up; tell the error of each write, and the outcome.
 
-    def __init__(self, hardware: Mapping[str, Any]):
-        super().__init__(daemon=True)
-        self.outcome: queue.SimpleQueue[str] = queue.SimpleQueue()
-        self.given_up = threading.Event()
-        self.problem = ""  # error of the last failed write
-        self.written_s = 0.0  # time of the first successful write
-        self._hardware = hardware
-
-    def run(self) -> None:
-        """Vent, and put the outcome as text into ``outcome``."""
-        while not self.given_up.is_set():
-            try:
-                vent_from_outside(self._hardware, self._on_write)
-                return self.outcome.put(_VENTED)
-            except NotVentedError as error:
-                return self.outcome.put(str(error))
-            except Exception as error:  # of any type: the next attempt may succeed
-                self._on_write(f"{type(error).__name__}: {error}")
-                self.given_up.wait(_RETRY_S)
-
-    def _on_write(self, error: str) -> None:
-        if error:
-            self.problem = error
-        elif not self.written_s:
-            self.written_s = time.monotonic()
+    The error of a write that succeeded is empty.
+    """
+    while not given_up.is_set():
+        try:
+            vent_from_outside(hardware, lambda error: told.put(("write", error)))
+            return told.put(("outcome", _VENTED))
+        except NotVentedError as error:
+            return told.put(("outcome", str(error)))
+        except Exception as error:  # of any type: the next attempt may succeed
+            told.put(("write", f"{type(error).__name__}: {error}"))
+            given_up.wait(_RETRY_S)
 
 
 def _wait(process: _Process, received: Sequence[int]) -> int | None:

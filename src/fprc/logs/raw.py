@@ -196,7 +196,7 @@ def _contradictions(attributes: Mapping[str, Any]) -> list[str]:
     """Return an error text for each attribute whose value is impossible or contradicts another."""
     problems = []
     source, simulated = attributes.get("source"), attributes.get("simulated")
-    rate_hz, lost = attributes.get("sample_rate_hz", 1.0), attributes.get("lost_samples", 0)
+    rate_hz = attributes.get("sample_rate_hz", 1.0)
     if source is not None and source not in SOURCES:
         problems.append(f"attribute source = {source}; must be {', '.join(SOURCES)}")
     elif source and simulated is not None and simulated != source.endswith("sim"):
@@ -205,10 +205,6 @@ def _contradictions(attributes: Mapping[str, Any]) -> list[str]:
         )
     if not rate_hz > 0.0:
         problems.append(f"attribute sample_rate_hz = {rate_hz}; must be above 0")
-    if attributes.get("experiment") == "":
-        problems.append("attribute experiment: is empty; must be sweep, complex or a run's name")
-    if lost < 0:
-        problems.append(f"attribute lost_samples = {lost}; must not be below 0")
     return problems
 
 
