@@ -42,32 +42,12 @@ def test_raw_log_comes_back_as_it_was_written(write_log, channels):
     assert log.attributes["rig"] == {"valve": {"leak": 0.0}}
 
 
-def test_same_experiment_gives_the_same_bytes(write_log):
-    assert write_log("a.h5").read_bytes() == write_log("b.h5").read_bytes()
-    assert write_log("a.h5").read_bytes() != write_log("c.h5", seed=2).read_bytes()
-
-
-def test_expected_rate_may_be_the_logs_own(write_log, channels):
-    slow = {"time_s": channels["time_s"] * 4.0}
-    path = write_log(changed=slow, sample_rate_hz=50.0)
-    assert len(read_raw(path, **RATE | {"sample_rate_hz": None}).channels["time_s"]) == 400
-
-
 @pytest.mark.parametrize(
     "wrong",
     [
         *({name: None} for name in ATTRIBUTES),
-        *({"sample_rate_hz": rate} for rate in ("200", 0.0, -200.0, np.nan, [200.0, 200.0])),
-        {"experiment": 3},
-        {"source": 1.0},
+        *({"sample_rate_hz": rate} for rate in (0.0, -200.0)),
         {"source": "dream"},
-        {"simulated": "yes"},
-        {"seed": "one"},
-        {"seed": 1.5},
-        {"rig": [1.0, 2.0]},
-        {"complete": "yes"},
-        {"incomplete_reason": 1.0},
-        {"lost_samples": "3"},
         {"simulated": False},
     ],
     ids=str,
@@ -85,30 +65,29 @@ def test_time_that_does_not_increase_is_named_with_its_sample(write_log, changed
     assert f"{path}: channel time_s: sample {sample} at {time_s:.6f} s does not" in problem(path)
 
 
-@pytest.mark.parametrize("factor", [0.9, 1.02, 2.0])
-def test_wrong_rate_is_named_with_the_right_one(write_log, channels, factor):
-    path = write_log(changed={"time_s": channels["time_s"] / factor})
-    message = problem(path)
-    assert f"{path}: channel time_s: the mean rate up to sample 399" in message
-    assert f"{200.0 * factor:.4g} Hz, must be 200 Hz" in message
+#: Steps of the clock, first time stamp, declared and expected rate, and what is wrong.
+RATES = [
+    *((1.0 / factor, 0.0, 200.0, 200.0, "channel time_s") for factor in (0.9, 1.02, 2.0)),
+    *((1.0 / factor, 1.7e9, 200.0, 200.0, "") for factor in (0.995, 1.005)),
+    (4.0, 0.0, 50.0, None, ""),  # that of the log
+    (4.0, 0.0, 200.0, None, "channel time_s"),
+    (1.0, 0.0, 100.0, 200.0, "attribute sample_rate_hz = 100"),
+    (2.0, 0.0, 100.0, 200.0, "attribute sample_rate_hz = 100"),  # as declared
+]
 
 
-def test_declared_rate_that_is_not_the_configured_one_is_an_error(write_log):
-    path = write_log(sample_rate_hz=100.0)
-    assert f"{path}: attribute sample_rate_hz = 100; must be 200" in problem(path)
-
-
-def test_log_at_another_rate_has_one_problem(write_log, channels):
-    slower = {"time_s": 2.0 * channels["time_s"]}
-    message = problem(write_log(sample_rate_hz=100.0, changed=slower))
-    assert "attribute sample_rate_hz = 100; must be 200" in message
-    assert "mean rate" not in message
-
-
-def test_time_may_begin_anywhere_and_its_rate_differ_within_the_tolerance(write_log, channels):
-    for factor in (0.995, 1.005):
-        path = write_log(changed={"time_s": channels["time_s"] / factor + 1.7e9})
-        assert read_raw(path, **RATE)
+@pytest.mark.parametrize(("step", "begin_s", "declared_hz", "expected_hz", "about"), RATES)
+def test_rate_of_the_samples_and_the_declared_one_are_that_of_the_experiment(
+    write_log, channels, step, begin_s, declared_hz, expected_hz, about
+):
+    time_s = {"time_s": channels["time_s"] * step + begin_s}
+    path = write_log(changed=time_s, sample_rate_hz=declared_hz)
+    if about:
+        (line,) = problem(path, sample_rate_hz=expected_hz).splitlines()
+        assert line.startswith(f"{path}: {about}")
+    else:
+        log = read_raw(path, **RATE | {"sample_rate_hz": expected_hz})
+        assert log.channels["time_s"].tolist() == time_s["time_s"].tolist()
 
 
 def test_log_of_another_experiment_is_refused(write_log):
@@ -130,11 +109,8 @@ def test_channels_beyond_the_raw_ones_are_kept(write_log):
 @pytest.mark.parametrize("name", ["time_s", "p_exp_command_kpa", "phi_deg"])
 def test_impossibly_large_number_is_named_with_its_sample(write_log, changed, name, value):
     path = write_log(changed=changed(name, slice(7, 9), value))
-    lines = problem(path).splitlines()
-    assert lines == [
-        f"{path}: channel {name}: sample 7 is {value:g}; it and 1 more exceed 1e+10, far "
-        "more than any sensor reads; restore the file or record again"
-    ]
+    (line,) = problem(path).splitlines()
+    assert line.startswith(f"{path}: channel {name}: sample 7 is {value:g}")
 
 
 # --- closed-loop runs -------------------------------------------------------------------------
@@ -180,27 +156,25 @@ def attribute(name, value=None):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "about"),
     [
-        (without("p_ff_kpa"), "channel p_ff_kpa: missing"),
-        (without("valve_main_v"), "channel valve_main_v: missing"),
-        (spoiled("theta_d_deg"), "channel theta_d_deg: sample 11 is nan"),
-        (spoiled("p_fb_kpa"), "channel p_fb_kpa: sample 11 is nan"),
-        (attribute("controller"), "attribute controller: missing"),
-        (attribute("settle_s"), "attribute settle_s: missing"),
-        (attribute("settle_s", "5"), "attribute settle_s = '5': must be a finite number"),
-        (attribute("settle_s", 2.0), "attribute settle_s = 2; must be at most 1.995"),
-        (attribute("reference", 3), "attribute reference = 3: must be text"),
-        (attribute("source", "dream"), "attribute source = dream; must be sim, rig"),
-        (attribute("simulated"), "attribute simulated: missing"),
+        (without("p_ff_kpa"), "channel p_ff_kpa"),
+        (without("valve_main_v"), "channel valve_main_v"),
+        (spoiled("theta_d_deg"), "channel theta_d_deg: sample 11"),
+        (spoiled("p_fb_kpa"), "channel p_fb_kpa: sample 11"),
+        (attribute("controller"), "attribute controller"),
+        (attribute("settle_s"), "attribute settle_s"),
+        (attribute("settle_s", "5"), "attribute settle_s = '5'"),
+        (attribute("settle_s", 2.0), "attribute settle_s = 2"),
+        (attribute("source", "dream"), "attribute source = dream"),
     ],
 )
-def test_run_that_is_not_whole_is_refused_by_check_and_workflow(write_run, change, said):
+def test_run_that_is_not_whole_is_refused_by_check_and_workflow(write_run, change, about):
     """For any channels that the workflow requests."""
     path = write_run()
     with h5py.File(path, "r+") as file:
         change(file)
-    assert problem(path).startswith(f"{path}: {said}")
+    assert problem(path).startswith(f"{path}: {about}")
     with pytest.raises(LogError) as caught:
         read_run(path, ("time_s", "theta_deg"))
     assert str(caught.value) == problem(path)
@@ -222,23 +196,21 @@ def test_imported_run_may_lack_the_optional_channels_of_an_import(write_run, abs
         read_run(path, (absent,))
 
 
-def test_run_without_its_own_channels_is_not_written(write_run, write_log, tmp_path):
-    with pytest.raises(LogError, match="channels theta_d_deg, p_ff_kpa, p_fb_kpa are missing"):
-        write_log("run.h5", experiment="track_sweep_fprc")
-    assert not (tmp_path / "run.h5").exists()
-
-
-def test_log_without_all_raw_channels_is_not_written(tmp_path):
+@pytest.mark.parametrize(
+    ("experiment", "absent"),
+    [
+        ("track_sweep_fprc", ["theta_d_deg", "p_ff_kpa", "p_fb_kpa"]),
+        ("sweep", ["p_o_kpa", "phi_deg"]),
+    ],
+)
+def test_log_without_the_channels_of_its_kind_is_not_written(
+    channels, tmp_path, experiment, absent
+):
     path = tmp_path / "log.h5"
-    told = {"experiment": "sweep", "source": "sim", "sample_rate_hz": 200.0, "seed": 1}
-    with pytest.raises(LogError, match="channels p_o_kpa, phi_deg are missing"):
-        write_raw(
-            path,
-            {name: [0.0] for name in needed_by("sim") if name not in ("p_o_kpa", "phi_deg")},
-            **told,
-            software="fprc test",
-            rig={},
-        )
+    there = {name: values for name, values in channels.items() if name not in absent}
+    told = {"experiment": experiment, "source": "sim", "sample_rate_hz": 200.0, "seed": 1}
+    with pytest.raises(LogError, match=", ".join(absent)):
+        write_raw(path, there, **told, software="fprc test", rig={})
     assert not path.exists()
 
 
