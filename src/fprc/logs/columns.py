@@ -13,8 +13,14 @@ from fprc.errors import LogError
 from fprc.logs.attributes import as_written, read_attributes
 from fprc.logs.hdf5 import channel_of, opened, refuse_never_written, too_large
 
-#: The oldest format in which everything but the samples has checksums.
-_FORMAT = (h5py.h5f.LIBVER_V110, h5py.h5f.LIBVER_V110)
+#: A file in memory, without padding, in the oldest format in which everything but the samples has
+#: checksums. A file on a full disk would crash the process at exit.
+_IN_MEMORY: dict[str, Any] = {
+    "driver": "core",
+    "backing_store": False,
+    "libver": ("v110", "v110"),
+    "meta_block_size": 1,
+}
 
 
 class Columns(NamedTuple):
@@ -39,7 +45,7 @@ def write_columns(
     LogError
         The name of a channel does not end in a unit.
     """
-    with _in_memory() as file:
+    with h5py.File("log", "w", **_IN_MEMORY) as file:
         file.attrs.update({name: as_written(value) for name, value in attributes.items()})
         for name, values in channels.items():
             numbers = np.asarray(values, np.float64)
@@ -51,17 +57,6 @@ def write_columns(
         image = file.id.get_file_image()
     with replacing(path) as temporary:
         temporary.write_bytes(image)
-
-
-def _in_memory() -> h5py.File:
-    """Return a new file in memory; one on a full disk would crash the process at exit."""
-    access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
-    access.set_fapl_core(backing_store=False)
-    access.set_libver_bounds(*_FORMAT)
-    access.set_meta_block_size(1)  # no padding
-    creation = h5py.h5p.create(h5py.h5p.FILE_CREATE)
-    creation.set_obj_track_times(False)  # the same content gives the same bytes
-    return h5py.File(h5py.h5f.create(b"log", h5py.h5f.ACC_TRUNC, creation, access))
 
 
 def read_columns(
