@@ -60,13 +60,13 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
     signal = settings["experiments"]["sweep"] | {"duration_s": 20.0}
     log = acquire("sweep", signal, settings["control"], settings["rig"], seed=1)
     X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
-    model = str(tmp_path / "fprc.h5")
+    model = tmp_path / "fprc.h5"
     save_model(FPRC(n_c=2, random_state=1).partial_fit(X, log["p_exp_command_kpa"]), model)
 
     number = 20
     live_by(make_bench(settings, run=number))
     raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd"
-    process.record(name, str(raw), settings=settings, model=model, stop=lambda: "")
+    process.record(name, str(raw), settings=settings, model=str(model), stop=lambda: "")
     learned = LEARNING_CHANNELS if adapt else ()
     found = read_columns(raw, (*RAW_CHANNELS, *TRACKING_CHANNELS, *learned))
 
@@ -83,26 +83,14 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
         np.testing.assert_allclose(p_learned, expected["p_learned_kpa"], atol=0.5)
     described = found.attributes
     assert (described["experiment"], described["controller"]) == (name, "fprc_pd")
+    digest = hashlib.sha256(model.read_bytes()).hexdigest()
+    assert [described[key] for key in ("model", "model_file", "model_sha256")] == [
+        "FPRC", "fprc.h5", digest,
+    ]  # fmt: skip
+    assert read_run(raw).attributes == described
     assert described["rig"]["control"]["pd"] == settings["control"]["pd"]
     (journal,) = tmp_path.glob("*.journal")
     channels, _, findings = read_journal(journal)
     assert findings.complete
     for channel, values in channels.items():
         assert np.array_equal(values, found.channels[channel])
-
-
-def test_log_of_the_rig_names_the_model_that_ran(bench, settings, live_by, tmp_path):
-    settings["tracking"]["references"]["sine_0p5"] |= {"duration_s": 0.2, "settle_s": 0.1}
-    signal = settings["experiments"]["sweep"] | {"duration_s": 20.0}
-    log = acquire("sweep", signal, settings["control"], settings["rig"], seed=1)
-    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
-    model = tmp_path / "fitted.h5"
-    save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]), model)
-    live_by(bench)
-    raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc"
-    process.record(name, str(raw), settings=settings, model=str(model), stop=lambda: "")
-    told = read_run(raw).attributes
-    digest = hashlib.sha256(model.read_bytes()).hexdigest()
-    assert [told[name] for name in ("experiment", "model", "model_file", "model_sha256")] == [
-        "track_sine_0p5_fprc", "FPRC", "fitted.h5", digest,
-    ]  # fmt: skip

@@ -379,49 +379,49 @@ def test_any_damage_leaves_the_other_samples(closed, tmp_path_factory, cut, flip
         assert findings.closed is (len(damaged) >= end + (len(data) - end) // 2)
 
 
-@pytest.mark.parametrize(
-    "order",
-    [[*range(5), 9, *range(6, 9), 5, *range(10, 20)], [*range(8), 5, 6, 7, *range(8, 20)]],
-    ids=["5 and 9 exchanged", "three twice"],
-)
-def test_misplaced_samples_are_sorted_and_none_is_lost(closed, path, order):
-    data, start = closed
-    samples = [data[start + k * SIZE : start + (k + 1) * SIZE] for k in order]
-    path.write_bytes(data[:start] + b"".join(samples) + data[start + 20 * SIZE :])
-    ticks, findings = read_ticks(path)
-    assert ticks == list(range(20))
-    assert (findings.lost, findings.missed_ticks, findings.complete) == (0, 0, True)
+def in_order(*order):
+    return lambda samples, other: [samples[k] for k in order]
 
 
-def test_lost_samples_are_counted_wherever_they_were(closed, path):
-    data, start = closed
-    damaged = bytearray(data)
-    for k in (0, 5, 6, 7, 19):
-        damaged[start + k * SIZE + 30] ^= 4
-    path.write_bytes(damaged)
-    findings = read_ticks(path)[1]
-    assert (findings.lost, findings.missed_ticks) == (5, 0)
+def with_flipped_bits(*lost):
+    def damage(samples, other):
+        return [
+            bytes([*sample[:30], sample[30] ^ 4, *sample[31:]]) if k in lost else sample
+            for k, sample in enumerate(samples)
+        ]
+
+    return damage
 
 
-def test_page_of_zeros_at_the_end_is_no_sample(path):
-    write(path, close=False)
-    with path.open("ab") as file:
-        file.write(bytes(3 * SIZE))
-    ticks, findings = read_ticks(path)
-    assert (ticks, findings.lost) == (list(range(20)), 3)
+#: What a disk makes of the samples, given those of another journal too, and which are lost.
+DAMAGES = {
+    "5 and 9 exchanged": (in_order(*range(5), 9, *range(6, 9), 5, *range(10, 20)), []),
+    "three twice": (in_order(*range(8), 5, 6, 7, *range(8, 20)), []),
+    "flipped bits": (with_flipped_bits(0, 5, 6, 7, 19), [0, 5, 6, 7, 19]),
+    "of another": (lambda samples, other: samples[:4] + other[4:8] + samples[8:], [4, 5, 6, 7]),
+    "zeros": (lambda samples, other: samples[:-3] + [bytes(SIZE)] * 3, [17, 18, 19]),
+}
 
 
-def test_samples_of_another_journal_are_not_taken_for_this_ones(closed, path):
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("is_closed", [True, False])
+def test_samples_that_a_disk_lost_are_counted_and_the_others_sorted(
+    closed, path, damage, is_closed
+):
     data, start = closed
     write(path, overruns=3)
-    other = path.read_bytes()
-    assert len(other) == len(data)
-    mixed = bytearray(data)
-    mixed[start + 4 * SIZE : start + 8 * SIZE] = other[start + 4 * SIZE : start + 8 * SIZE]
-    path.write_bytes(mixed)
+    another = path.read_bytes()
+    make, lost = DAMAGES[damage]
+    ends = [start + k * SIZE for k in range(21)]
+    pairs = list(zip(ends, ends[1:], strict=False))
+    samples = make(*([file[at:to] for at, to in pairs] for file in (data, another)))
+    path.write_bytes(data[:start] + b"".join(samples) + (data[ends[-1] :] if is_closed else b""))
     ticks, findings = read_ticks(path)
-    assert ticks == [*range(4), *range(8, 20)]
-    assert findings.lost == 4
+    assert ticks == [k for k in range(20) if k not in lost]
+    assert findings.missed_ticks == 0
+    assert (findings.closed, findings.complete) == (is_closed, is_closed and not lost)
+    # without an end mark, the number of samples is that of the places they take
+    assert findings.lost == (20 if is_closed else len(samples)) - len(ticks)
 
 
 @pytest.mark.parametrize("data", [b"\x89HDF\r\n\x1a\n" + bytes(100), b"text", bytes(50)])
