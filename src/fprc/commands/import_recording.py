@@ -160,9 +160,13 @@ def own_rate(mapping: ImportMap, source: str) -> float:
     Raises
     ------
     LogError
-        The file cannot be used with this map.
+        The file cannot be used with this map; or its rate is unlikely, another unit of time makes
+        it likely, and the map does not give the rate.
     """
     _, recording = _read(mapping, source)
+    hint = other_unit(recording.time_s, mapping.time.unit) if mapping.time.column else None
+    if hint and mapping.sample_rate_hz is None:
+        raise LogError(f"{source}: time: {hint}; give sample_rate_hz if it is not")
     rate_hz = rate_of(recording.time_s)
     whole_hz = float(np.round(rate_hz))
     return whole_hz if abs(rate_hz - whole_hz) <= _NEAR_WHOLE * rate_hz else rate_hz

@@ -36,7 +36,6 @@ from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
 
-
 #: Modules that pandas imports only when it writes a table.
 TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
 

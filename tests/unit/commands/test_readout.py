@@ -229,6 +229,18 @@ def test_models_work_at_the_rate_of_the_recording(
     assert ("fprc.epsilon 0.01 to" in capsys.readouterr().err) == (used_hz != 200.0)
 
 
+def test_unlikely_rate_needs_the_map_to_give_it(recording, tmp_path, capsys, monkeypatch):
+    def stop(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(readout_command, "_compete", stop)
+    table = pd.read_csv(tmp_path / "log.csv")
+    table.assign(t=1e3 * table["t"]).to_csv(tmp_path / "log.csv", index=False)
+    assert run(tmp_path, recording(test_from_s=7000)) == 1
+    assert "set time.unit: ms" in capsys.readouterr().err
+    assert run(tmp_path, recording(test_from_s=7000, sample_rate_hz=1)) == 130
+
+
 def test_slowest_of_several_recordings_sets_the_rate(recording, tmp_path, monkeypatch):
     def stop(*arguments):
         raise KeyboardInterrupt
