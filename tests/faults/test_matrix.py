@@ -4,14 +4,16 @@ import errno
 import logging
 import math
 import signal
+from functools import partial
 
 import numpy as np
 import pytest
 
-from fprc.apparatus import process
+from fprc.apparatus import guardian, process, session
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.apparatus.record import record_on_rig
 from fprc.apparatus.session import Stop
+from fprc.devices import pneumatics
 from fprc.errors import ControlError, FprcError, OutputError
 from fprc.logs import journal, read_columns, read_journal
 
@@ -379,6 +381,27 @@ def test_reason_of_a_run_is_kept_when_the_rig_cannot_be_closed_either(bench, rec
     for text in (str(found.error), found.reason):
         assert "run stopped at sample 5: angle sensor 0x12 on I2C bus 1: reading the angle" in text
         assert "stopping it failed" in text
+
+
+def test_loop_whose_guardian_has_ended_vents_until_the_board_answers(
+    bench, settings, record, monkeypatch
+):
+    shared = bench.shared
+    settings["hardware"]["valves"]["vent_s"] = 0.4
+    alone = partial(pneumatics.vent, sleep=bench.wait, now=bench.elapsed)
+    monkeypatch.setattr(pneumatics, "vent", alone)
+    monkeypatch.setattr(guardian, "_RETRY_S", 0.005)
+
+    def end_the_guardian(tick):
+        monkeypatch.setattr(session, "notify", lambda message: False)
+        if tick == 5:
+            shared.fail_at, shared.fail_count, shared.fail_code = shared.calls + 1, 120, 777
+
+    found = record(at=end_the_guardian)
+    assert shared.failures == 120
+    assert vented(bench)
+    assert "both chambers are vented" in found.reason
+    assert found.samples == 5
 
 
 def test_rig_that_cannot_be_closed_after_a_whole_run_costs_no_sample(bench, record):

@@ -81,7 +81,7 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         if end in _KILLED:
             process.kill()
         # vent before waiting for the end of the process: until then the valves hold their voltages
-        vented = "" if end == "safe" else _vent(hardware, received)
+        vented = "" if end == "safe" else vent_until_shown(hardware, received)
         code = _wait(process, received)
         if code is None:
             raise ControlError(
@@ -90,7 +90,7 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
             )
         if end in _KILLED:
             # again: the last driver call of the killed process may have come after the venting
-            vented = _vent(hardware, received)
+            vented = vent_until_shown(hardware, received)
     if end == "stuck":
         opening_s = hardware["loop"]["opening_s"]
         raise ControlError(
@@ -160,7 +160,7 @@ def _watch(
         state = max(limits_s, key=(state + chunk).rfind)  # the latest
 
 
-def _vent(hardware: Mapping[str, Any], received: Sequence[int]) -> str:
+def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) -> str:
     """Vent until the sensors confirm it or the user gives up; return the outcome as text.
 
     A driver call may never return, and printing may block. Another thread therefore makes the

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.apparatus.guardian import ARMED, BEAT_S, HEARTBEAT, OPENING, SAFE
+from fprc.apparatus.guardian import ARMED, BEAT_S, HEARTBEAT, OPENING, SAFE, vent_until_shown
 from fprc.control import PressurePI, RunAbortedError
 from fprc.control.clock import Metronome
 from fprc.control.realtime import request_realtime
@@ -66,7 +66,6 @@ def on_rig(
             hardware,
             clock.elapsed,
             has_lock=True,  # inherited from the guardian
-            persist=_is_alone,
             sleep=_wait,
             now=_now,
         )
@@ -91,12 +90,14 @@ def on_rig(
         try:
             opened.close()
             notify(SAFE)
-        except DeviceError as closing:  # does not hide an earlier error
-            if failed:
-                raise DeviceError(f"{failed}\n{closing}") from failed
-            if not timing:
-                raise
+        except DeviceError as closing:
             unvented = str(closing)
+            if not notify(HEARTBEAT):  # the guardian has ended, so that only this process can vent
+                unvented += f"\n{vent_until_shown(hardware)}"
+            if failed:  # which is not hidden
+                raise DeviceError(f"{failed}\n{unvented}") from failed
+            if not timing:
+                raise DeviceError(unvented) from closing
     return Session(channels, timing, stopped, unvented)
 
 
@@ -133,22 +134,6 @@ def notify(message: bytes) -> bool:
     except BrokenPipeError:
         return False
     return True
-
-
-def _is_alone() -> bool:
-    """Return whether the guardian has ended, so that only this process can vent."""
-    if notify(HEARTBEAT):
-        return False
-    if _now() - _printed_s[0] > 1.0:
-        _printed_s[0] = _now()
-        log.error(
-            "THE CHAMBERS COULD NOT BE VENTED, and the guardian process has ended; cut the supply "
-            "and open them by hand. Still trying to vent"
-        )
-    return True
-
-
-_printed_s = [0.0]
 
 
 def _now() -> float:

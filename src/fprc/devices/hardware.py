@@ -32,9 +32,6 @@ class HardwareRig:
         Returns the time since the start of the run, s, which becomes the time of a reading.
     has_lock : bool
         Whether this process already holds the locks of the boards; see ``fprc.devices.locks``.
-    persist : callable
-        Called by ``close`` if every write to the valves has failed for ``vent_s``; returns
-        whether to keep trying.
     open_bus : callable
         Opens the I2C bus with a given number.
     sleep, now : callable
@@ -52,7 +49,6 @@ class HardwareRig:
         elapsed: Callable[[], float],
         *,
         has_lock: bool = False,
-        persist: Callable[[], bool] = lambda: False,
         open_bus: Callable[[int], Any] = open_bus,
         sleep: Callable[[float], None] = time.sleep,
         now: Callable[[], float] = time.monotonic,
@@ -60,7 +56,7 @@ class HardwareRig:
         boards = hardware["boards"]
         self._elapsed = elapsed
         self._voltages = hardware["valves"]
-        self._venting: dict[str, Any] = {"persist": persist, "sleep": sleep, "now": now}
+        self._venting: dict[str, Any] = {"sleep": sleep, "now": now}
         self._buses: dict[int, Any] = {}
         with contextlib.ExitStack() as opened:
             locks = opened.enter_context(contextlib.ExitStack())

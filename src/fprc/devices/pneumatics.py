@@ -107,7 +107,6 @@ def vent(
     voltages: Mapping[str, Any],
     *,
     on_write: Callable[[str], None] = lambda error: None,
-    persist: Callable[[], bool] = lambda: False,
     sleep: Callable[[float], None] = time.sleep,
     now: Callable[[], float] = time.monotonic,
 ) -> None:
@@ -123,8 +122,6 @@ def vent(
         Returns the input board; called again after a DeviceError.
     on_write : callable
         Called after each write to the valves with its error; empty if it succeeded.
-    persist : callable
-        Called if every write has failed for ``vent_s``; returns whether to keep trying.
 
     Raises
     ------
@@ -132,7 +129,7 @@ def vent(
         ``vent_s`` after the first successful write, no reading shows that both chambers are
         vented.
     DeviceError
-        The valves could not be written.
+        Every write to the valves has failed for ``vent_s``.
     """
     began_s, written_s = now(), None
     chambers = _Chambers(voltages["vented_kpa"])
@@ -143,7 +140,7 @@ def vent(
         except DeviceError as error:
             failed = f"{error}; "
             on_write(str(error))
-            if written_s is None and now() - began_s > voltages["vent_s"] and not persist():
+            if written_s is None and now() - began_s > voltages["vent_s"]:
                 raise
         else:
             on_write("")

@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 
 from fprc.apparatus import guardian
-from fprc.apparatus.guardian import BEAT_S, _vent, _wait, _watch
+from fprc.apparatus.guardian import BEAT_S, _wait, _watch, vent_until_shown
 from fprc.devices import pneumatics
 
 
@@ -122,7 +122,7 @@ def fill(bench):
 
 def test_chambers_are_vented_over_a_connection_of_its_own(alive, settings, heard):
     fill(alive)
-    assert _vent(settings["hardware"], heard) == VENTED
+    assert vent_until_shown(settings["hardware"], heard) == VENTED
     assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
     assert abs(alive.rig.read().p_exp_kpa) < 15.0
     assert alive.shared.opened == 0
@@ -130,7 +130,7 @@ def test_chambers_are_vented_over_a_connection_of_its_own(alive, settings, heard
 
 def test_chambers_that_no_sensor_shows_are_not_called_vented(alive, settings, heard):
     settings["hardware"]["boards"]["input_device"] = "AIO007"
-    said = _vent(settings["hardware"], heard)
+    said = vent_until_shown(settings["hardware"], heard)
     assert "no pressure can be read (board AIO007: AioInit failed with code 10000" in said
     assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
     assert alive.shared.opened == 0
@@ -142,7 +142,7 @@ def test_board_that_fails_and_recovers_is_tried_until_it_vents(
 ):
     fill(alive)
     fail(alive, failures)
-    assert _vent(settings["hardware"], heard) == VENTED
+    assert vent_until_shown(settings["hardware"], heard) == VENTED
     assert alive.shared.failures == failures
     assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
 
@@ -173,7 +173,7 @@ def test_venting_is_given_up_only_by_the_user(alive, settings, heard, quick, cap
             alive.shared.fail_count = 0
 
     person = in_the_background(send)
-    said = _vent(settings["hardware"], heard)
+    said = vent_until_shown(settings["hardware"], heard)
     person.join()
     if number == signal.SIGINT:
         assert said.startswith("THE CHAMBERS COULD NOT BE VENTED")
@@ -199,7 +199,7 @@ def test_terminal_that_takes_no_message_does_not_keep_from_venting(
         held.set()
 
     person = in_the_background(look)
-    assert _vent(settings["hardware"], heard) == VENTED
+    assert vent_until_shown(settings["hardware"], heard) == VENTED
     person.join()
 
 
@@ -214,7 +214,7 @@ def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
 
     monkeypatch.setattr(guardian, "vent_from_outside", vent)
     settings["hardware"]["valves"]["vent_s"] = 0.1
-    said = _vent(settings["hardware"], heard)
+    said = vent_until_shown(settings["hardware"], heard)
     never.set()
     assert "both valves were set to vent, but no pressure can be read: the driver" in said
 

@@ -45,7 +45,7 @@ def build(bench, hardware, buses):
             bench.elapsed,
             **{"open_bus": open_and_keep, "sleep": lambda seconds: None} | more,
         )
-        rig._venting = {"persist": lambda: False, "sleep": bench.wait, "now": bench.elapsed}
+        rig._venting = {"sleep": bench.wait, "now": bench.elapsed}
         return rig
 
     return build
