@@ -107,7 +107,8 @@ def gather_columns(
         problems = _attribute_problems(wrong)
         present = frozenset(file)  # `name in file` would follow a link
         names = (*names, *(name for name in optional if name in present))
-        channels, unchecked, more = _read_all(file, names)
+        channels, more = _read_all(file, names)
+        unchecked = tuple(name for name in channels if not file[name].fletcher32)
     return Columns(path, channels, values, unchecked), [f"{path}: {p}" for p in (*more, *problems)]
 
 
@@ -133,10 +134,8 @@ def _attribute_problems(wrong: Mapping[str, str]) -> list[str]:
     ]
 
 
-def _read_all(
-    file: h5py.File, names: tuple[str, ...]
-) -> tuple[dict[str, np.ndarray], tuple[str, ...], list[str]]:
-    """Return the channels, the names of those without a checksum, and the problems."""
+def _read_all(file: h5py.File, names: tuple[str, ...]) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Return the channels that can be read, and the problems."""
     datasets, problems = {}, []
     for name in names:
         try:
@@ -146,11 +145,9 @@ def _read_all(
         except LogError as error:
             problems.append(f"channel {name}: {error}")
     if why := too_large(datasets.values()):
-        return {}, (), [*problems, why]
-    channels, unchecked = {}, []
+        return {}, [*problems, why]
+    channels = {}
     for name, dataset in datasets.items():
-        if not dataset.fletcher32:
-            unchecked.append(name)
         attributes, wrong = read_attributes(dataset.attrs)
         more = _attribute_problems({key: why for key, why in wrong.items() if key == "units"})
         unit = attributes.get("units", "none")
@@ -169,7 +166,7 @@ def _read_all(
         else:
             more += _not_finite(channels[name])
         problems += [f"channel {name}: {problem}" for problem in more]
-    return channels, tuple(unchecked), problems + _wrong_lengths(channels)
+    return channels, problems + _wrong_lengths(channels)
 
 
 def _not_finite(values: np.ndarray) -> list[str]:
