@@ -225,8 +225,9 @@ class Journal:
         """Return an error text if the file was lost; empty if it is whole."""
         written = self._start + self.samples * len(self._buffer)
         try:
+            self.path.stat()  # fails if it was moved or unmounted
             kept = os.fstat(self._file)
-            whole = os.path.samestat(kept, self.path.stat()) and kept.st_size >= written
+            whole = kept.st_nlink > 0 and kept.st_size >= written
         except OSError:
             whole = False
         if whole:
