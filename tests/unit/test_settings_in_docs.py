@@ -61,7 +61,7 @@ def quoted():
             f"| {clock.LONGEST_S / 3600:g} h, and {clock.MOST_POINTS / 1e6:g} million samples",
             f"cut into {WORDS[competitors.BLOCKS]} blocks",
             f"`evaluation.purge_s` ({settings.evaluation.purge_s:g} s)",
-            f"({competitors.TIME_CONSTANTS * filter_s:g} s at {times})",
+            f"({competitors.TIME_CONSTANTS * filter_s:g} s), less",
             f"{WORDS[competitors.BLOCKS]} need {competitors.BLOCKS * block_s:g} s of training",
             f"fewer than {WORDS[paired.LEAST_UNITS]} decide nothing",
             f"An ESN with {settings.models.esn.r} states is left out of logs of more than "
