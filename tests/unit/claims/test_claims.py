@@ -10,7 +10,7 @@ from scipy.stats import spearmanr, ttest_1samp
 
 from fprc import config
 from fprc.claims.finding import Results, Statement
-from fprc.claims.ledger import changed_verdicts, fit_in_words, judge_claims, status_of
+from fprc.claims.ledger import changed_verdicts, judge_claims, status_of
 from fprc.claims.numbers import tap_trend, thirds_of_taps
 from fprc.claims.paper import CLAIMS
 from fprc.experiments.measures import (
@@ -597,7 +597,6 @@ def test_ids_are_unique_and_in_order_and_texts_are_those_of_the_published_claims
     whole = {claim["id"]: claim["text"] for claim in PUBLISHED["claims"]}
     own = {row["id"]: row["claim"] for row in rows}
     assert all(text.startswith(own[name]) for name, text in whole.items() if name in own)
-    assert all(row["ours"] and row["test"] and row["basis"] for row in rows)
 
 
 def test_no_text_of_the_ledger_shows_nan_or_a_numpy_type(ideal):
@@ -648,42 +647,25 @@ def test_every_claim_is_perturbed_but_one_with_a_test_of_its_own():
     }
 
 
-def test_esn_that_is_better_in_test_is_lowest_and_consistent(ideal):
-    change = error("sweep", "esn", TEST, over=("fprc", TEST))
-    expected = EXPECTED | {"C2": "not reproduced", "C3": "not reproduced"}
-    assert after(ideal, change(0.99)) == expected
-
-
-def test_fuzzy_linear_that_is_better_in_test_spoils_both_claims_that_say_otherwise(ideal):
-    change = error("sweep", "fuzzy_linear", TEST, over=("fprc", TEST))
-    expected = EXPECTED | {"C2": "not reproduced", "C4": "not reproduced"}
-    assert after(ideal, change(0.99)) == expected
-
-
-def test_reservoir_whose_loop_grows_spoils_both_halves(ideal):
-    expected = EXPECTED | {"C18a": "not reproduced", "C18b": "not reproduced"}
-    assert after(ideal, grown("p_o_kpa")(0.3)) == expected
-
-
 @pytest.mark.parametrize(
-    ("claim", "change"),
+    ("claims", "change", "verdict"),
     [
-        ("C8a C8b", share_of_p_o(ONE)(0.8)),
-        ("C9b", cells("n_c", TRAIN, ONE, model="fprc", n_c=8)(9.0)),
-        ("C15", angle(CLOSED_SWEEP, off_once_by, ONE)(9.0)),
-        ("C18a C18b", grown("p_o_kpa", ONE)(0.9)),
+        ("C2 C3", error("sweep", "esn", TEST, over=("fprc", TEST))(0.99), "not reproduced"),
+        ("C2 C4", error("sweep", "fuzzy_linear", TEST, over=("fprc", TEST))(0.99),
+         "not reproduced"),
+        ("C18a C18b", grown("p_o_kpa")(0.3), "not reproduced"),
+        ("C13b", angle("complex/fprc_pd", off_by)(3.9), "not reproduced"),
+        ("C13a C13b", angle("complex/fprc_pd", off_by)(4.6), "not reproduced"),
+        # one seed of three contradicts
+        ("C8a C8b", share_of_p_o(ONE)(0.8), "undecided"),
+        ("C9b", cells("n_c", TRAIN, ONE, model="fprc", n_c=8)(9.0), "undecided"),
+        ("C15", angle(CLOSED_SWEEP, off_once_by, ONE)(9.0), "undecided"),
+        ("C18a C18b", grown("p_o_kpa", ONE)(0.9), "undecided"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
-)
-def test_claim_that_one_seed_of_three_contradicts_is_undecided(ideal, claim, change):
-    assert after(ideal, change) == EXPECTED | dict.fromkeys(claim.split(), "undecided")
-
-
-def test_feedback_that_does_not_help_spoils_each_claim_on_it(ideal):
-    closed = angle("complex/fprc_pd", off_by)
-    cut = EXPECTED | {"C13b": "not reproduced"}
-    assert after(ideal, closed(3.9)) == cut
-    assert after(ideal, closed(4.6)) == cut | {"C13a": "not reproduced"}
+)  # fmt: skip
+def test_change_gives_its_claims_a_verdict_and_no_other(ideal, claims, change, verdict):
+    assert after(ideal, change) == EXPECTED | dict.fromkeys(claims.split(), verdict)
 
 
 @pytest.mark.parametrize("samples", [-7, -6, 6, 7])
@@ -694,28 +676,11 @@ def test_ledger_says_by_how_much_and_which_way_the_angle_is_late(ideal, samples)
     assert row["statements"][1]["mean"] == pytest.approx(5 * samples)
 
 
-def texts(material):
-    return {row["id"]: row["ours"] for row in judged(material)}
-
-
-def test_numbers_of_the_claims_are_those_of_the_results(ideal):
-    ours = texts(ideal)
-    assert ours["C2"] == "FPRC / best other model, test: 0.667 (0.667 to 0.667)"
-    assert ours["C11"].startswith("15 of 15 hold; closest: FPRC / Fuzzy-linear at n_c")
-    assert "time saved, FPRC / ESN, test, sequential [%]: 97.6" in ours["C5a"]
+def test_interval_of_a_statement_is_about_its_mean(ideal):
     rows = {row["id"]: row for row in judged(ideal)}
     (shares,) = rows["C8a"]["statements"]
     assert shares["mean"] == pytest.approx(0.56 / 0.44, rel=0.01)
     assert shares["first"] < shares["mean"] < shares["last"]
-    assert shares["limits"] == "within 0.5 to 2"
-
-
-def test_ledger_says_how_many_seeds_a_verdict_stands_on(ideal):
-    basis = {row["id"]: row["basis"] for row in judged(ideal)}
-    timed, halved = {name for name, claim in BY_ID.items() if claim.kind == "timed"}, {"C9c"}
-    assert all("3 seeds" in basis[claim] for claim in set(basis) - timed - halved)
-    assert all("2 seeds" in basis[claim] and "on the first 1" in basis[claim] for claim in halved)
-    assert all("main run" in basis[claim] for claim in timed)
 
 
 def rounded(material):
@@ -757,10 +722,6 @@ def test_changed_verdicts_are_listed_in_the_order_of_the_ledger():
         "C10: reproduced, but nothing is declared",
         "C3: not judged, but reproduced is declared",
     ]
-
-
-def test_no_verdict_has_changed_where_all_are_as_declared(ideal):
-    assert changed_verdicts(judged(ideal), EXPECTED) == []
 
 
 values_of_seeds = st.lists(st.floats(0.1, 10.0), min_size=2, max_size=20)
@@ -827,19 +788,6 @@ def test_single_value_decides_alone():
 )
 def test_claim_is_fitted_where_a_term_of_the_objective_asks_for_it(claim, terms, status):
     assert status_of(BY_ID[claim], terms) == status
-
-
-@pytest.mark.parametrize(
-    ("terms", "words"),
-    [
-        ([], "nothing"),
-        (["tables"], "Tables II and III"),
-        (["C8", "open_loop"], "C8 and open-loop Table IV"),
-        (["tables", "orders", "plausible"], "Tables II and III, their orders and plausible loops"),
-    ],
-)
-def test_terms_of_a_fit_are_a_sentence(terms, words):
-    assert fit_in_words(terms) == words
 
 
 def noisy_grids(noise):

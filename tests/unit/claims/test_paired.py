@@ -57,12 +57,6 @@ def test_superior_and_inferior_are_t_tests(values, level):
     assert part(values, ratio=False).verdict(level) == expected
 
 
-def test_equivalent_comes_before_superior_and_a_difference_is_never_equivalent():
-    values = normal(-0.02, 0.01, 20)
-    assert part(values).verdict(0.05) == "equivalent"
-    assert part(values, ratio=False).verdict(0.05) == "superior"
-
-
 @given(SAMPLES, st.booleans())
 def test_lowest_level_is_where_the_verdict_turns(values, ratio):
     sample = part(values, ratio=ratio)
@@ -72,16 +66,6 @@ def test_lowest_level_is_where_the_verdict_turns(values, ratio):
         assert sample.verdict(least * 0.9999) == "undecided"
     if inferior < 0.9 and not ratio:
         assert sample.verdict(inferior * 1.0001) == "inferior"
-
-
-def test_lowest_level_of_equivalence_is_that_of_two_one_sided_tests():
-    values = normal(0.01, 0.03, 12)
-    ps = (
-        ttest_1samp(values, MARGIN, alternative="less").pvalue,
-        ttest_1samp(values, -MARGIN, alternative="greater").pvalue,
-    )
-    assert part(values).least_levels()[0] == pytest.approx(2 * max(ps))
-    assert max(ps) < ttest_1samp(values, 0.0).pvalue / 2
 
 
 # --- several claims -------------------------------------------------------------------------------
@@ -144,14 +128,9 @@ def test_part_that_is_undecided_leaves_the_claim_undecided():
 def test_p_of_two_parts_is_that_of_the_weaker():
     weak, strong = normal(-0.1, 0.125, 12), normal(-0.3, 0.01, 12)
     assert judge(strong, weak).p == pytest.approx(2 * judge(weak).p)
+    assert judge(strong, weak).level == pytest.approx(judge(weak).level / 2)
     # one part that is inferior decides the claim
     assert judge(normal(0.3, 0.01, 12), weak).p < judge(weak).p
-
-
-def test_two_parts_share_the_level():
-    one, two = judge(normal(-0.1, 0.1, 12)), judge(*[normal(-0.1, 0.1, 12)] * 2)
-    assert two.p == pytest.approx(2 * one.p)
-    assert two.level == pytest.approx(one.level / 2)
 
 
 # --- errors and power -----------------------------------------------------------------------------
@@ -163,23 +142,16 @@ def worlds(means, std, units=10, count=200):
         yield [[part(random.normal(mean, std, units))] for mean in means]
 
 
-def test_chance_of_any_wrong_verdict_is_five_percent(monkeypatch):
+@pytest.mark.parametrize("true", [[], [-5.0] * 4])
+def test_chance_of_any_wrong_verdict_is_five_percent(monkeypatch, true):
+    """Also where other claims are true."""
     monkeypatch.setattr(paired, "AGREEING", 0.0)
     monkeypatch.setattr(paired, "SUBSETS", 1)
     # so wide that no sample is equivalent: every verdict is wrong
+    means = true + [0.0] * (8 - len(true))
     wrong = [
-        any(outcome.verdict != "undecided" for outcome in judge_together(world))
-        for world in worlds([0.0] * 8, 1.0, count=300)
-    ]
-    assert 0.02 < np.mean(wrong) < 0.08
-
-
-def test_chance_does_not_rise_where_other_claims_are_true(monkeypatch):
-    monkeypatch.setattr(paired, "AGREEING", 0.0)
-    monkeypatch.setattr(paired, "SUBSETS", 1)
-    wrong = [
-        any(outcome.verdict != "undecided" for outcome in judge_together(world)[4:])
-        for world in worlds([-5.0] * 4 + [0.0] * 4, 1.0, count=300)
+        any(outcome.verdict != "undecided" for outcome in judge_together(world)[len(true) :])
+        for world in worlds(means, 1.0, count=300)
     ]
     assert 0.02 < np.mean(wrong) < 0.08
 
@@ -265,14 +237,10 @@ def test_verdict_that_fewer_units_turn_is_undecided():
     assert outcome.stable < 0.95
 
 
-def test_stable_verdict_keeps_its_share():
-    outcome = judge(normal(-0.1, 0.02, 12))
-    assert (outcome.verdict, outcome.stable) == ("superior", 1.0)
-
-
 def test_one_outlier_leaves_it_undecided():
     values = normal(-0.1, 0.02, 12)
-    assert judge(values).verdict == "superior"
+    outcome = judge(values)
+    assert (outcome.verdict, outcome.stable) == ("superior", 1.0)
     assert judge([*values[1:], 1.0]).verdict == "undecided"
 
 
@@ -293,8 +261,3 @@ def test_subsets_lack_as_many_units_as_asked_for():
 def test_units_that_all_agree_are_judged():
     assert judge([-0.2] * 10).verdict == "superior"
     assert judge([0.0] * 10).verdict == "equivalent"
-
-
-def test_same_numbers_give_the_same_verdicts():
-    claims = [[part(normal(-0.08, 0.1, 14, seed))] for seed in range(8)]
-    assert judge_together(claims) == judge_together(claims)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from fprc.claims.recording import CLAIMS, answer, judge_recording, sentences
-from fprc.experiments.competitors import ON_RECORDINGS
 
 MODELS = ("fprc", *(claim.other for claim in CLAIMS))
 
@@ -44,10 +43,6 @@ def test_answer_needs_both_comparisons(ratios, first):
     assert answer(rows).startswith(f"**{first}**: ")
 
 
-def test_every_model_of_a_claim_is_judged_on_recordings():
-    assert set(MODELS) <= set(ON_RECORDINGS)
-
-
 def test_clear_pairs_are_decided_and_named():
     told = report(fprc_lowpass=0.7, ridge_p_o=1.5)
     assert verdicts(told) == {"B1": "superior", "B4": "inferior", "R1": "equivalent"}
@@ -82,14 +77,6 @@ def test_shared_training_data_leave_undecided_what_independent_blocks_would_deci
     assert rows[0]["verdict"] == "undecided"
     assert "undecided" in sentences(rows)[0]
     assert "contains 1 and is not within 5 %" in sentences(rows)[0]
-
-
-def test_one_block_that_carries_the_verdict_leaves_it_undecided():
-    told = report(fprc_lowpass=0.7)
-    told["cells"][0]["validation_rmse_kpa"][3] *= 1.6
-    told["cells"][0]["validation_rmse_kpa"][5] *= 1.5
-    row = judge_recording(told)[0]
-    assert row["verdict"] == "undecided"
 
 
 def test_model_without_errors_leaves_its_claim_unjudged():
