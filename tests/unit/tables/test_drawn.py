@@ -120,13 +120,6 @@ def test_fig_10_of_further_seeds_shows_means_and_deviations_over_them(figures, p
     assert tests["mean"].tolist() == [folds[0] + 0.25 for folds in FOLDS.values()]
 
 
-def test_fig_10_without_fprc_has_no_panel_a(figures, place):
-    csv = place("fig10.csv")
-    draw.draw_settings(sweep("n_c", place), times(place), csv, place("f.pdf"), place("f.png"))
-    assert list(pd.read_csv(csv)["panel"].unique()) == ["b", "c"]
-    assert len(figures[0].axes) == 2
-
-
 def test_fig_11_draws_the_means_of_its_table(figures, place):
     cells = [
         {"model": "fprc", "n_u": n_u, "n_y": n_y, "train_rmse_kpa": [n_u, n_y],
