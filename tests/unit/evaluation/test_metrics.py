@@ -1,24 +1,12 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
 
-series = arrays(float, st.integers(1, 30), elements=st.floats(-1e3, 1e3))
-
 
 def test_rmse_is_the_root_of_the_mean_square():
     assert rmse(np.array([0.0, 0.0, 0.0, 0.0]), np.array([1.0, -1.0, 5.0, -3.0])) == 3.0
-
-
-@given(series, st.integers(0, 2**32 - 1))
-def test_rmse_is_symmetric_and_scales(y, seed):
-    z = np.random.default_rng(seed).normal(size=len(y))
-    assert rmse(y, z) == rmse(z, y)
-    assert rmse(3.0 * y, 3.0 * z) == pytest.approx(3.0 * rmse(y, z))
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])

@@ -3,11 +3,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from threadpoolctl import threadpool_limits
 
 from fprc.evaluation import time_models, timing
 from fprc.evaluation.timing import time_steps
-from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, SequenceModel, TapFeatures
+from fprc.models import RidgeReadout, SequenceModel, TapFeatures
 
 
 class Clock:
@@ -73,31 +72,6 @@ def forget():
     Features.calls.clear()
     Features.stepped.clear()
     Readout.trained.clear()
-
-
-@pytest.mark.parametrize(
-    "model",
-    [ESN(r=5, random_state=1), FPRC(n_c=2, random_state=1), FuzzyLinear(n_c=2, random_state=1)],
-    ids=lambda model: type(model).__name__,
-)
-def test_both_phases_are_timed_in_both_modes(model):
-    results = time_model(model.fit(*log(60)), log(60), log(40), repeats=2)
-    assert [(entry["phase"], entry["mode"], entry["samples"]) for entry in results] == [
-        ("train", "sequential", 60),
-        ("train", "batch", 60),
-        ("test", "sequential", 40),
-        ("test", "batch", 40),
-    ]
-    for entry in results:
-        assert len(entry["seconds"]) == 2
-        assert all(type(seconds) is float for seconds in entry["seconds"])
-
-
-def test_given_model_stays_as_it_is_fitted():
-    model = fitted()
-    before = model.readout_.w_out_.copy()
-    time_model(model, [part[:10] for part in log(20)], log(10), repeats=1)
-    np.testing.assert_array_equal(model.readout_.w_out_, before)
 
 
 def test_time_of_a_test_is_that_of_its_samples(clock, monkeypatch):
@@ -190,15 +164,6 @@ def test_every_step_is_timed_by_itself_and_in_order(clock):
     seconds = time_steps(step, len(work))
     assert called == [0, 1, 2, 3]
     assert seconds.tolist() == [1.0 + spent for spent in work]
-
-
-def test_machine_names_the_cpu_and_the_threads_in_use():
-    with threadpool_limits(1):
-        machine = timing.machine()
-    assert set(machine) == {"cpu", "threads", "blas"}
-    assert machine["threads"] == 1
-    assert machine["cpu"].strip()
-    assert machine["blas"].strip()
 
 
 def log(size):

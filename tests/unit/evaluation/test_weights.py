@@ -21,13 +21,6 @@ def shares(X, y, folds=3):
     return normalised_weights(model, (X, y, None), split_rows(len(y), folds, "shuffled", 5))
 
 
-def test_shares_of_every_rule_are_positive_and_sum_to_one(data):
-    found = shares(*data)
-    assert found.shape == (3, 1 + 3 + 2)
-    assert (found > 0.0).all()
-    np.testing.assert_allclose(found.sum(axis=1), 1.0, rtol=1e-12)
-
-
 @pytest.mark.parametrize(
     ("scale", "shift"), [((0.01, 1.0), (0.0, 0.0)), ((1.0, 1e3), (0.0, 0.0)),
                          ((1.0, 1.0), (-40.0, 101.3)), ((np.pi / 180, 1e3), (2.0, -5e4))]

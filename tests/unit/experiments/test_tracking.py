@@ -1,10 +1,7 @@
-import math
-
 import numpy as np
 import pytest
 
 from fprc.config import Settings
-from fprc.control import PD
 from fprc.errors import ControlError
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
@@ -129,22 +126,6 @@ def test_law_and_gains_are_those_of_the_configuration(control):
     incremental, positional = pd_of(control, 9.0), pd_of(control | own, 9.0)
     assert [incremental.step(4.0, 0.0) for _ in range(5)] == [2.0, 4.0, 6.0, 8.0, 8.0]
     assert [positional.step(4.0, 0.0) for _ in range(5)] == [8.0] * 5
-
-
-@pytest.mark.parametrize("reference", REFERENCES)
-def test_keeping_the_sum_from_winding_up_changes_no_error(bench, models, monkeypatch, reference):
-    """P_d meets no limit here; on some seeds it meets 0 late in the sweep, for less than 1 %."""
-
-    def errors():
-        run = bench.follow(reference, "fprc_pd", models["fprc"])
-        return tracking_rmse(run, 5.0)
-
-    kept = errors()
-    free = {"period_s": 0.005, "limits_kpa": (-math.inf, math.inf)}
-    monkeypatch.setattr(
-        "fprc.experiments.tracking.pd_of", lambda control, limit: PD(**control["pd"], **free)
-    )
-    assert errors() == pytest.approx(kept, rel=1e-6)
 
 
 @pytest.mark.slow
