@@ -1,7 +1,5 @@
-import copy
 import importlib
 import math
-import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -89,42 +87,30 @@ def with_calibration(settings, **changes):
 # --- what is measured -----------------------------------------------------------------------------
 
 
-@pytest.fixture
-def asked_for(monkeypatch):
-    """Seeds that the surrogate judges, with what it is asked to measure."""
-    asked = []
-
-    def judge(on_rig, seed, models, surrogate, grids, tracking, measures):
-        asked.append((seed, set(measures)))
-        assert surrogate == SURROGATE
-        return {"errors": {}, "seed": seed}
-
-    monkeypatch.setattr(stage, "judge_by_surrogate", judge)
-    return asked
-
-
-@pytest.fixture
-def judge_seeds(settings, on_rig):
-    def call(seeds, **changes):
-        calibration = with_calibration(settings, **changes)["calibration"]
-        models = settings["judgement"]["models"]
-        return stage.judge_seeds(
-            on_rig, seeds, models=models, calibration=calibration, grids={}, tracking={}
-        )
-
-    return call
-
-
 GRIDS = {"epsilon", "n_c", "taps"}
 
 
 @pytest.mark.parametrize(("grid_seeds", "first"), [(1, 1), (2, 2), (9, 3)])
-def test_grids_are_measured_on_the_first_seeds_only(asked_for, judge_seeds, grid_seeds, first):
-    found = judge_seeds([4, 3, 9], grid_seeds=grid_seeds)
+def test_grids_are_measured_on_the_first_seeds_only(
+    settings, on_rig, monkeypatch, grid_seeds, first
+):
+    asked = []
+
+    def judge(on_rig, seed, models, surrogate, grids, tracking, measures):
+        asked.append((seed, set(measures)))
+        return {"errors": {}, "seed": seed}
+
+    monkeypatch.setattr(stage, "judge_by_surrogate", judge)
+    calibration = settings["calibration"] | {"grid_seeds": grid_seeds}
+    found = stage.judge_seeds(
+        on_rig, [4, 3, 9], models={}, calibration=calibration, grids={}, tracking={}
+    )
     assert [seed["seed"] for seed in found] == [4, 3, 9]
-    assert [seed for seed, _ in asked_for] == [4, 3, 9]
-    for number, (_, measures) in enumerate(asked_for):
-        assert measures == (set(MEASURES) if number < first else set(MEASURES) - GRIDS)
+    all_of_them = set(MEASURES)
+    assert asked == [
+        (seed, all_of_them if number < first else all_of_them - GRIDS)
+        for number, seed in enumerate((4, 3, 9))
+    ]
 
 
 # --- logarithms at a point ------------------------------------------------------------------------
@@ -134,7 +120,7 @@ def test_grids_are_measured_on_the_first_seeds_only(asked_for, judge_seeds, grid
 def logs_at(on_rig):
     """Return the logarithms at a point whose coordinates are these parameters."""
 
-    def call(point, paths, estimate=None, **changes):
+    def call(point, paths, estimate=None):
         seen = []
 
         def judge(settings, seeds):
@@ -144,7 +130,7 @@ def logs_at(on_rig):
         free = free_parameters(paths)
         found = stage.judge_point(
             np.array(point), on_rig=replace(on_rig, rig=RIG), free=free, seeds=[21, 22],
-            estimate=judge, **changes,
+            estimate=judge,
         )  # fmt: skip
         return found, seen
 
@@ -162,41 +148,13 @@ def test_rig_that_breaks_a_rule_is_impossible_and_not_simulated(logs_at):
 
 
 @pytest.mark.parametrize(
-    "failure",
-    [
-        SimulationError("the bending angle left its physical range"),
-        np.linalg.LinAlgError("singular matrix"),
-        ValueError("input contains NaN"),
-        EvaluationError("the model's output is not finite"),
-    ],
-    ids=lambda failure: type(failure).__name__,
+    "failure", [SimulationError, np.linalg.LinAlgError, ValueError, EvaluationError]
 )
 def test_rig_that_cannot_be_judged_is_impossible(logs_at, failure):
     def fail(*_):
-        raise failure
+        raise failure("it failed")
 
     assert logs_at([0.5], ["drift.sigma_kpa"], fail)[0] is None
-
-
-def test_rig_that_diverges_is_impossible(logs_at, on_rig, settings):
-    # as soft as can be, and pressed as hard as can be: it bends by more than half a turn
-    soft = [
-        "bending.stiffness_kpa_per_deg", "bending.cubic_stiffness_kpa_per_deg3",
-        "bending.relaxation_stiffness_kpa_per_deg", "bending.preload_kpa",
-        "bending.friction_per_kpa",
-    ]  # fmt: skip
-    hard = {"amplitude_kpa": 225.0, "offset_kpa": 230.0, "f_start_hz": 0.3}
-    signals = {
-        name: signal | (hard if name == "sweep" else {}) | {"duration_s": 4.0}
-        for name, signal in on_rig.signals.items()
-    }
-
-    def judge(changed, seeds):
-        models = settings["judgement"]["models"]
-        changed = replace(changed, signals=signals)
-        return [judge_by_surrogate(changed, seed, models, SURROGATE, {}, {}) for seed in seeds]
-
-    assert logs_at(np.zeros(5), soft, judge)[0] is None
 
 
 # --- the whole fit --------------------------------------------------------------------------------
@@ -268,15 +226,6 @@ def test_report_and_file_are_of_the_same_rig(fitted, report, settings):
     assert report["rig_sha256"] == hash_of(written(fitted))
 
 
-def test_only_free_parameters_are_changed(fitted, settings):
-    found, before = written(fitted), copy.deepcopy(settings["on_rig"]["rig"])
-    for path in settings["calibration"]["free"]:
-        section, name = path.split(".")
-        assert found[section][name] != before[section][name]
-        before[section][name] = found[section][name]
-    assert found == before
-
-
 def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report, settings, on_rig):
     best = replace(on_rig, rig=written(fitted))
     (errors,) = full_errors(best, [21], 1, settings["judgement"])
@@ -297,40 +246,18 @@ def test_surrogate_is_corrected_by_its_ratios_on_the_rig_at_the_start(report, se
     assert report["surrogate_ratios"] == pytest.approx(expected, rel=1e-9)
 
 
-def undated(folder):
-    found = [(folder / name).read_text(encoding="utf-8") for name in ("rig.yaml", "fit.json")]
-    return [re.sub(r"\d{4}-\d{2}-\d{2}", "", text) for text in found]
-
-
 @pytest.fixture
 def judged(monkeypatch):
-    """Points in the order in which the search asks for them; stops before number ``stop``."""
-
-    class Judge:
-        def __init__(self):
-            self.points, self.stop = [], None
-
-        def __call__(self, point, **settings):
-            if len(self.points) == self.stop:
-                raise KeyboardInterrupt
-            self.points.append(tuple(np.asarray(point).tolist()))
-            return judge_point(point, **settings)
-
+    """Points in the order in which the search asks for them."""
+    found = SimpleNamespace(points=[])
     judge_point = stage.judge_point
-    spy = Judge()
-    monkeypatch.setattr(stage, "judge_point", spy)
-    return spy
 
+    def noting(point, **settings):
+        found.points.append(tuple(np.asarray(point).tolist()))
+        return judge_point(point, **settings)
 
-@pytest.mark.slow
-def test_interrupted_fit_goes_on_where_it_was(fitted, settings, tmp_path, judged):
-    judged.stop = EVALUATIONS - 3
-    with pytest.raises(KeyboardInterrupt):
-        fit(tmp_path, settings)
-    assert [path.name for path in tmp_path.iterdir()] == ["search.jsonl.1"]
-    judged.points, judged.stop = [], None
-    assert undated(fit(tmp_path, settings)) == undated(fitted)
-    assert len(judged.points) == POPULATION  # the last generation alone
+    monkeypatch.setattr(stage, "judge_point", noting)
+    return found
 
 
 class Quick:
@@ -372,16 +299,6 @@ class Quick:
 @pytest.fixture
 def quick(monkeypatch, settings):
     return Quick(monkeypatch, settings)
-
-
-def test_ratios_correct_the_surrogate(quick, tmp_path):
-    """The surrogate's errors are half of those of the full models, which are as printed."""
-    quick.deviation = lambda point, seeds: -math.log(2.0) / 0.05
-    quick.full_over_cheap = 2.0
-    found = quick.fit(tmp_path)
-    assert found["surrogate_ratios"] == pytest.approx(dict.fromkeys(quick.aim.errors, 2.0))
-    assert found["loss_at_start"] == pytest.approx(0.0, abs=1e-12)
-    assert found["residuals"] == pytest.approx(dict.fromkeys(quick.aim.errors, 0.0))
 
 
 def test_grids_are_in_the_order_that_the_objective_compares(quick, tmp_path):

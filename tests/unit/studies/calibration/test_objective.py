@@ -264,13 +264,6 @@ def test_measures_come_back_from_their_logarithms(values):
         assert found[0]["n_c"][model] == {key: pytest.approx(each) for key, each in phases.items()}
 
 
-def test_deviations_are_those_of_the_measures_themselves():
-    judged = [GOOD | {"shares": 9.0, "epsilon": [9.0, 8.0, 7.0]}, without("epsilon")]
-    found = deviations(judged_of(logs_of(judged), judged), AIM)
-    for name, expected in deviations(judged, AIM).items():
-        np.testing.assert_allclose(found[name], expected, rtol=1e-9, atol=1e-9)
-
-
 # --- properties -----------------------------------------------------------------------------------
 
 RATE_HZ, DURATION_S = 200, 40

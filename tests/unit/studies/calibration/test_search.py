@@ -130,13 +130,6 @@ def test_best_of_all_points_that_were_judged_is_found(run):
     assert len(run.points) == GENERATIONS * POPULATION
 
 
-def test_one_seed_gives_one_search_and_another_seed_another(run):
-    found = [(run(name=f"{n}.jsonl", seed=seed), run.points) for n, seed in enumerate((3, 3, 4))]
-    assert same(found[0][0], found[1][0])
-    assert found[0][1] == found[1][1]
-    assert not set(found[0][1][1:]) & set(found[2][1][1:])
-
-
 @pytest.mark.slow
 def test_two_processes_find_what_one_finds(tmp_path):
     def judge(point):  # not at module level, since the processes cannot import this module
@@ -180,12 +173,6 @@ def test_search_goes_on_until_a_point_is_possible(run):
     found = run(judge=judge, generations=25, progress=lambda *told: heard.append(told[2]))
     assert heard[:3] == [math.inf] * 3
     assert found.point == pytest.approx(TARGET, abs=5e-3)
-
-
-def test_search_in_which_nothing_is_possible_gives_its_start(run):
-    found = run(judge=lambda point: None)
-    assert found.point.tolist() == [0.4, 0.4, 0.4]
-    assert (found.loss, found.generations, found.finished) == (math.inf, GENERATIONS, True)
 
 
 # --- interrupted, and called again ----------------------------------------------------------------
@@ -234,22 +221,17 @@ def clock(monkeypatch, run):
     monkeypatch.setattr(importlib.import_module("fprc.studies.calibration.search"), "time", watch)
 
 
-@pytest.mark.parametrize(
-    ("seconds", "generations"), [(0.0, 1), (0.5, 1), (8.0, 1), (8.5, 2), (16.0, 2), (24.5, 4)]
-)
+@pytest.mark.parametrize(("seconds", "generations"), [(0.0, 1), (8.0, 1), (8.5, 2), (24.5, 4)])
 @pytest.mark.usefixtures("clock")
-def test_no_generation_but_the_first_begins_after_the_time_limit(run, seconds, generations):
+def test_no_generation_but_the_first_begins_after_the_time_limit(
+    run, undisturbed, seconds, generations
+):
     found = run(seconds=seconds)
     assert not found.finished
     assert math.isfinite(found.loss)
     assert (found.generations, found.evaluations) == (generations, generations * POPULATION)
     assert len(run.points) == found.evaluations
-
-
-@pytest.mark.usefixtures("clock")
-def test_search_that_ran_out_of_time_goes_on_as_if_nothing_had_been(run, undisturbed):
     expected, points, kept = undisturbed()
-    assert not run(seconds=17.0).finished
     assert same(run(), expected)
-    assert run.points == points[3 * POPULATION :]
+    assert run.points == points[generations * POPULATION :]
     assert run.checkpoint.read_text(encoding="utf-8") == kept

@@ -1,15 +1,14 @@
 import numpy as np
 import pytest
 
-from fprc.config import Settings, check
+from fprc.config import Settings
 from fprc.evaluation.weights import normalised_weights
-from fprc.experiments.comparison import judge_directions
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import Track
 from fprc.models import ESN, FPRC, FuzzyLinear
-from fprc.paper import DIRECTIONS, REFERENCES
-from fprc.studies.calibration.surrogate import MEASURES, _Cheap, judge_by_surrogate
+from fprc.paper import REFERENCES
+from fprc.studies.calibration.surrogate import MEASURES, judge_by_surrogate
 
 STRIDE, NODES, SEED = 4, 15, 5
 N_Y, ALPHA, N_C, N_U = 2, 0.01, 3, 2
@@ -124,45 +123,20 @@ def test_without_a_stride_the_errors_are_those_of_the_model_itself(judge, logs, 
             assert errors[f"{trained_on}/{model}/{phase}"] == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("stride", [1, 2])
-def test_errors_are_nearly_those_of_the_cross_validated_models(stride):
-    """The test error is that of one of five folds, and so varies more than the training error."""
-    settings = Settings().model_dump(mode="json")
-    signals = {name: signal | {"duration_s": 20.0}
-               for name, signal in settings["experiments"].items()}  # fmt: skip
-    on_rig = RigSettings(settings["rig"], settings["control"], signals, "command")
-    models = settings["models"]
-    how = Judgement(models=models, folds=5, split="shuffled", seed=SEED)
-    surrogate = {"stride": stride, "esn_nodes": 10}
-    errors = judge_by_surrogate(on_rig, SEED, models, surrogate, {}, {})["errors"]
-    data = simulate(on_rig, SEED)
-    for name in ("fprc", "fuzzy_linear"):
-        for (trained_on, _), (_, report, _) in zip(
-            DIRECTIONS, judge_directions(name, how, data, DIRECTIONS), strict=True
-        ):
-            train, test = np.mean(report["train_rmse_kpa"]), report["test_rmse_kpa"]
-            assert errors[f"{trained_on}/{name}/train"] == pytest.approx(train, rel=0.02)
-            assert errors[f"{trained_on}/{name}/test"] == pytest.approx(test, rel=0.1)
-
-
 # --- grids ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("number", range(len(GRIDS["epsilon"])))
-def test_cell_of_epsilon_is_that_of_a_model_with_it(judged, logs, number):
-    parts = fitted(logs, "sweep", "fprc", epsilon=GRIDS["epsilon"][number])
-    expected = error_of(logs, parts, "fprc", "sweep")
-    assert judged["epsilon"][number] == pytest.approx(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize("number", range(len(GRIDS["n_c"])))
-@pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
-def test_cell_of_n_c_is_that_of_a_model_with_it(judged, logs, name, number):
-    parts = fitted(logs, "sweep", name, n_c=GRIDS["n_c"][number])
-    for phase, log in (("train", "sweep"), ("test", "complex")):
-        expected = error_of(logs, parts, name, log)
-        assert judged["n_c"][name][phase][number] == pytest.approx(expected, rel=1e-9)
+def test_cells_of_epsilon_and_n_c_are_those_of_models_with_them(judged, logs):
+    for epsilon, found in zip(GRIDS["epsilon"], judged["epsilon"], strict=True):
+        expected = error_of(logs, fitted(logs, "sweep", "fprc", epsilon=epsilon), "fprc", "sweep")
+        assert found == pytest.approx(expected, rel=1e-9)
+    for name in ("fprc", "fuzzy_linear"):
+        for number, n_c in enumerate(GRIDS["n_c"]):
+            parts = fitted(logs, "sweep", name, n_c=n_c)
+            for phase, log in (("train", "sweep"), ("test", "complex")):
+                expected = error_of(logs, parts, name, log)
+                found = judged["n_c"][name][phase][number]
+                assert found == pytest.approx(expected, rel=1e-9)
 
 
 def test_cells_of_the_taps_are_those_of_models_with_them(judged, logs):
@@ -204,10 +178,3 @@ def test_open_loop_errors_are_those_of_the_model_in_the_loop(judged, logs, on_ri
 
 
 # --- what is asked for ----------------------------------------------------------------------------
-
-
-def test_surrogate_clusters_as_the_models_do():
-    chosen = {"clustering": "scikit-fuzzy", "restarts": 3}
-    models = check({"models": {"fprc": chosen}}).models.model_dump()
-    parameters = _Cheap({}, models, SEED, STRIDE)._readout(n_c=5).get_params()
-    assert {key: parameters[key] for key in (*chosen, "n_c")} == {**chosen, "n_c": 5}
