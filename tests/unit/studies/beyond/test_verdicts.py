@@ -21,12 +21,6 @@ def ledgers(make_world):
     return [judge_world(world) for world in worlds]
 
 
-def test_claims_have_one_row_each_and_one_column_per_world(ledgers):
-    page = verdicts.claims_page(ledgers).set_index("Id")
-    assert list(page.index) == [f"B{n}" for n in range(1, 9)]
-    assert list(page) == ["Claim", "dry", "drawn", "sparse", "broken"]
-
-
 def test_mark_beside_a_verdict_says_whom_the_fit_favours(ledgers):
     page = verdicts.claims_page(ledgers).set_index("Id")
     mean = ledgers[0][0]["parts"][0]["mean"]
@@ -37,19 +31,6 @@ def test_mark_beside_a_verdict_says_whom_the_fit_favours(ledgers):
     assert not page["drawn"].str.contains("[†‡]").any()
     # fitted as well, but there is no verdict
     assert page.loc["B1", "broken"] == "not judged"
-
-
-def test_what_was_fitted_names_its_claims_and_worlds(ledgers):
-    page = verdicts.fitted_page(ledgers).set_index("What was fitted")
-    assert page.loc["FPRC's forward error, at epsilon 0.01"].tolist() == ["FPRC †", "B1, B4", "dry"]
-    assert page.loc["P_o's share of the readout's weights"].tolist() == [
-        "P_o ‡", "B1, B2, B3, B8", "dry",
-    ]  # fmt: skip
-    lowest = page.loc["FPRC's error as the lowest of the paper's models"]
-    assert lowest[["Claims", "Worlds"]].to_numpy().tolist() == [
-        ["B1, B2, B4, B6", "dry"], ["B7", "dry, sparse"],
-    ]  # fmt: skip
-    assert verdicts.fitted_page(ledgers[1:2]).empty
 
 
 def test_details_say_on_what_a_verdict_rests(ledgers):

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from fprc.studies.beyond.worlds import capacities, measured, world_title
+from fprc.studies.beyond.worlds import capacities, measured
 
 CELL = {"unit": 3, "seed": 601, "rig": None}
 
@@ -51,9 +51,3 @@ def test_nonlinear_capacity_is_that_of_degree_two_and_above():
     }  # fmt: skip
     assert set(table["unit"]) == {601}
     assert capacities({"capacity": None}).empty
-
-
-def test_every_world_has_a_title_and_a_rig_of_ones_own_keeps_its_name():
-    assert [world_title(name) for name in ("bouc_wen", "drawn", "my_rig")] == [
-        "Bouc-Wen", "drawn", "my-rig",
-    ]  # fmt: skip

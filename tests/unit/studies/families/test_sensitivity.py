@@ -76,14 +76,6 @@ def test_changes_are_relative_to_the_rig_itself(effects, tmp_path):
     assert lines[0].split("|")[2].strip() == f"{100 * largest:.0f} %"
 
 
-@pytest.mark.slow
-def test_figure_is_drawn(effects, tmp_path):
-    written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md", "tex")}
-    stage.tabulate_sensitivity(effects, **written)
-    stage.draw_sensitivity(written["csv"], str(tmp_path / "a.pdf"), str(tmp_path / "a.png"))
-    assert (tmp_path / "a.png").stat().st_size > 10_000
-
-
 def test_rig_that_cannot_be_simulated_itself_is_an_error():
     report = {"source": "sim", "cells": [{"path": None, "share": None, "numbers": None}]}
     with pytest.raises(FprcError, match="section rig"):

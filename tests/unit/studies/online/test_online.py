@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -14,7 +12,6 @@ from fprc.studies.online.follow_up import STATES, follow_up
 from fprc.studies.online.judge import changed_rig, conditions, disturbed, judge_online
 from fprc.studies.stages import online as stage
 
-ROOT = Path(__file__).parents[4]
 SETTINGS = Settings().model_dump(mode="json")
 
 
@@ -115,6 +112,7 @@ def family(units=12, seed=1, **ratios):
     ("ratios", "verdicts"),
     [
         ({}, ["holds", "equivalent", "equivalent", "equivalent"]),
+        ({"-5 kPa": 1.1}, ["undecided", "equivalent", "equivalent", "equivalent"]),
         ({"+5 kPa": 1.2}, ["does not hold", "equivalent", "equivalent", "equivalent"]),
         ({"fprc_lowpass": 1.3, "pd": 3.0, "follow_up_linear": 1.5},
          ["holds", "superior", "superior", "superior"]),
@@ -127,22 +125,6 @@ def test_verdict_is_that_of_known_errors(ratios, verdicts):
     assert found.tolist() == verdicts
     assert page["Id"].tolist() == list(show.CLAIMS)
     assert not table.isna().any().any()
-
-
-def test_page_says_what_its_table_says():
-    """The sentences of docs/drift.md that no block holds, on the verdicts that it shows."""
-    page = (ROOT / "docs/drift.md").read_text(encoding="utf-8")
-    block = page.split("<!-- online_verdicts: generated -->")[1].split("<!-- online_")[0]
-    rows = {line.split("|")[1].strip(): line.split("|")[3:-1] for line in block.splitlines()
-            if line.startswith("| D")}  # fmt: skip
-    assert list(rows) == list(show.CLAIMS)
-    assert {len(cells) for cells in rows.values()} == {6}
-    assert all(cell.split()[0] == "undecided" for cell in rows["D2"])
-
-
-def test_offset_that_grows_the_error_by_its_limit_is_undecided():
-    table, _, _ = show.TABLES["verdicts"]([family(**{"-5 kPa": 1.1, "fprc": 1.0})])
-    assert table.loc[table["id"] == "D1", "verdict"].unique().tolist() == ["undecided"]
 
 
 def test_tables_and_figure_are_written(tmp_path):
