@@ -11,7 +11,6 @@ from fprc.models import (
     ESN,
     FPRC,
     FuzzyLinear,
-    RidgeReadout,
     SequenceModel,
     TakagiSugenoReadout,
     TapFeatures,
@@ -148,27 +147,6 @@ def test_progress_hears_of_every_fold_as_it_ends():
         progress=lambda *what: heard.append(what),
     )
     assert heard == list(zip(range(3), judged.train_rmse, judged.validation_rmse, strict=True))
-
-
-def test_test_error_is_that_of_the_best_model_on_the_other_log():
-    X, y = log(phase=0.7), pressure(phase=0.7)
-    folds = split_rows(200, 3, "shuffled", 1)
-    judged = cross_validate(MODELS[1], log(), pressure(), folds)
-    assert evaluate(MODELS[1], folds, (log(), pressure(), None), (X, y, None)) == {
-        "train_rmse_kpa": judged.train_rmse,
-        "validation_rmse_kpa": judged.validation_rmse,
-        "test_rmse_kpa": rmse(y, judged.model.predict(X)),
-    }
-
-
-def test_readout_learns_part_of_a_log_and_is_judged_on_any():
-    train, test = (log(), pressure(), None), (log(phase=0.7), pressure(phase=0.7), None)
-    prepared = prepare(MODELS[0], {"train": train, "test": test})
-    readout = prepared.readout("train", slice(50, None), alpha=5.0)
-    rows = prepared.rows["train"][50:]
-    assert np.array_equal(readout.w_out_, RidgeReadout(5.0).fit(rows, train[1][50:]).w_out_)
-    expected = rmse(test[1], prepared.fitted(readout).predict(test[0]))
-    assert prepared.error(readout, "test") == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -67,6 +69,15 @@ def test_perfect_runs_have_no_error_no_lag_and_no_loop(perfect):
     for loop in perfect["loops"].values():
         assert loop["width_over_span"] == pytest.approx(0.0, abs=1e-3)
         assert loop["span_over_reference"] == 1.0
+
+
+def test_measures_hold_what_the_claims_read_and_json_can_keep(perfect):
+    assert json.loads(json.dumps(perfect, allow_nan=False)) == perfect
+    assert set(perfect) == {"rmse_deg", "effort", "sweep", "loops", "disturbance"}
+    assert set(perfect["disturbance"]) == {"bending", "p_o", "error_ratio"}
+    assert set(perfect["loops"]) == {
+        "sine_0p5/pd", "sine_0p5/fprc_pd", "sweep/pd", "sweep/fprc_pd"
+    }  # fmt: skip
 
 
 @given(st.lists(st.floats(-50.0, 50.0), min_size=2, max_size=4))

@@ -9,26 +9,8 @@ import pytest
 from scipy.stats import t
 
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond.claims import beside_b1, judge_world
+from fprc.studies.beyond.claims import beside_b1
 from fprc.tables.text import markdown, read_markdown
-
-
-@pytest.fixture(scope="module")
-def worlds(make_world):
-    """A full world, one of drawn rigs, and one with the least that can be."""
-    sparse = {"capacity": None, "training_length": None, "step_us": None}
-    failed = [{"unit": 0, "seed": 601, "rig": None, "failed": "no pressure"}]
-    return [
-        make_world("dry"),
-        make_world("drawn", units=9, builds=2, spread=0.1, fitted=[]),
-        make_world("sparse", units=3, models=("fprc", "fuzzy_linear"), **sparse),
-        make_world("broken", cells=failed, **sparse),
-    ]
-
-
-@pytest.fixture(scope="module")
-def ledgers(worlds):
-    return [judge_world(world) for world in worlds]
 
 
 def means(world, measure, name):

@@ -1,24 +1,7 @@
 """Tables of verdicts in worlds whose numbers are known."""
 
-import pytest
-
 from fprc.studies.beyond import verdicts
-from fprc.studies.beyond.claims import judge_world
 from fprc.tables.text import markdown, read_markdown
-
-
-@pytest.fixture(scope="module")
-def ledgers(make_world):
-    """A full world, one of drawn rigs, one with the least that can be, and one that failed."""
-    sparse = {"capacity": None, "training_length": None, "step_us": None}
-    failed = [{"unit": 0, "seed": 601, "rig": None, "failed": "no pressure"}]
-    worlds = [
-        make_world("dry", fitted=["tables", "orders", "open_loop", "C8"]),
-        make_world("drawn", units=9, builds=2, spread=0.1, fitted=[]),
-        make_world("sparse", units=3, models=("fprc", "fuzzy_linear"), **sparse),
-        make_world("broken", cells=failed, **sparse),
-    ]
-    return [judge_world(world) for world in worlds]
 
 
 def test_mark_beside_a_verdict_says_whom_the_fit_favours(ledgers):

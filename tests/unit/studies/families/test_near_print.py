@@ -57,17 +57,6 @@ def test_sweeps_alone_reach_the_closed_form_and_leave_the_impossible():
     assert points.std(axis=0) == pytest.approx(exact.std(axis=0), abs=0.1)
 
 
-def test_same_seed_gives_the_same_draws_and_history_names_each_step():
-    settings = {"tolerance": TOLERANCE, "assimilations": 2, "sweeps": 3, "seed": 5}
-    points, _, history = move_near(prior(40), linear, TARGET, **settings)
-    again, _, _ = move_near(prior(40), linear, TARGET, **settings)
-    assert np.array_equal(points, again)
-    assert [row["step"] for row in history] == [
-        "prior", "assimilation 1", "assimilation 2", "sweep 1", "sweep 2", "sweep 3",
-    ]  # fmt: skip
-    assert history[-1]["deviation"] < history[0]["deviation"] / 2
-
-
 def test_no_possible_rig_is_an_error():
     with pytest.raises(EvaluationError, match=r"near_print\.rigs"):
         move_near(
