@@ -273,7 +273,6 @@ class Quick:
         self.free = free_parameters(calibration["free"], calibration["ranges"])
         self.start = encode(settings["on_rig"]["rig"], self.free)
         self.deviation = lambda point, seeds: 1.0 + float(np.sum((point - self.start) ** 2))
-        self.full_over_cheap = 1.0
         self.grids = []
         monkeypatch.setattr(stage, "judge_seeds", self.judge)
         monkeypatch.setattr(stage, "full_errors", self.judge_fully)
@@ -289,8 +288,7 @@ class Quick:
                 for _ in seeds]  # fmt: skip
 
     def judge_fully(self, on_rig, seeds, *rest):
-        errors = self.errors(on_rig, seeds)
-        return [{key: self.full_over_cheap * value for key, value in errors.items()} for _ in seeds]
+        return [self.errors(on_rig, seeds) for _ in seeds]
 
     def fit(self, folder, **changes):
         return read_json(fit(folder, self.settings, **changes) / "fit.json")

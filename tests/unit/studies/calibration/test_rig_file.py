@@ -82,5 +82,7 @@ def test_head_names_the_parameters_that_ended_near_an_end_and_no_others():
     )
     parameters = [{"path": path, "share": share} for path, share in shares.items()]
     head = " ".join(head_of(parameter_file(RIG, summary(parameters=parameters), "mine")))
+    assert "median 4.6 %" in head
+    assert "sweep/esn/train: 11.5 kPa, +1.2 %" in head
     edges = head.partition("an end of their range: ")[2].replace("# ", "").rstrip(".")
     assert edges.split(", ") == [PATHS[k] for k in (0, 1, 4, 5)]
