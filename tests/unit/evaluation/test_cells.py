@@ -73,19 +73,6 @@ def test_results_come_in_the_order_of_the_cells_each_judged_once(sweep, workers)
     assert judged == [1, 2, 3, 4]
 
 
-@pytest.mark.parametrize("done", [1, 3, 4])
-def test_killed_sweep_goes_on_where_it_was(sweep, done):
-    sweep()
-    kept = lines(sweep.checkpoint)[: 1 + done]
-    sweep.checkpoint.write_text("\n".join(kept) + "\n", encoding="utf-8")
-    finished = {entry["cell"]["n_c"] for entry in entries(sweep.checkpoint)[1:]}
-    found, judged = sweep()
-    assert found == expected()
-    assert judged == sorted({1, 2, 3, 4} - finished)
-    found, judged = sweep()
-    assert (found, judged) == (expected(), [])
-
-
 def cut(last):
     return last[: len(last) // 2]
 
