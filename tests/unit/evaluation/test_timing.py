@@ -170,3 +170,10 @@ def log(size):
     time = np.arange(size) / 10.0
     X = np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.sin(time - 0.5)])
     return X, 175.0 + 120.0 * np.sin(time + 0.2)
+
+
+def test_given_model_stays_as_it_is_fitted():
+    model = fitted()
+    before = model.readout_.w_out_.copy()
+    time_model(model, [part[:10] for part in log(20)], log(10), repeats=1)
+    np.testing.assert_array_equal(model.readout_.w_out_, before)

@@ -78,6 +78,8 @@ def test_page_of_table_2_shows_ours_beside_the_paper():
     assert page["FPRC, ours"].tolist() == ["11.0 ± 1.41", "12.5 ± 2.12", "12.0"]
     for name, printed in PRINTED.items():
         assert page[f"{name}, paper"].tolist() == printed
+    forces = comparison([content | {"unit": "N"} for content in REPORTS], PUBLISHED)
+    assert comparison_page(forces).columns[0] == "Performance [N]"
 
 
 def test_model_that_is_not_there_has_a_column_that_says_so(written):

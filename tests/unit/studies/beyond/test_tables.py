@@ -110,3 +110,9 @@ def test_blocks_are_those_of_the_pages_and_survive_csv(worlds, ledgers, tmp_path
     }
     assert blocks.keys() <= begun
     assert blocks["leaderboard"].startswith("Data: simulated rig, not hardware.")
+
+
+def test_lengths_are_in_order_and_two_logs_last(worlds):
+    page = tables.lengths_page(tables.lengths(worlds), "dry")
+    assert list(page) == ["Model", "15 s", "30 s", "60 s", "two logs"]
+    assert page.iloc[0].tolist() == ["FPRC", "16.7", "13.3", "11.7", "10.4"]

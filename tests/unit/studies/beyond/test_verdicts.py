@@ -50,3 +50,16 @@ def test_pages_survive_worlds_with_nothing(ledgers):
             note, read = read_markdown(markdown(page, "Note."))
             assert (note, list(read)) == ("Note.", list(page))
             assert "nan" not in page.to_string().lower().split()
+
+
+def test_what_was_fitted_names_its_claims_and_worlds(ledgers):
+    page = verdicts.fitted_page(ledgers).set_index("What was fitted")
+    assert page.loc["FPRC's forward error, at epsilon 0.01"].tolist() == ["FPRC †", "B1, B4", "dry"]
+    assert page.loc["P_o's share of the readout's weights"].tolist() == [
+        "P_o ‡", "B1, B2, B3, B8", "dry",
+    ]  # fmt: skip
+    lowest = page.loc["FPRC's error as the lowest of the paper's models"]
+    assert lowest[["Claims", "Worlds"]].to_numpy().tolist() == [
+        ["B1, B2, B4, B6", "dry"], ["B7", "dry, sparse"],
+    ]  # fmt: skip
+    assert verdicts.fitted_page(ledgers[1:2]).empty

@@ -235,3 +235,9 @@ def test_no_generation_but_the_first_begins_after_the_time_limit(
     assert same(run(), expected)
     assert run.points == points[generations * POPULATION :]
     assert run.checkpoint.read_text(encoding="utf-8") == kept
+
+
+def test_search_in_which_nothing_is_possible_gives_its_start(run):
+    found = run(judge=lambda point: None)
+    assert found.point.tolist() == [0.4, 0.4, 0.4]
+    assert (found.loss, found.generations, found.finished) == (math.inf, GENERATIONS, True)
