@@ -4,9 +4,10 @@ import pytest
 from fprc.config import Settings
 from fprc.errors import ControlError
 from fprc.experiments.data import Data
+from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, pd_of, tracking_rmse
 from fprc.models import FPRC, FuzzyLinear
-from fprc.paper import CONTROLLERS
+from fprc.paper import CONTROLLERS, REFERENCES
 from fprc.registry import has_feedback
 
 
