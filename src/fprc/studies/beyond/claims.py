@@ -1,4 +1,4 @@
-"""Claims B1-B8: what the reservoir is worth, compared with models that need none.
+"""Claims B1-B8: what the reservoir is worth, compared with models without one.
 
 docs/archive/preregistration.md has them with their limits.
 """
@@ -42,11 +42,11 @@ class Excess(NamedTuple):
 
 
 class Claim(NamedTuple):
-    """What is claimed, what is compared, and for whom the fit of the rig decides beforehand."""
+    """What is claimed, what is compared, and which fits of the rig favour a side."""
 
     text: str
     parts: Sequence[Ratio | Excess]
-    #: By term of the calibration's objective: who was favoured, and by the fit of what.
+    #: By term of the calibration's objective: what its fit favours, and what was fitted.
     favours: Mapping[str, tuple[str, str]]
 
 
@@ -129,9 +129,9 @@ def judge_world(world: Mapping[str, Any]) -> list[dict[str, Any]]:
     list of dict
         ``world``, ``title``, ``unit``, ``source``, ``id``, ``claim``, ``verdict``, ``words`` (the
         verdict, as readers see it), ``p`` (after Holm), ``level``, ``stable`` (share of subsets, or
-        None), ``units``, ``dropped`` (builds without the pair), ``fitted`` (what the
-        rigs were fitted to that bears on the claim: in whose favour, and what), ``reason`` (why a
-        claim is not judged or there are too few units), and ``parts``: ``text``, ``ratio``,
+        None), ``units``, ``dropped`` (simulated rigs without the pair), ``fitted`` (the
+        fits that bear on the claim: what each favours, and what was fitted), ``reason`` (why a
+        claim is not judged, or that there are too few units), and ``parts``: ``text``, ``ratio``,
         ``mean``, ``low``, ``high`` (interval at the level that Holm's procedure gives),
         ``verdict``. A ratio below 1 supports the claim, as does a difference above 0.
     """
@@ -191,7 +191,7 @@ def _words(judged: Judged, difference: bool) -> str:
 
 
 def _table(tidy: pd.DataFrame, *columns: str) -> pd.DataFrame:
-    """Return one row per build and one column per model or set and its measure."""
+    """Return one row per simulated rig and one column per model or set and its measure."""
     return tidy.pivot_table(index=["unit", "seed"], columns=list(columns), values="value")
 
 
@@ -203,19 +203,19 @@ def _part(
 ) -> Part:
     if isinstance(part, Ratio):
         values = np.log(_column(models, part.ours)) - np.log(_column(models, part.theirs))
-        builds = len(world["cells"])
+        simulated = len(world["cells"])
     else:
         theirs = part.theirs if isinstance(part.theirs, float) else _column(sets, part.theirs)
         values = theirs - _column(sets, part.ours)
-        builds = len(world.get("capacity") or ())
+        simulated = len(world.get("capacity") or ())
     values = values.dropna()
-    # several builds of one rig are one unit
+    # simulations of one rig with several seeds are one unit
     by_unit = values.groupby(level="unit").mean().to_dict()
-    own = {"text": _text(part), "values": by_unit, "dropped": builds - len(values)}
+    shared = {"text": _text(part), "values": by_unit, "dropped": simulated - len(values)}
     if isinstance(part, Ratio):
-        return Part(**own)
-    # a difference is judged as what it lacks
-    return Part(**own, ratio=False, shown=operator.neg)
+        return Part(**shared)
+    # the values are theirs less ours: below 0 supports the claim; readers see ours less theirs
+    return Part(**shared, ratio=False, shown=operator.neg)
 
 
 def _column(table: pd.DataFrame, name: tuple[str, str]) -> pd.Series:

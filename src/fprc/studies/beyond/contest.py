@@ -18,13 +18,13 @@ from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
 from fprc.registry import COMPETITORS, build, competitor, parameters_of
 
-#: Models judged on every rig: those that a claim compares, and one competitor of each other kind.
+#: Models judged on every rig: those that a claim compares, and one competitor of every other kind.
 BRIEF = (
     "fprc", "fprc_lowpass", "fuzzy_linear", "ridge_p_o", "bank_p_o", "bank", "plays", "fprc_tuned",
 )  # fmt: skip
 #: Models that take long, so they are judged on fewer rigs or seeds.
 SLOW = ("esn", "esn_oracle", "trees", "mlp")
-#: Models judged in the forward direction only: claims compare nothing but its test error.
+#: Models judged in the forward direction only: claims compare only their test errors.
 FORWARD_ONLY = ("esn_tuned", "esn_matched", "esn_oracle")
 #: All models; ``registry.CHOICES`` explains the suffixes.
 ALL = (
@@ -66,7 +66,7 @@ def build_with(
 
 
 def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[dict[str, Any]]:
-    """Judge the models on every build of a unit: all of them, or those of ``BRIEF``.
+    """Judge all models, or those of ``BRIEF``, on every simulated rig of a unit.
 
     Parameters
     ----------
@@ -79,23 +79,24 @@ def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[d
     Returns
     -------
     list of dict
-        For each build: ``seed``, and ``models``, see ``judge_build``, or ``failed``, the message.
+        For each simulated rig: ``seed``, and ``models``, see ``judge_rig``, or ``failed``, the
+        message.
     """
     entered = Contest(**contest, tuned=unit.family["tuned"])
     names: Sequence[str] = BRIEF
     if unit.family["every_model"]:
         names = [name for name in ALL if name not in SLOW or unit.number < slow]
-    builds = []
+    judged = []
     for on_rig, seed in unit.rigs:
         try:
-            report: dict[str, Any] = {"models": judge_build(on_rig, seed, names, entered)}
+            report: dict[str, Any] = {"models": judge_rig(on_rig, seed, names, entered)}
         except FprcError as error:
             report = {"failed": in_one_line(error)}
-        builds.append({"seed": seed, **report})
-    return builds
+        judged.append({"seed": seed, **report})
+    return judged
 
 
-def judge_build(
+def judge_rig(
     on_rig: RigSettings, seed: int, names: Sequence[str], contest: Contest
 ) -> dict[str, dict[str, Any]]:
     """Simulate both experiments on a rig, and judge every model on them.
@@ -169,7 +170,7 @@ def judge_lengths(
     def errors(logs: Sequence[Data]) -> dict[str, dict[str, float]]:
         result = {}
         for name in names:
-            pairs = [each.pair(name) for each in logs]
+            pairs = [log.pair(name) for log in logs]
             model = entered.build(name, seed).fit(*map(list, zip(*pairs, strict=True)))
             result[name] = {"test_rmse_kpa": _error(model, name, test)}
         return result
@@ -215,7 +216,7 @@ def judge_settings(
                 name: _trained(name, logs["sweep"], logs["complex"], changed, seed)[1]
                 for name in ("fprc", "fprc_lowpass")
             }
-            found = {name: each["test_rmse_kpa"] for name, each in errors.items()}
+            found = {name: of_model["test_rmse_kpa"] for name, of_model in errors.items()}
             cells.append({"setting": setting, "value": value, **found})
     return cells
 
@@ -287,7 +288,7 @@ def _with_disturbed_p_o(
     }
     return {
         "shifted": shifted,
-        "disturbed": {kind: _error(model, name, each) for kind, each in disturbed.items()},
+        "disturbed": {kind: _error(model, name, log) for kind, log in disturbed.items()},
     }
 
 

@@ -134,11 +134,11 @@ def plot_settings(table: DataFrame, ax: Axes) -> Axes:
     span = 1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN
     ax.axhspan(*span, color="0.92", linewidth=0)
     ax.axhline(1.0, color="0.6", linewidth=0.6)
-    worlds = table.groupby("world", sort=False)
-    for (name, own), (marker, colour) in zip(worlds, _WORLDS, strict=False):
-        own = own.sort_values("value")
-        arms = [own["mean"] - own["low"], own["high"] - own["mean"]]
-        ax.errorbar(own["value"], own["mean"], yerr=arms, fmt=f"-{marker}", color=colour,
+    by_world = table.groupby("world", sort=False)
+    for (name, of_world), (marker, colour) in zip(by_world, _WORLDS, strict=False):
+        of_world = of_world.sort_values("value")
+        arms = [of_world["mean"] - of_world["low"], of_world["high"] - of_world["mean"]]
+        ax.errorbar(of_world["value"], of_world["mean"], yerr=arms, fmt=f"-{marker}", color=colour,
                     markersize=3, linewidth=0.8,
                     label=escape.figure(world_title(name)))  # fmt: skip
     ax.set(xscale="log", yscale="log", ylabel="Error with $P_o$ / with\nlow-passed $\\theta_d$")

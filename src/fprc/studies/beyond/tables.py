@@ -37,8 +37,8 @@ def worlds_page(worlds: Worlds) -> pd.DataFrame:
     rows = []
     for world in worlds:
         units = len({cell["unit"] for cell in world["cells"]})
-        each = len(world["cells"]) // max(units, 1)
-        judged = f"{units} {world['unit']}s" + (f", {each} seeds each" if each > 1 else "")
+        seeds = len(world["cells"]) // max(units, 1)
+        judged = f"{units} {world['unit']}s" + (f", {seeds} seeds each" if seeds > 1 else "")
         what = WORLDS.get(world["name"], ("", "a rig of one's own"))[1]
         rows.append({"World": world_title(world["name"]), "What it is": what, "Judged on": judged})
     return pd.DataFrame(rows)
@@ -70,10 +70,10 @@ def models(worlds: Worlds) -> pd.DataFrame:
 
 def models_page(table: pd.DataFrame, world: str, *, intervals: bool = False) -> pd.DataFrame:
     """Return the models of one world as a page, one row each."""
-    own = table[table["world"] == world]
+    of_world = table[table["world"] == world]
     headings = {_heading(measure): measure for measure in MEASURES}
     rows = []
-    for model, measures in own.groupby("model", sort=False):
+    for model, measures in of_world.groupby("model", sort=False):
         found = measures.set_index("measure")
         units = found["units"].drop("step_us", errors="ignore")
         rows.append(
@@ -122,10 +122,10 @@ def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
     for loop in ("open_loop", "closed_loop"):
         pairs = wide.reindex(columns=["forward", loop]).dropna().reset_index()
         pairs = pairs.rename(columns={loop: "tracking"}).assign(loop=loop)
-        for _, own in pairs.groupby("world", sort=False):
-            if len(own) > 2:
-                rho = own["forward"].rank().corr(own["tracking"].rank())
-                parts.append(own.assign(models=len(own), rank_correlation=rho))
+        for _, of_world in pairs.groupby("world", sort=False):
+            if len(of_world) > 2:
+                rho = of_world["forward"].rank().corr(of_world["tracking"].rank())
+                parts.append(of_world.assign(models=len(of_world), rank_correlation=rho))
     order = "world model forward loop tracking models rank_correlation source".split()
     return _joined(parts or [pd.DataFrame(columns=order)])[order]
 
@@ -173,15 +173,15 @@ def offsets(worlds: Worlds) -> pd.DataFrame:
 
 def offsets_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
     """Return one row per model and measure, one column per offset and disturbance; means alone."""
-    own = table[table["world"] == world]
-    offsets_kpa = sorted(own["offset_kpa"].unique())
+    of_world = table[table["world"] == world]
+    offsets_kpa = sorted(of_world["offset_kpa"].unique())
     headings = {f"{kpa:+g}" if kpa else "0": ("none", kpa) for kpa in offsets_kpa}
-    kinds = own["disturbance"].unique()
+    kinds = of_world["disturbance"].unique()
     words = {"drift": "drift", "noise": "noise", "pushed": "push"}
     headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
     order = ["measure", "model"]
-    wide = own.pivot(index=order, columns=["disturbance", "offset_kpa"], values="mean")
-    rows = own[order].drop_duplicates().sort_values("measure", key=_place, kind="stable")
+    wide = of_world.pivot(index=order, columns=["disturbance", "offset_kpa"], values="mean")
+    rows = of_world[order].drop_duplicates().sort_values("measure", key=_place, kind="stable")
     wide = wide.reindex(index=pd.MultiIndex.from_frame(rows), columns=list(headings.values()))
     page = wide.map(lambda mean: three_digits(mean) or "-").set_axis(list(headings), axis=1)
     page.insert(0, "Model", [competitor_title(model) for _, model in page.index])
@@ -213,17 +213,17 @@ def capacity(worlds: Worlds) -> pd.DataFrame:
 
 def capacity_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
     """Return the capacities of one world as a page, one row per set of states."""
-    own = table[table["world"] == world]
+    of_world = table[table["world"] == world]
     # memory is the capacity of degree 1
     left_out = ("nonlinear", "degree 1")
-    quantities = [name for name in own["quantity"].unique() if name not in left_out]
+    quantities = [name for name in of_world["quantity"].unique() if name not in left_out]
     rows = [
         (
             SETS.get(name, name),
             str(states),
             *(_cell(found.set_index("quantity"), quantity) for quantity in quantities),
         )
-        for (name, states), found in own.groupby(["set", "states"], sort=False)
+        for (name, states), found in of_world.groupby(["set", "states"], sort=False)
     ]
     return pd.DataFrame(rows, columns=["States", "Number", *map(str.capitalize, quantities)])
 
@@ -257,11 +257,14 @@ def lengths(worlds: Worlds) -> pd.DataFrame:
 
 def lengths_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
     """Return one row per model and one column per length of the training log."""
-    own = table[table["world"] == world]
-    lengths = sorted(set(own["training"]), key=_seconds)
+    of_world = table[table["world"] == world]
+    lengths = sorted(set(of_world["training"]), key=_seconds)
     rows = [
-        (competitor_title(model), *(_cell(found.set_index("training"), each) for each in lengths))
-        for model, found in own.groupby("model", sort=False)
+        (
+            competitor_title(model),
+            *(_cell(found.set_index("training"), length) for length in lengths),
+        )
+        for model, found in of_world.groupby("model", sort=False)
     ]
     return pd.DataFrame(rows, columns=["Model", *lengths])
 
@@ -276,10 +279,10 @@ def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     table["log"] = np.log(table["fprc"] / table["fprc_lowpass"])
     keys = ["world", "setting", "value"]
     rows = []
-    for key, own in table.groupby(keys, sort=False):
-        ends = interval_of_mean(own["log"].to_numpy(), LEVEL)
+    for key, group in table.groupby(keys, sort=False):
+        ends = interval_of_mean(group["log"].to_numpy(), LEVEL)
         ratios = dict(zip(("mean", "low", "high"), np.exp(ends), strict=True))
-        rows.append(dict(zip(keys, key, strict=True)) | ratios | {"units": len(own)})
+        rows.append(dict(zip(keys, key, strict=True)) | ratios | {"units": len(group)})
     return pd.DataFrame(rows).assign(source="sim")
 
 
@@ -336,8 +339,8 @@ def _worth_sentences(verdicts: Mapping[str, Any], models: pd.DataFrame, world: s
     if beside:
         means = [three_digits(row["mean"]) for row in beside]
         lines.append(f"  Against a ridge regression on low-passes of θ_d: {in_words(means)}.")
-    own = models[(models["world"] == world) & (models["measure"] == "closed_loop")]
-    closed = own.set_index("model")["mean"].reindex(["fprc", "fuzzy_linear"]).dropna()
+    closed_loop = models[(models["world"] == world) & (models["measure"] == "closed_loop")]
+    closed = closed_loop.set_index("model")["mean"].reindex(["fprc", "fuzzy_linear"]).dropna()
     if len(closed) == 2:
         fprc, linear = map(three_digits, closed)
         lines.append(
@@ -364,8 +367,8 @@ def _ratio(row: Mapping[str, Any]) -> str:
 
 
 def _widest(table: pd.DataFrame, world: str) -> str:
-    own = table[table["world"] == world]
-    half = float((own["high"] - own["low"]).max() / 2.0)
+    of_world = table[table["world"] == world]
+    half = float((of_world["high"] - of_world["low"]).max() / 2.0)
     return (
         f"Means; the widest 95 % interval is ± {three_digits(half)} kPa or deg."
         if half > 0
@@ -379,7 +382,7 @@ def _seconds(training: str) -> float:
 
 def _means(table: pd.DataFrame, world: Mapping[str, Any], *keys: str) -> pd.DataFrame:
     """Return the mean over units, and its interval, for each value of the keys."""
-    # several builds of one rig are one unit
+    # simulations of one rig with several seeds are one unit
     units = table.groupby(["unit", *keys], sort=False)["value"].mean().reset_index()
     means = units.groupby(list(keys), sort=False)["value"].agg(["mean", "std", "count"])
     means = means.reset_index().rename(columns={"count": "units"})

@@ -61,7 +61,7 @@ def _settings(drawn: Mapping[str, Any]) -> dict[str, Any]:
         return plain
     fastest, slowest, filters = (plain.pop(key) for key in _BANK)
     epsilons = np.geomspace(fastest, slowest, int(filters))
-    return {**plain, "epsilons": [_plain(each) for each in epsilons]}
+    return {**plain, "epsilons": [_plain(epsilon) for epsilon in epsilons]}
 
 
 def _plain(value: Any) -> int | float:
@@ -91,9 +91,9 @@ def judge_candidate(
         model = build_with(restarts, name, judgement.models, judgement.seed, cell["settings"])
         samples = (pair[key].samples(name) for key in ("sweep", "complex"))
         found = evaluate(model, judgement.split_rows(pair["sweep"]), *samples)
-        errors.append({measure: np.mean(each) for measure, each in found.items()})
+        errors.append({measure: np.mean(values) for measure, values in found.items()})
     return {
-        measure: float(np.exp(np.mean(np.log([each[measure] for each in errors]))))
+        measure: float(np.exp(np.mean(np.log([of_pair[measure] for of_pair in errors]))))
         for measure in errors[0]
     }
 
@@ -117,6 +117,8 @@ def chosen(judged: Mapping[str, Sequence[Mapping[str, Any]]]) -> dict[str, dict[
             result[f"{name}_{suffix}"] = dict(best["settings"])
     if "esn" in judged:
         wanted = np.log(judged["fprc"][0]["train_rmse_kpa"])
-        matched = min(judged["esn"], key=lambda each: abs(np.log(each["train_rmse_kpa"]) - wanted))
+        matched = min(
+            judged["esn"], key=lambda candidate: abs(np.log(candidate["train_rmse_kpa"]) - wanted)
+        )
         result["esn_matched"] = dict(matched["settings"])
     return result

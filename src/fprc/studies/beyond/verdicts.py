@@ -9,7 +9,7 @@ from fprc.tables.text import three_digits
 
 Ledgers = Sequence[Sequence[Mapping[str, Any]]]
 
-#: Mark of a verdict by whom the fit of its rigs favours.
+#: Mark of a verdict, by the model or signal that the fit of its rigs favours.
 _MARKS = {"FPRC": "†", "P_o": "‡"}
 
 
@@ -26,7 +26,8 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
     DataFrame
         ``world``, ``id``, ``claim``, ``part``, ``ratio`` (a difference if not), ``mean``, ``low``,
         ``high``, ``verdict`` (the claim's), ``p``, ``stable``, ``units``, ``dropped``, ``reason``,
-        ``source``, ``favours`` and ``fitted`` (in whose favour the rigs were fitted to what). A
+        ``source``, ``favours`` (what the fit of the rigs favours) and ``fitted`` (what they
+        were fitted to). A
         claim that is not judged has no numbers.
     """
     kept = ("verdict", "p", "stable", "units", "dropped", "reason", "source")
@@ -47,7 +48,7 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
 
 
 def claims_page(ledgers: Ledgers) -> pd.DataFrame:
-    """Return one row per claim: its verdict in each world, marked by whom the fit favours."""
+    """Return one row per claim: its verdict in each world, and what the fit favours."""
     return pd.DataFrame(
         {
             "Id": of_claim[0]["id"],
@@ -59,7 +60,7 @@ def claims_page(ledgers: Ledgers) -> pd.DataFrame:
 
 
 def verdict_of(row: Mapping[str, Any]) -> str:
-    """Return the words of a verdict, marked by whom the fit favours."""
+    """Return the words of a verdict, with the mark of what the fit favours."""
     whose = {whom for whom, _ in row["fitted"]} if row["parts"] else set()
     marks = "".join(mark for whom, mark in _MARKS.items() if whom in whose)
     return f"{row['words']}{marks}"
@@ -71,7 +72,7 @@ def means_of(row: Mapping[str, Any]) -> str:
 
 
 def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
-    """Return what rigs were fitted to in whose favour, with the claims and worlds it bears on."""
+    """Return whom the fit of rigs favours, what was fitted, and the claims and worlds concerned."""
     why = ["In favour of", "What was fitted"]
     found = pd.DataFrame(
         (

@@ -1,7 +1,7 @@
 """Read the measurements of a world of the target ``beyond``; a world is one rig or a set of rigs.
 
 A world has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to), ``unit``
-(seed or rig), ``cells`` (one per simulated build, with the errors of each model), ``capacity``,
+(seed or rig), ``cells`` (one per rig and seed, with the errors of each model), ``capacity``,
 ``training_length`` and ``step_us``.
 """
 
@@ -130,8 +130,8 @@ def capacities(world: Mapping[str, Any]) -> pd.DataFrame:
         for name, found in entry["sets"].items():
             degrees = found.get("by_degree", {})
             numbers = {"memory": found.get("memory"), "total": found.get("total")}
-            numbers |= {f"degree {n}": each for n, each in degrees.items()}
-            numbers["nonlinear"] = sum(each for n, each in degrees.items() if int(n) > 1)
+            numbers |= {f"degree {n}": value for n, value in degrees.items()}
+            numbers["nonlinear"] = sum(value for n, value in degrees.items() if int(n) > 1)
             rows += [
                 (unit, entry["seed"], name, quantity, float(value), found["states"])
                 for quantity, value in numbers.items()

@@ -105,12 +105,12 @@ def fit_rig(
         "check_loss": objective.loss(estimate(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
         "searches": [
-            {"fit": list(fit), "generations": each.result.generations}
-            for (fit, _), each in zip(planned, done, strict=True)
+            {"fit": list(fit), "generations": end.result.generations}
+            for (fit, _), end in zip(planned, done, strict=True)
         ],
-        "generations": sum(each.result.generations for each in done),
-        "evaluations": sum(each.result.evaluations for each in done),
-        "finished": all(each.result.finished for each in done),
+        "generations": sum(end.result.generations for end in done),
+        "evaluations": sum(end.result.evaluations for end in done),
+        "finished": all(end.result.finished for end in done),
         "parameters": [
             p._asdict() | {"began_at": before, "share": share}
             for p, before, share in zip(free, start.tolist(), result.point.tolist(), strict=True)

@@ -156,8 +156,8 @@ def _numbers(value: Any) -> Iterator[float]:
     if isinstance(value, Mapping):
         value = [value[key] for key in sorted(value)]
     if isinstance(value, (list, tuple)):
-        for each in value:
-            yield from _numbers(each)
+        for element in value:
+            yield from _numbers(element)
     else:
         yield float(value)
 
@@ -166,7 +166,7 @@ def _with_numbers(like: Any, numbers: Iterator[float]) -> Any:
     if isinstance(like, Mapping):
         return {key: _with_numbers(like[key], numbers) for key in sorted(like)}
     if isinstance(like, (list, tuple)):
-        return [_with_numbers(each, numbers) for each in like]
+        return [_with_numbers(element, numbers) for element in like]
     return next(numbers)
 
 

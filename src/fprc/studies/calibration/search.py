@@ -3,7 +3,7 @@
 Judging a point yields many numbers, and the loss is a known function of them. Near a point the
 numbers are almost linear in it; the loss, with its limits and squares, is not. The search
 therefore fits a linear model of the numbers to the judged points around the best one, minimises
-the loss over the model, and judges the points that this proposes. It needs far fewer judgements
+the loss over the model, and judges the points that this gives. It needs far fewer judgements
 than a search by the loss alone, and resumes from a checkpoint after a kill.
 """
 

@@ -91,11 +91,11 @@ def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:
 
 def _summing_to_one(weights: Sequence[float]) -> list[float]:
     """Return weights of which the last is 1 minus the others, whose sum is at most ``_MOST``."""
-    *own, _ = weights
-    total = sum(own)
+    *free, _ = weights
+    total = sum(free)
     if total > _MOST:
-        own = [_rounded(weight * _MOST / total, 4) for weight in own]
-    return [*own, round(1.0 - sum(own), 10)]
+        free = [_rounded(weight * _MOST / total, 4) for weight in free]
+    return [*free, round(1.0 - sum(free), 10)]
 
 
 def _share(parameter: Free, value: Any) -> float:

@@ -110,7 +110,7 @@ class _Cheap:
         stride: int,
     ):
         self.logs = logs
-        self.own = {**models["fprc"], "n_y": models["n_y"]}
+        self.settings = {**models["fprc"], "n_y": models["n_y"]}
         self.alpha = models["alpha"] / (_TRAINED * stride)
         self.seed, self.stride = seed, stride
         self.y = {name: log["p_target_kpa"][::stride] for name, log in logs.items()}
@@ -118,11 +118,11 @@ class _Cheap:
 
     def rows(self, log: str, reservoir: bool, **changed: Any) -> np.ndarray:
         """Return the taps of theta in a log, and with ``reservoir`` those of the filtered P_o."""
-        own = self.own | changed
-        theta = self._thinned(log, None, own["n_y"])
+        settings = self.settings | changed
+        theta = self._thinned(log, None, settings["n_y"])
         if not reservoir:
             return theta
-        return np.hstack([theta, self._thinned(log, own["epsilon"], own["n_u"])])
+        return np.hstack([theta, self._thinned(log, settings["epsilon"], settings["n_u"])])
 
     def fit(self, log: str, reservoir: bool, **changed: Any) -> TakagiSugenoReadout:
         """Fit a readout to the features of a log."""
@@ -149,7 +149,7 @@ class _Cheap:
 
     def shares(self) -> float:
         """Return the mean share of P_o in the weights over that of theta_d (Eqs. 13, 14)."""
-        rows, n_y = self.rows("sweep", True), self.own["n_y"]
+        rows, n_y = self.rows("sweep", True), self.settings["n_y"]
         parts = [rows[:, :n_y], rows[:, n_y:]]
         unit = np.hstack([(part - part.min()) / np.ptp(part) for part in parts])
         weights = np.abs(self._readout().fit(unit, self.y["sweep"]).W_out_)
@@ -157,8 +157,8 @@ class _Cheap:
         return float(weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum())
 
     def _readout(self, **changed: Any) -> TakagiSugenoReadout:
-        own = self.own | changed
-        parameters = {key: own[key] for key in ("n_c", "sigma", "clustering", "restarts")}
+        settings = self.settings | changed
+        parameters = {key: settings[key] for key in ("n_c", "sigma", "clustering", "restarts")}
         return TakagiSugenoReadout(**parameters, alpha=self.alpha, random_state=self.seed)
 
     def _thinned(self, log: str, epsilon: float | None, size: int) -> np.ndarray:

@@ -85,7 +85,7 @@ def judge_moved(
     numbers: dict[str, dict[str, float]] = {group: {} for group in _GROUPS}
     for group, key in names_of_numbers():
         found = [seed[source.get(group, group)] for seed in judged]
-        values = found if group == "shares" else [each[key] for each in found]
+        values = found if group == "shares" else [row[key] for row in found]
         numbers[group][key] = float(np.mean(values))
     return {"numbers": numbers}
 

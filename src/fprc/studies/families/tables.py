@@ -126,7 +126,7 @@ def claims_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def answer_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return in a row per family how far it is off print, and what the reservoir is worth on it."""
+    """Return a row per family: deviation from the printed errors, and worth of the reservoir."""
     rows = []
     for family in families:
         verdicts = pd.Series([c["verdict"] for c in family["claims"] if c["id"] != "B1"])

@@ -112,10 +112,10 @@ def _followed(
         inputs[:, 1] = disturbed(inputs[:, 1], condition, bench.control["sample_rate_hz"])
         for name, model in models.items():
             given = columns_for(name, inputs)
-            for learns, own in benches.items():
+            for learns, bench in benches.items():
                 for loop, feedback in LOOPS.items():
-                    fed = own.feed(model, given)
-                    run = own.simulate(theta_d, fed, number, pushes, feedback=feedback)
+                    fed = bench.feed(model, given)
+                    run = bench.simulate(theta_d, fed, number, pushes, feedback=feedback)
                     rows.append(_row(bench, reference, run, name, condition, learns, loop))
         if condition in conditions(False):
             nothing = np.zeros(len(theta_d))

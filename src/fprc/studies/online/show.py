@@ -74,7 +74,7 @@ def parts_of(family: Family) -> list[list[Part]]:
 
     def at(model: str, learns: bool, reference: str) -> dict[int, float]:
         by_unit = errors.get((model, "none", learns, "closed"), {})
-        return {unit: each[reference] for unit, each in by_unit.items()}
+        return {unit: rms_deg[reference] for unit, rms_deg in by_unit.items()}
 
     return [
         [
@@ -112,13 +112,13 @@ def _verdicts(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, s
         }
         for family in families
         for parts in [parts_of(family)]
-        for name, own, outcome in zip(CLAIMS, parts, judge_together(parts), strict=True)
-        for part in own
+        for name, of_claim, outcome in zip(CLAIMS, parts, judge_together(parts), strict=True)
+        for part in of_claim
     )
     page = []
-    for name, own in table.groupby("id", sort=False):
-        line = {"Id": name, "Claim": own["claim"].iloc[0]}
-        for family, of_family in own.groupby("family", sort=False):
+    for name, of_claim in table.groupby("id", sort=False):
+        line = {"Id": name, "Claim": of_claim["claim"].iloc[0]}
+        for family, of_family in of_claim.groupby("family", sort=False):
             ratios = ", ".join(f"{mean:.3g}" for mean in of_family["mean"])
             line[world_title(str(family))] = f"{of_family['verdict'].iloc[0]} {ratios}"
         page.append(line)
@@ -146,11 +146,11 @@ def _errors(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str
     table = pd.DataFrame(rows)
     first = table[table["family"] == families[0]["name"]]
     page = []
-    for (model, condition), own in first.groupby(["model", "condition"], sort=False):
+    for (model, condition), by_loop in first.groupby(["model", "condition"], sort=False):
         line = {"Model": _TITLES[str(model)], "Changed since the training": str(condition)}
         for loop, words in LOOPS.items():
             for learns, how in ((False, "as trained"), (True, "learning")):
-                cell = own[(own["loop"] == loop) & (own["learns"] == learns)]
+                cell = by_loop[(by_loop["loop"] == loop) & (by_loop["learns"] == learns)]
                 value = "" if cell.empty else f"{cell['mean_deg'].iloc[0]:.2f}"
                 line[f"{words[:1].upper()}{words[1:]}, {how}"] = value
         page.append(line)
@@ -177,12 +177,12 @@ TABLES = {"verdicts": _verdicts, "errors": _errors}
 
 def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
     """Draw the error of FPRC over the offset of P_o, as trained and learning; and PD alone."""
-    own = table[table["model"] == "fprc"]
-    offsets = own["condition"].str.extract(r"P_o ([+-][\d.]+) kPa")[0]
-    offsets = offsets.mask(own["condition"] == _words("none"), "0")
-    own = own.assign(offset=pd.to_numeric(offsets)).dropna(subset=["offset"])
+    of_fprc = table[table["model"] == "fprc"]
+    offsets = of_fprc["condition"].str.extract(r"P_o ([+-][\d.]+) kPa")[0]
+    offsets = offsets.mask(of_fprc["condition"] == _words("none"), "0")
+    of_fprc = of_fprc.assign(offset=pd.to_numeric(offsets)).dropna(subset=["offset"])
     for learns, marker, color in ((False, "o", "0.55"), (True, "s", "black")):
-        line = own[own["learns"] == learns].sort_values("offset")
+        line = of_fprc[of_fprc["learns"] == learns].sort_values("offset")
         label = "FPRC, learning" if learns else "FPRC as trained"
         ax.plot(line["offset"], line["mean_deg"], marker=marker, color=color, markersize=3,
                 label=label)  # fmt: skip

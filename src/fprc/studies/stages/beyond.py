@@ -42,9 +42,9 @@ def tune_world(
     """
     names = [name for name in SPACES if world["rigs"] == "one" or f"{name}_tuned" in BRIEF]
     cells = [
-        {"model": name, "settings": each}
+        {"model": name, "settings": settings}
         for name in names
-        for each in candidates_of(name, candidates, seed)
+        for settings in candidates_of(name, candidates, seed)
     ]
     logs = [simulate(*unit_of(unit, world, near_print).rigs[0]) for unit in units]
     with judged_cells(
@@ -54,7 +54,7 @@ def tune_world(
         files=[near_print],
         **run,
     ) as tried:
-        by_model = {name: [each for each in tried if each["model"] == name] for name in names}
+        by_model = {name: [cell for cell in tried if cell["model"] == name] for name in names}
         described = {"world": world["name"], "source": "sim"}
         write_json(tuning, described | {"tried": tried, "chosen": chosen(by_model)})
 

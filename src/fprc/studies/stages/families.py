@@ -166,7 +166,7 @@ def _claims(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
 
 
 def _answer(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
-    """Return how far each family is off print, and what the reservoir is worth on it."""
+    """Return how far each family is from the printed errors, and what the reservoir is worth."""
     table = tables.answer_page(families)
     note = (
         "What the reservoir is worth, family by family. Deviations from print: root mean square of "

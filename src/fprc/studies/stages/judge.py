@@ -1,4 +1,4 @@
-"""Judge families of simulated rigs, whatever is asked of them."""
+"""Judge families of simulated rigs with any function of the studies."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial

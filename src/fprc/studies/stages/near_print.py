@@ -62,10 +62,10 @@ def find_near_print(
     }
     key = checkpoint_key([near_print, drawn, free, on_rig, judgement, surrogate, errors, version])
     log.info("judging the rig of the configuration, for the surrogate's ratios")
-    own, seeds_of_ratios = settings["on_rig"], range(near_print["seed"] - 2, near_print["seed"])
+    start, seeds_of_ratios = settings["on_rig"], range(near_print["seed"] - 2, near_print["seed"])
     ratios = ratios_to_full(
-        full_errors(own, seeds_of_ratios, workers, judgement),
-        [judge_by_surrogate(own, seed, models, surrogate, {}, {}) for seed in seeds_of_ratios],
+        full_errors(start, seeds_of_ratios, workers, judgement),
+        [judge_by_surrogate(start, seed, models, surrogate, {}, {}) for seed in seeds_of_ratios],
     )
     judge = partial(
         judge_member,
@@ -83,12 +83,12 @@ def find_near_print(
             cells = [{"point": point.tolist(), "seed": next(seeds)} for point in points]
             judged = run(judge, cells)
             log.info(
-                "%d rigs judged, %d possible", len(cells), sum("logs" in each for each in judged)
+                "%d rigs judged, %d possible", len(cells), sum("logs" in rig for rig in judged)
             )
-            return [each.get("logs") for each in judged]
+            return [rig.get("logs") for rig in judged]
 
         points, _, history = move_near(
-            np.array([each["point"] for each in prior]),
+            np.array([rig["point"] for rig in prior]),
             simulate,
             np.log(list(errors.values())),
             **{name: near_print[name] for name in ("tolerance", "assimilations", "sweeps", "seed")},

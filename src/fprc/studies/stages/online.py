@@ -1,4 +1,4 @@
-"""Show what a model is worth that learns while it runs."""
+"""Tables and figure of the models that learn while they run."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -28,7 +28,7 @@ def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> Map
             ax = axes[row][column]
             show.plot_offsets(table[(table["family"] == name) & (table["loop"] == loop)], ax)
             ax.set_title(f"{world_title(name)}, {show.LOOPS[loop]}", fontsize=7)
-            # each panel has its own scale, and therefore its own numbers
+            # the scales of the panels differ, so every panel shows its numbers
             ax.set(xlabel=ax.get_xlabel() if row else "", ylabel="" if column else ax.get_ylabel())
     style.share_legend(fig, axes[0][0])
     return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)

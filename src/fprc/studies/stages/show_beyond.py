@@ -42,7 +42,7 @@ def tabulate_beyond(
     found = [world_of(read_json(path)) for path in worlds]
     capacities = read_json(capacity)["cells"]
     for world in found:
-        world["capacity"] = [each for each in capacities if each["family"] == world["name"]]
+        world["capacity"] = [row for row in capacities if row["family"] == world["name"]]
     found[0]["training_length"] = read_json(training)["cells"]
     found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
     ledgers = [judge_world(world) for world in found]
@@ -81,10 +81,12 @@ def draw_tracking(tracking: str, pdf: str, png: str, *, world: str) -> Mapping[s
     table = _of(tracking, world)
     fig, axes = style.figure(2, 1, style.COLUMN_IN, 4.4, sharex=True)
     for ax, (loop, words) in zip(axes, _LOOPS.items(), strict=True):
-        own = table[table["loop"] == loop]
-        figures.plot_errors_and_tracking(own, ax)
+        of_loop = table[table["loop"] == loop]
+        figures.plot_errors_and_tracking(of_loop, ax)
         ax.label_outer()
-        found = "".join(f"; rank correlation {value:.2f}" for value in own["rank_correlation"][:1])
+        found = "".join(
+            f"; rank correlation {value:.2f}" for value in of_loop["rank_correlation"][:1]
+        )
         style.letter(ax, words + found)
     return style.save(fig, _SIMULATED, pdf, png)
 
@@ -111,8 +113,8 @@ def draw_settings(settings: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Draw FPRC's error over that of FPRC on low-passed theta_d, over epsilon and over n_c."""
     table = pd.read_csv(settings)
     fig, axes = style.figure(1, 2, style.PAGE_IN, 2.4, sharey=True)
-    for ax, (_, own) in zip(axes, table.groupby("setting", sort=False), strict=True):
-        figures.plot_settings(own, ax)
+    for ax, (_, of_setting) in zip(axes, table.groupby("setting", sort=False), strict=True):
+        figures.plot_settings(of_setting, ax)
         ax.label_outer()
     style.share_legend(fig, axes[0])
     return style.save(fig, _SIMULATED, pdf, png)

@@ -14,9 +14,9 @@ from fprc.studies.beyond.contest import (
     BRIEF,
     SLOW,
     Contest,
-    judge_build,
     judge_lengths,
     judge_models,
+    judge_rig,
     judge_settings,
 )
 
@@ -65,7 +65,7 @@ def logs(on_rig):
 @pytest.fixture(scope="module")
 def judged(on_rig, contest):
     names = ("fprc", "fprc_tuned", "fuzzy_linear", "bank", "bank_tuned")
-    return judge_build(on_rig, SEED, names, contest)
+    return judge_rig(on_rig, SEED, names, contest)
 
 
 @pytest.fixture(scope="module")
@@ -149,22 +149,22 @@ def test_changed_setting_is_that_of_both_models(judged, unit, how):
 
 @pytest.mark.parametrize(("every", "number"), [(False, 0), (True, 0), (True, 2)])
 def test_slow_models_are_judged_on_the_first_units_only(monkeypatch, on_rig, how, every, number):
-    monkeypatch.setattr(contests, "judge_build", lambda rig, seed, names, contest: list(names))
+    monkeypatch.setattr(contests, "judge_rig", lambda rig, seed, names, contest: list(names))
     unit = Unit(number, {"every_model": every, "tuned": {}}, [(on_rig, 5), (on_rig, 6)])
-    builds = judge_models(unit, contest=how, slow=2)
+    judged = judge_models(unit, contest=how, slow=2)
     names = [*ALL] if every else [*BRIEF]
     if number == 2:
         names = [name for name in names if name not in SLOW]
-    assert builds == [{"seed": 5, "models": names}, {"seed": 6, "models": names}]
+    assert judged == [{"seed": 5, "models": names}, {"seed": 6, "models": names}]
 
 
-def test_build_that_cannot_be_simulated_is_lost_alone(monkeypatch, on_rig, how):
+def test_rig_that_cannot_be_simulated_is_the_only_one_lost(monkeypatch, on_rig, how):
     def judge(rig, seed, names, contest):
         if seed == 5:
             raise EvaluationError("it\ndiverged")
         return {}
 
-    monkeypatch.setattr(contests, "judge_build", judge)
+    monkeypatch.setattr(contests, "judge_rig", judge)
     unit = Unit(0, {"every_model": False, "tuned": {}}, [(on_rig, 5), (on_rig, 6)])
     assert judge_models(unit, contest=how, slow=0) == [
         {"seed": 5, "failed": "it diverged"}, {"seed": 6, "models": {}}
