@@ -42,16 +42,16 @@ def compare_models(
         for name in entries(judgement.models)
     }
     by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
-    own = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
-    filter_alone = {"readout": "theta", **own}
+    chosen = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
+    filter_alone = {"readout": "theta", **chosen}
     compared = {
-        "models": [each.report for each in by_direction],
+        "models": [direction.report for direction in by_direction],
         "weights": weight_shares(data["sweep"], judgement),
         "filter_alone": judge_readout(
             filter_alone, train=data["sweep"], test=data["complex"], judgement=judgement
         ),
     }
-    return compared, {name: each[0].validated.model for name, each in judged.items()}
+    return compared, {name: reports[0].validated.model for name, reports in judged.items()}
 
 
 def judge_directions(
@@ -95,8 +95,8 @@ def judge_directions(
             "best_fold": judged.best,
             "test_rmse_kpa": test_rmse,
             "test_halves_rmse_kpa": [
-                rmse(*each)
-                for each in zip(np.array_split(expected, 2), np.array_split(tested, 2), strict=True)
+                rmse(*half)
+                for half in zip(np.array_split(expected, 2), np.array_split(tested, 2), strict=True)
             ],
         }
         results.append(Judged(judged, report, tested))

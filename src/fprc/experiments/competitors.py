@@ -62,8 +62,8 @@ def judge_competitor(
         A log does not suit the model: it is too short, or too long for the memory.
     """
     rate_hz = train.attributes.get("sample_rate_hz", PAPER_HZ)
-    own = scaled(entry_of(name).own, rate_hz / PAPER_HZ)
-    model = build(name, judgement.models, judgement.seed, **own)
+    settings = scaled(entry_of(name).own, rate_hz / PAPER_HZ)
+    model = build(name, judgement.models, judgement.seed, **settings)
     _refuse_too_long(name, model.get_params(), train, test)
     logs = {key: log.samples(name) for key, log in (("train", train), ("test", test))}
     prepared = prepare(model, logs)

@@ -104,5 +104,5 @@ def _disturbance(run: Channels, unpushed: Channels, quiet_s: float) -> dict[str,
         name: rms((run[channel] - unpushed[channel])[pushed]) / float(np.ptp(unpushed[channel]))
         for name, channel in (("bending", "phi_deg"), ("p_o", "p_o_kpa"))
     }
-    errors = [rms(_error(each)[pushed]) for each in (run, unpushed)]
+    errors = [rms(_error(channels)[pushed]) for channels in (run, unpushed)]
     return {**changes, "error_ratio": errors[0] / errors[1]}

@@ -23,7 +23,7 @@ def scaled(parameters: Mapping[str, Any], ratio: float) -> dict[str, Any]:
     if ratio == 1.0:  # powers would change the last digits
         return {}
     return {
-        name: [scale(each, ratio) for each in value]
+        name: [scale(element, ratio) for element in value]
         if isinstance(value, list)
         else scale(value, ratio)
         for name, value in parameters.items()

@@ -25,13 +25,17 @@ def readout_cells(
     held_out : {"blocked", "recordings"}
         Split that is judged beside ``shuffled``.
     """
-    own = models["fprc"]["epsilon"], models["fprc"]["n_u"]
-    pairs = [own, *((value, own[1]) for value in epsilon), *((own[0], value) for value in n_u)]
+    chosen = models["fprc"]["epsilon"], models["fprc"]["n_u"]
+    pairs = [
+        chosen,
+        *((value, chosen[1]) for value in epsilon),
+        *((chosen[0], value) for value in n_u),
+    ]
     return [
         {"split": split, "readout": readout, "epsilon": pair[0], "n_u": pair[1]}
         for split in ("shuffled", held_out)
         for readout in READOUTS
-        for pair in dict.fromkeys(pairs if readout != "none" else [own])
+        for pair in dict.fromkeys(pairs if readout != "none" else [chosen])
     ]
 
 
@@ -45,8 +49,8 @@ def judge_readout(
     else:
         model = build("fprc", judgement.models, seed, epsilon=cell["epsilon"], n_u=cell["n_u"])
     logs = (
-        (*inputs_with(readout, log, own), log.lengths)
-        for log, own in ((train, seed), (test, seed + 1))
+        (*inputs_with(readout, log, log_seed), log.lengths)
+        for log, log_seed in ((train, seed), (test, seed + 1))
     )
     return evaluate(model, judgement.split_rows(train), *logs)
 

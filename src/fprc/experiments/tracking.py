@@ -98,12 +98,12 @@ class Track(NamedTuple):
             raise ControlError(
                 f"{controller} needs a fitted {driver} for its feedforward; give --model its file"
             )
-        own = model if driver else None
+        used = model if driver else None
         chosen, online, source = self.control["feedforward"], None, None
-        if own is not None:
-            own.reset()
-            online = self.online(own) if chosen["adapt"] else None
-            source = feedforward(online or own, chosen["p_o_shift_kpa"])
+        if used is not None:
+            used.reset()
+            online = self.online(used) if chosen["adapt"] else None
+            source = feedforward(online or used, chosen["p_o_shift_kpa"])
         limit_kpa = self.tracking["pressure_limit_kpa"]
         return tracking_law(
             theta_d,
