@@ -198,6 +198,6 @@ def _with_seed_of(readout: BaseEstimator, fold: int) -> BaseEstimator:
     for key, seed in readout.get_params().items():
         # a nested readout, such as a pipeline, has keys with a prefix
         if key.split("__")[-1] == "random_state" and isinstance(seed, Integral):
-            own = np.random.SeedSequence([int(seed), fold]).generate_state(1)[0]
-            readout.set_params(**{key: int(own)})
+            seed_of_fold = np.random.SeedSequence([int(seed), fold]).generate_state(1)[0]
+            readout.set_params(**{key: int(seed_of_fold)})
     return readout
