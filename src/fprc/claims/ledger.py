@@ -65,7 +65,7 @@ def judge_claims(
     for claim in claims:
         statements = claim.statements(results, published)
         verdicts = {statement.verdict for statement in statements}
-        weakest = (each for each in (NOT_REPRODUCED, UNDECIDED) if each in verdicts)
+        weakest = (verdict for verdict in (NOT_REPRODUCED, UNDECIDED) if verdict in verdicts)
         rows.append(
             {
                 "id": claim.id,
@@ -79,12 +79,12 @@ def judge_claims(
                 "shown_in": list(claim.shown_in),
                 "statements": [
                     {
-                        "text": each.text,
-                        **dict(zip(("mean", "first", "last"), each.interval, strict=True)),
-                        "limits": each.limits().removeprefix(f"{each.text} "),
-                        "verdict": each.verdict,
+                        "text": statement.text,
+                        **dict(zip(("mean", "first", "last"), statement.interval, strict=True)),
+                        "limits": statement.limits().removeprefix(f"{statement.text} "),
+                        "verdict": statement.verdict,
                     }
-                    for each in statements
+                    for statement in statements
                 ],
             }
         )

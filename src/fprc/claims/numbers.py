@@ -124,22 +124,22 @@ def taps(
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Return the tap sizes n_u and n_y, and the errors of all pairs, shape (n_u, n_y)."""
     found = {(cell["n_u"], cell["n_y"]): np.mean(cell[PHASES[phase]]) for cell in cells}
-    n_u, n_y = (np.unique(each) for each in zip(*found, strict=True))
+    n_u, n_y = (np.unique(sizes) for sizes in zip(*found, strict=True))
     return {"n_u": n_u, "n_y": n_y}, np.array([[found[u, y] for y in n_y] for u in n_u])
 
 
-def tap_trend(results: Results, own: str, phase: str) -> np.ndarray:
+def tap_trend(results: Results, tap: str, phase: str) -> np.ndarray:
     """Return the rank correlation of an error with one tap size, averaged over the other's."""
     trends = []
     for report in results.grids:
         tap_sizes, errors = taps(report["taps"], phase)
-        columns = errors if own == "n_u" else errors.T
-        ranks = rankdata(np.column_stack([tap_sizes[own], columns]), axis=0)
+        columns = errors if tap == "n_u" else errors.T
+        ranks = rankdata(np.column_stack([tap_sizes[tap], columns]), axis=0)
         trends.append(np.corrcoef(ranks, rowvar=False)[0, 1:].mean())
     return np.array(trends)
 
 
-def thirds_of_taps(results: Results, own: str, phase: str) -> list[np.ndarray]:
+def thirds_of_taps(results: Results, tap: str, phase: str) -> list[np.ndarray]:
     """Return the mean errors with few, a medium number of, and many taps.
 
     In a grid without such a number, the smallest, the middle or the largest one takes its place.
@@ -147,8 +147,8 @@ def thirds_of_taps(results: Results, own: str, phase: str) -> list[np.ndarray]:
     rows = []
     for report in results.grids:
         tap_sizes, errors = taps(report["taps"], phase)
-        third = np.digitize(tap_sizes[own], [_MEDIUM, _MANY])
-        means = errors.mean(axis=1 if own == "n_u" else 0)
+        third = np.digitize(tap_sizes[tap], [_MEDIUM, _MANY])
+        means = errors.mean(axis=1 if tap == "n_u" else 0)
         instead = (0, len(means) // 2, -1)
         rows.append(
             [

@@ -143,18 +143,18 @@ def _not_monotonic(r: Results, p: Printed) -> list[Statement]:
     return statements
 
 
-def _fewer_or_more(r: Results, own: str, sign: float) -> list[Statement]:
-    """Return statements that an error falls with fewer (sign 1) or more (-1) of a tap size."""
+def _fewer_or_more(r: Results, tap: str, rise: float) -> list[Statement]:
+    """Return statements that an error falls with fewer (rise 1) or with more (rise -1) taps."""
     statements = []
     for phase in ("training", "validation"):
-        trend = n.tap_trend(r, own, phase)
-        low, high = (0.5, math.inf) if sign > 0 else (-math.inf, -0.5)
-        text = f"rank correlation of {phase} error with {own}"
+        trend = n.tap_trend(r, tap, phase)
+        low, high = (0.5, math.inf) if rise > 0 else (-math.inf, -0.5)
+        text = f"rank correlation of {phase} error with {tap}"
         statements.append(Statement(text, trend, low, high, ratio=False))
-        few, medium, many = n.thirds_of_taps(r, own, phase)
-        best = few if sign > 0 else many
-        words = "few" if sign > 0 else "many"
-        statements.append(Statement(f"{phase}, {words} {own} / medium", best / medium, high=1.0))
+        few, medium, many = n.thirds_of_taps(r, tap, phase)
+        best = few if rise > 0 else many
+        words = "few" if rise > 0 else "many"
+        statements.append(Statement(f"{phase}, {words} {tap} / medium", best / medium, high=1.0))
     return statements
 
 

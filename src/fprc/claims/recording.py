@@ -132,9 +132,9 @@ def _part(claim: Claim, errors: Mapping[str, Sequence[float]], overlap: float) -
     return Part(
         claim.text,
         {
-            block: math.log(own) - math.log(other)
-            for block, (own, other) in pairs
-            if own > 0.0 and other > 0.0
+            block: math.log(error) - math.log(other)
+            for block, (error, other) in pairs
+            if error > 0.0 and other > 0.0
         },
         overlap=overlap,
     )
