@@ -81,9 +81,9 @@ def _errors(
     title = controller_title if who == "controller" else title_of
     over = f", mean over {table['seeds'].max()} seeds," if "seeds" in table else ""
     parts: list[str] = []
-    for each, rows in table.groupby(who, sort=False):
+    for key, rows in table.groupby(who, sort=False):
         paper = f" (paper: {_range(rows[printed])})" if rows[printed].notna().any() else ""
-        parts.append(f"{_range(rows[ours])} {unit} for {title(str(each))}{paper}")
+        parts.append(f"{_range(rows[ours])} {unit} for {title(str(key))}{paper}")
     return [f"{what}{over} is {in_words(parts)}."] if parts else []
 
 

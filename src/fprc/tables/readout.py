@@ -38,9 +38,11 @@ def held_out(table: pd.DataFrame) -> str:
     return "recordings" if "recordings" in set(table["split"]) else "blocked"
 
 
-def readout_page(table: pd.DataFrame, own: Mapping[str, float]) -> pd.DataFrame:
-    """Return the readouts at the models' own settings as a page."""
-    at_own = table[(table["epsilon"] == own["epsilon"]) & (table["n_u"] == own["n_u"])]
+def readout_page(table: pd.DataFrame, settings: Mapping[str, float]) -> pd.DataFrame:
+    """Return the readouts at the models' settings as a page."""
+    at_settings = table[
+        (table["epsilon"] == settings["epsilon"]) & (table["n_u"] == settings["n_u"])
+    ]
     return pd.DataFrame(
         {
             "Readout": READOUT_NAMES[row.readout],
@@ -49,5 +51,5 @@ def readout_page(table: pd.DataFrame, own: Mapping[str, float]) -> pd.DataFrame:
             f"Validation [{row.unit}]": spread(row.validation_rmse, row.validation_std),
             f"Test [{row.unit}]": spread(row.test_rmse, None),
         }
-        for row in at_own.itertuples()
+        for row in at_settings.itertuples()
     )
