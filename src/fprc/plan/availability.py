@@ -32,7 +32,7 @@ def unavailable(
     elif absent:
         reasons["table4_runs"] = f"no {in_words([f'{run}.h5' for run in absent])} in {folder}"
     if not simulated:
-        reasons |= {each.name: each.on_rigs for each in (*RESULTS, *CHORES) if each.on_rigs}
+        reasons |= {result.name: result.on_rigs for result in (*RESULTS, *CHORES) if result.on_rigs}
     given = {name: reason for name, reason in reasons.items() if reason}
     return {name: why for name, why in given.items() if BY_NAME[name].part_of not in given}
 

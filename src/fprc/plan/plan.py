@@ -228,10 +228,10 @@ class Plan:
         return [experiment, *(self.further if experiment == TRAINING else [])]
 
     def _files_of(self, result: Result) -> list[str]:
-        parts = [each for each in RESULTS if each.part_of == result.name]
+        parts = [part for part in RESULTS if part.part_of == result.name]
         made = [result, *(part for part in parts if part.name not in self.unavailable)]
         made_of = [
-            file for each in made for name in each.made_of for file in self._expanded(name, each)
+            file for part in made for name in part.made_of for file in self._expanded(name, part)
         ]
         return list(dict.fromkeys([*map(self.paths.below, result.files), *made_of]))
 
