@@ -160,9 +160,11 @@ def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> 
     return style.save(fig, report, pdf, png)
 
 
-def _read_grid(own: str, seeds: Sequence[str], grid: str) -> Mapping[str, Any]:
+def _read_grid(one_rig: str, seeds: Sequence[str], grid: str) -> Mapping[str, Any]:
     """Return a grid over further seeds; if there are none, the rig's own grid over folds."""
-    return grid_over_seeds([read_json(path) for path in seeds], grid) if seeds else read_json(own)
+    return (
+        grid_over_seeds([read_json(path) for path in seeds], grid) if seeds else read_json(one_rig)
+    )
 
 
 def draw_settings(
@@ -227,11 +229,11 @@ def draw_taps(
 def draw_readout(cells: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Draw validation (folds apart in time) and test errors over epsilon and n_u."""
     report = read_json(cells)
-    table, own = readout_errors(report), report["own"]
+    table, settings = readout_errors(report), report["own"]
     table = table[table["split"] == held_out(table)]
     over = {
-        "epsilon": table[table["n_u"] == own["n_u"]],
-        "n_u": table[table["epsilon"] == own["epsilon"]],
+        "epsilon": table[table["n_u"] == settings["n_u"]],
+        "n_u": table[table["epsilon"] == settings["epsilon"]],
     }
     labels = {"epsilon": r"$\epsilon$", "n_u": "$n_u$"}
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.8, sharey="row", sharex="col")

@@ -109,9 +109,9 @@ def draw_disturbance(
         style.letter(ax, title)
         if cycle is not None:
             cycle = np.where(time_s < settle_s, np.nan, cycle)
-            own = rms.loc[name]
-            share = f"{own['percent_of_swing']:.0f} % of its swing"
-            off = f"{own['rms']:.2g} {own['unit']} rms from the band, {share}"
+            errors = rms.loc[name]
+            share = f"{errors['percent_of_swing']:.0f} % of its swing"
+            off = f"{errors['rms']:.2g} {errors['unit']} rms from the band, {share}"
             ax.set_title(off, loc="right")
         plot_over_cycle(time_s, channels[name], cycle, ax, name)
     for ax in axes:

@@ -41,7 +41,7 @@ def preprocess(
         paths, experiment=experiment, target=target, sample_rate_hz=sample_rate_hz, limits=limits
     )
     several = len(paths) > 1
-    named = {Path(path).name: each for path, each in zip(paths, recordings, strict=True)}
+    named = {Path(path).name: recording for path, recording in zip(paths, recordings, strict=True)}
     whole = join(named, 1.0 / sample_rate_hz) if several else recordings[0]
     write_json(quality, {"recordings": reports} if several else reports[0])
     write_columns(data, whole.channels, whole.attributes)

@@ -70,7 +70,7 @@ def write_report(
         over = {"title": f"{one['title']}, over seeds", "short": one["short"]}
         one["short"] += " with one seed"
         pages[name] = pages.pop(f"{name}_seeds") | over | {"one_seed": one}
-    names = {each["anchor"]: each["short"] for each in (*pages.values(), *shown)}
+    names = {part["anchor"]: part["short"] for part in (*pages.values(), *shown)}
     drawn_from = {figure["source"] for figure in shown} - {"none"}
     kinds = " and ".join(SOURCES[source] for source in sorted(drawn_from))
     simulated = "sim" in drawn_from

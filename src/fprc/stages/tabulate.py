@@ -112,8 +112,8 @@ def tabulate_tracking(
     logs = isolated_each(read_run, runs)
     kinds = {run.attributes["source"]: str(run.path) for run in logs}
     if len(kinds) > 1:
-        each = ", ".join(f"{source} ({path})" for source, path in kinds.items())
-        raise LogError(f"closed-loop logs of different sources: {each}; use logs of one kind")
+        named = ", ".join(f"{source} ({path})" for source, path in kinds.items())
+        raise LogError(f"closed-loop logs of different sources: {named}; use logs of one kind")
     (source,) = kinds
     for line in sum((implausible(run, limits) for run in logs), []):
         log.warning("warning: %s", line)
@@ -155,14 +155,15 @@ def tabulate_readout(
     """
     report = read_json(cells)
     table = readout.readout(report)
-    own = report["own"]
+    settings = report["own"]
     note = (
         "Readout value: FPRC with P_o, without it and with substitutes for it, at epsilon = "
-        f"{own['epsilon']:g} and n_u = {own['n_u']}, mean ± standard deviation over folds.\n"
+        f"{settings['epsilon']:g} and n_u = {settings['n_u']}, mean ± standard deviation over "
+        "folds.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
         f"tested on {parts[1]}. {_FOLDS[readout.held_out(table)]}"
     )
-    write_table(table, readout.readout_page(table, own), note, **files)
+    write_table(table, readout.readout_page(table, settings), note, **files)
 
 
 def tabulate_times(

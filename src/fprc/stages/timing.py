@@ -40,9 +40,9 @@ def measure_times(
     }
     fitted = {name: build(name, models, seed).fit(*pairs[0]) for name, pairs in logs.items()}
     work = {name: (model, *logs[name]) for name, model in fitted.items()}
-    stepping = {name: each for name, each in work.items() if has_steps(type(each[0]))}
+    stepping = {name: pieces for name, pieces in work.items() if has_steps(type(pieces[0]))}
     timed = time_models(stepping, repeats, progress=partial(_log_mode, repeats))
-    others = {name: each for name, each in work.items() if name not in stepping}
+    others = {name: pieces for name, pieces in work.items() if name not in stepping}
     timed |= time_models(others, repeats, modes=("batch",)) if others else {}
     costs = []
     for name, (model, *_) in stepping.items():
