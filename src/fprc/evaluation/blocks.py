@@ -1,4 +1,4 @@
-"""Blocks of recordings: each is predicted by models that the others trained."""
+"""Blocks of recordings: every block is predicted by models that the other blocks trained."""
 
 from collections.abc import Sequence
 
@@ -11,9 +11,10 @@ from fprc.evaluation.folds import Fold
 def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int) -> list[Fold]:
     """Return (training rows, validation rows) of blocks, each inside one recording.
 
-    If there are ``blocks`` recordings or more, each is one block. Otherwise each is cut into equal
-    blocks, at least ``blocks`` in all unless these would be shorter than ``shortest``; a recording
-    that is shorter itself is one block, or two if it is the only recording.
+    If there are ``blocks`` recordings or more, every recording is one block. Otherwise recordings
+    are cut into equal blocks, at least ``blocks`` in all unless these would be shorter than
+    ``shortest``; a recording that is shorter itself is one block, or two if it is the only
+    recording.
 
     Parameters
     ----------

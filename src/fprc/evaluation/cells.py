@@ -1,4 +1,4 @@
-"""Many cross-validations at once, with a checkpoint for each."""
+"""Many cross-validations at once, each of them with a checkpoint."""
 
 import hashlib
 import json
@@ -81,7 +81,7 @@ def judging(
     ------
     callable
         Its first argument takes a cell and returns a JSON mapping, and is picklable; the second
-        are the cells. It returns cell and result merged, a dict for each, in the order of cells.
+        are the cells. It returns one dict per cell, cell and result merged, in the order of cells.
     """
     with resuming(checkpoint, {"key": key}) as (kept, append):
         finished = {_name(entry["cell"]): entry["result"] for entry in kept}

@@ -107,7 +107,7 @@ class Prepared(NamedTuple):
 def prepare(
     model: SequenceModel, logs: Mapping[str, Samples], most_bytes: float = math.inf
 ) -> Prepared:
-    """Compute the features of some logs, each once and in the order of time.
+    """Compute the features of some logs, once per log and in the order of time.
 
     Whatever judges a model begins here. The features are fitted to the first log.
 

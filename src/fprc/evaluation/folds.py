@@ -29,7 +29,7 @@ def split_rows(
         Rows on each side of a contiguous block that do not train, because they resemble
         those that validate.
     lengths : sequence of int
-        Samples of each recording. Fewer recordings than ``folds`` make one fold each.
+        Samples of each recording. If there are fewer than ``folds``, every recording is one fold.
 
     Raises
     ------
