@@ -10,7 +10,7 @@ from fprc.claims.finding import NOT_REPRODUCED, REPRODUCED, UNDECIDED, Results, 
 from fprc.claims.paper import CLAIMS, Claim
 from fprc.escape import in_words
 
-#: What tests each sentence and each number of the paper.
+#: What tests the sentences and numbers of the paper.
 SENTENCES = Path(__file__).with_name("sentences.yaml")
 
 #: Terms of the calibration's objective that are not claims.
@@ -57,9 +57,9 @@ def judge_claims(
     -------
     list of dict
         ``id``, ``claim``, ``published``, ``ours``, ``test``, ``basis``, ``verdict``, ``rig`` (see
-        ``status_of``), ``shown_in`` (tables and figures), and ``statements``: text, mean, interval,
-        limits and verdict of each. A claim is reproduced if every statement is, and not reproduced
-        if one is not.
+        ``status_of``), ``shown_in`` (tables and figures), and ``statements``, each with text, mean,
+        interval, limits and verdict. A claim is reproduced if every statement is, and not
+        reproduced if one is not.
     """
     rows = []
     for claim in claims:
@@ -122,7 +122,7 @@ def _basis(claim: Claim, results: Results, statements: Sequence[Statement]) -> s
 
 
 def not_tested(rows: Mapping[str, Any]) -> dict[str, str]:
-    """Return the sentences that cannot be tested here, by their first words, each with the reason.
+    """Return the sentences that cannot be tested here, by their first words, with their reasons.
 
     Parameters
     ----------

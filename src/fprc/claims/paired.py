@@ -39,7 +39,7 @@ class Part(NamedTuple):
     ratio: bool = True  #: a logarithm of a ratio to 1; what is compared with a limit is not
     #: Turns a value into the number that readers see.
     shown: Callable[[float], float] = math.exp
-    dropped: int = 0  #: builds without this pair
+    dropped: int = 0  #: simulated rigs without this pair
     #: Samples that judge per sample that trains, if the units of one cross-validation share their
     #: training data; 0 for units that share none.
     overlap: float = 0.0
@@ -50,8 +50,8 @@ class Part(NamedTuple):
         """Return the mean and the ends of the interval that errs with probability ``level``.
 
         Units that share training data resemble each other. Their n values then have the variance
-        s^2 (1/n + overlap) of the mean, not s^2 / n. This is an approximation: from one
-        cross-validation nobody can estimate that variance without bias.
+        s^2 (1/n + overlap) of the mean, not s^2 / n. This is an approximation: no
+        unbiased estimate of that variance exists for one cross-validation.
 
         References
         ----------
@@ -132,7 +132,7 @@ def judge_together(
     k-th of K claims is judged at alpha / (K + 1 - k), and the first that this does not decide
     leaves itself and all later ones undecided. K counts the claims that could not be judged.
 
-    A claim of several parts judges each at its share of the level. Its verdict is the weakest:
+    The parts of a claim are judged at equal shares of its level. Its verdict is the weakest:
     inferior if a part is, otherwise undecided if a part is, then equivalent, then superior.
 
     A decided verdict becomes undecided if there are fewer than 8 units, or if fewer than 95 %

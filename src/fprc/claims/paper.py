@@ -1,4 +1,4 @@
-"""The paper's claims: one row for each, with its limits. ``fprc.claims.ledger`` judges them.
+"""The paper's claims: one row per claim, with its limits. ``fprc.claims.ledger`` judges them.
 
 A row whose id ends in a letter is a part of a claim of ``published.yaml``. The limits of a row were
 committed before it was judged with them.
