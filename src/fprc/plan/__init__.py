@@ -1,1 +1,1 @@
-"""The results, what each is made of, and which of them can be made from the existing logs."""
+"""The results, what they are made of, and which of them can be made from the existing logs."""

@@ -1,4 +1,4 @@
-"""What the rules pass to their stages: each gets only the settings that it reads."""
+"""What the rules pass to their stages: a stage gets only the settings that it reads."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -12,7 +12,7 @@ from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
 def unavailable(
     logs: Mapping[str, Content], folder: str, runs: Sequence[str], *, simulated: bool
 ) -> dict[str, str]:
-    """Return the results that cannot be made, with the reason of each.
+    """Return the results that cannot be made, with their reasons.
 
     Parameters
     ----------

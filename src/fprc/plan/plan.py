@@ -117,12 +117,12 @@ class Plan:
 
     @cached_property
     def unavailable(self) -> dict[str, str]:
-        """Targets that cannot be made, with the reason of each."""
+        """Targets that cannot be made, with their reasons."""
         return unavailable(self.contents, self.raw, self.every_run, simulated=self.on_simulated_rig)
 
     @cached_property
     def unavailable_results(self) -> dict[str, tuple[str, str]]:
-        """Results that cannot be made, with title and reason of each."""
+        """Results that cannot be made, with titles and reasons."""
         return {
             name: (BY_NAME[name].title, why)
             for name, why in self.unavailable.items()
@@ -131,7 +131,7 @@ class Plan:
 
     @cached_property
     def left_out(self) -> dict[str, str]:
-        """Models that are not in the tables, with the reason of each."""
+        """Models that are not in the tables, with their reasons."""
         if "table2" in self.unavailable:
             return {}
         reasons = {}
