@@ -110,13 +110,19 @@ def _rows(features: FeatureMap) -> list[tuple[int, int, float]] | None:
             rows += [(i, _LOWPASS, epsilon)] + [(i, _TAP, 0.0)] * (size - 1)
         return rows
     if isinstance(features, LowpassBank):
-        return [(i, _LOWPASS, float(each)) for i in every for each in features.epsilons]
+        return [(i, _LOWPASS, float(epsilon)) for i in every for epsilon in features.epsilons]
     if isinstance(features, PlayOperators):
-        return [(i, _PLAY, float(each)) for i in every for each in features.half_widths_[i]]
+        return [
+            (i, _PLAY, float(half_width)) for i in every for half_width in features.half_widths_[i]
+        ]
     if isinstance(features, SideBySide):
-        parts = [(own, _rows(each)) for each, own in features.parts()]
+        parts = [(columns, _rows(part)) for part, columns in features.parts()]
         if all(rows is not None for _, rows in parts):
-            return [(own[i], kind, number) for own, rows in parts for i, kind, number in rows or ()]
+            return [
+                (columns[i], kind, number)
+                for columns, rows in parts
+                for i, kind, number in rows or ()
+            ]
     return None
 
 
@@ -157,13 +163,13 @@ def _readout(
         texts["fill"] = fill.substitute(texts)
         texts["finish"] = c_templates.FINISH.substitute(texts)
         texts["keep"] = "\n        rule[i] = beta;"
-        own = {
+        learning = {
             "memory": c_templates.MEMORY,
             "prior": c_templates.PRIOR,
             "forget": c_templates.FORGET,
             "learn": c_templates.LEARN,
         }
-        more |= {key: part.substitute(texts) for key, part in own.items()}
+        more |= {key: part.substitute(texts) for key, part in learning.items()}
         more["restart"] = "    state->k = 0;\n"
         more["use"] = (
             f"{name}_learn(&state, error, theta); {more['use']} {name}_sent(&state, p_fb);"
@@ -190,8 +196,8 @@ def _learning(online: Online) -> dict[str, str]:
 
 def _refusal(model: SequenceModel) -> str:
     parts = [*vars(model.features_).items(), *vars(model.readout_).items()]
-    arrays = [each for key, each in parts if key.endswith("_") and isinstance(each, np.ndarray)]
-    count = sum(each.size for each in arrays)
+    arrays = [array for key, array in parts if key.endswith("_") and isinstance(array, np.ndarray)]
+    count = sum(array.size for array in arrays)
     size = (
         f"; its {count} learned numbers take {count * 4 / 1e6:.2g} MB in float, "
         f"{count * 8 / 1e6:.2g} MB in double"

@@ -137,7 +137,7 @@ RIDGE_OUTPUT = Template("""\
     $finish
 """)
 
-#: What a model that learns has more: in its state, in its functions, and functions of its own.
+#: What a model that learns has in addition: parts of its state and functions, and more functions.
 MEMORY = Template("""\
     ${name}_real learned[$n_w], covariance[$n_w][$n_w]; /* of the readout's weights */
     ${name}_real phi[$delay][$n_w], base[$delay], p_ff[$delay], p_fb[$delay]; /* the last samples */

@@ -9,8 +9,8 @@ from sklearn.base import BaseEstimator
 def describe(value: Any, *, seeds: bool = True) -> Any:
     """Return an estimator as a dict of class and parameters, at any depth.
 
-    Arrays and tuples become lists, numbers of NumPy become Python's; two estimators are made alike
-    if their descriptions are equal. Any other value stays as it is.
+    Arrays and tuples become lists, numbers of NumPy become Python's; two estimators are equal
+    if their descriptions are. Any other value stays as it is.
 
     Parameters
     ----------
@@ -19,10 +19,10 @@ def describe(value: Any, *, seeds: bool = True) -> Any:
     """
     if isinstance(value, BaseEstimator):
         parameters = value.get_params(deep=False)
-        kept = {key: each for key, each in parameters.items() if seeds or key != "random_state"}
+        kept = {key: value for key, value in parameters.items() if seeds or key != "random_state"}
         return {"class": type(value), "parameters": describe(kept, seeds=seeds)}
     if isinstance(value, dict):
-        return {key: describe(each, seeds=seeds) for key, each in value.items()}
+        return {key: describe(part, seeds=seeds) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [describe(each, seeds=seeds) for each in value]
+        return [describe(part, seeds=seeds) for part in value]
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

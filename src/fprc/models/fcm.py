@@ -101,13 +101,13 @@ def fuzzy_c_means(
         centers, _ = kmeans_plusplus(thinned, n_clusters, random_state=rng)
         if thinned is not X:
             coarsely = converge(thinned, centers, tolerance, max_iterations)
-            if any(abs(coarsely.objective - each) < SAME * each for each in optima):
+            if any(abs(coarsely.objective - optimum) < SAME * optimum for optimum in optima):
                 continue  # all rows, too, would lead to the optimum of that earlier start
             optima.append(coarsely.objective)
             centers = coarsely.centers
         found.append(converge(X, centers, tolerance, max_iterations))
-    lowest = min(each.objective for each in found)
-    return next(each for each in found if (1.0 - SAME) * each.objective <= lowest)
+    lowest = min(clusters.objective for clusters in found)
+    return next(clusters for clusters in found if (1.0 - SAME) * clusters.objective <= lowest)
 
 
 def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
@@ -177,6 +177,6 @@ def _extrapolated(past: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
 
     ``past`` holds the end point and the step of two or more iterations.
     """
-    ends, steps = (np.array(each).reshape(len(past), -1) for each in zip(*past, strict=True))
+    ends, steps = (np.array(arrays).reshape(len(past), -1) for arrays in zip(*past, strict=True))
     factors = np.linalg.lstsq(np.diff(steps, axis=0).T, steps[-1], rcond=RANK)[0]
     return (ends[-1] - factors @ np.diff(ends, axis=0)).reshape(past[-1][0].shape)

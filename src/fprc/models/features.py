@@ -107,7 +107,7 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         return np.array(self._named(list(columns)), dtype=object)
 
     def count_features(self) -> int | None:
-        """Return the number of features; None if a class does not tell."""
+        """Return the number of features; None if it is unknown for a class."""
         return None
 
     def learned(self) -> Iterator[tuple[str, Learned]]:
@@ -117,7 +117,7 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
         yield from ()
 
     def __copy__(self) -> Self:
-        """Return a deep copy: two models with one stream would spoil it for each other."""
+        """Return a deep copy: two maps must not share the state of a stream."""
         return deepcopy(self)
 
     def reset(self, x: ArrayLike | None = None) -> None:

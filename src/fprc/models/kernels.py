@@ -137,7 +137,7 @@ def blend(x, centers, W_out, sigma):
     """Return beta_bar W_out [1, x] of one row of features (Eqs. 10-12).
 
     The largest exponent is subtracted first, as in ``gaussian_memberships``. Features and readout
-    may come from different hands, so their sizes are compared: compiled code does not check bounds.
+    may not belong together, so their sizes are compared: compiled code does not check bounds.
     """
     if x.size != centers.shape[1] or W_out.shape != (len(centers), 1 + x.size):
         raise ValueError("the readout was trained on another number of features")

@@ -58,7 +58,7 @@ def check_learned(model: Any) -> None:
     if not is_ours(model):
         for key, value in has.items():
             parts = enumerate(value) if isinstance(value, list) else []
-            for place, part in [(key, value), *((f"{key}.{i}", each) for i, each in parts)]:
+            for place, part in [(key, value), *((f"{key}.{i}", element) for i, element in parts)]:
                 if isinstance(part, BaseEstimator):
                     _check_within(place, part)
         return
@@ -76,8 +76,8 @@ def check_learned(model: Any) -> None:
         elif isinstance(expected, list):
             if not isinstance(found, list) or len(found) != len(expected):
                 raise ValueError(f"{key}: must be {len(expected)} parts")
-            for i, (part, each) in enumerate(zip(found, expected, strict=True)):
-                _check_part(f"{key}.{i}", part, each)
+            for i, (part, wanted) in enumerate(zip(found, expected, strict=True)):
+                _check_part(f"{key}.{i}", part, wanted)
         else:
             _check_array(key, found, expected, limits.get(key, USUAL))
     if has:
@@ -86,7 +86,7 @@ def check_learned(model: Any) -> None:
 
 def _are_names(names: Any, columns: int) -> bool:
     listed = names.tolist() if isinstance(names, np.ndarray) else []
-    return len(listed) == columns and all(isinstance(each, str) for each in listed)
+    return len(listed) == columns and all(isinstance(name, str) for name in listed)
 
 
 def _check_within(place: str, part: BaseEstimator) -> None:
@@ -100,7 +100,7 @@ def _check_part(place: str, found: Any, expected: LearnedPart) -> None:
     unfitted, columns = expected
     if type(found) is not type(unfitted):
         raise ValueError(f"{place}: is {type(found).__name__}; must be {type(unfitted).__name__}")
-    # a cross-validation gives each fold's readout a seed of its own
+    # a cross-validation gives the readout of every fold another seed
     if describe(found, seeds=False) != describe(unfitted, seeds=False):
         raise ValueError(f"{place}: its parameters are not those that the model gives it")
     if columns is not None and getattr(found, "n_features_in_", columns) != columns:

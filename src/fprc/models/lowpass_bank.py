@@ -44,7 +44,7 @@ class LowpassBank(FeatureMap):
         return follow_log(np.array(X, order="C"), self._factors())
 
     def _named(self, columns: list[str]) -> list[str]:
-        return [f"{column}_lowpass{each:g}" for column in columns for each in self.epsilons]
+        return [f"{column}_lowpass{epsilon:g}" for column in columns for epsilon in self.epsilons]
 
     def _start(self, x: np.ndarray) -> None:
         self._epsilons = self._factors()

@@ -1,7 +1,7 @@
 """Files of fitted models: an HDF5 file of one text and some arrays, behind a checksum.
 
 The first 512 bytes, HDF5's user block, hold the SHA-256 of all others, so a damaged file is refused
-before the HDF5 library reads it. A file whose checksum somebody renewed is read with care too: the
+before the HDF5 library reads it. A changed file with a new checksum is also read with care: the
 library follows no link and opens no other file, and no array is larger than its file.
 """
 
@@ -68,7 +68,7 @@ def read_model_file(content: bytes) -> tuple[Any, dict[str, np.ndarray]]:
     with h5py.File(h5py.h5f.open_file_image(image)) as file:
         names, left = list(file), len(image)
         values = {}
-        for name in [_TEXT, *(each for each in names if each != _TEXT)]:
+        for name in [_TEXT, *(other for other in names if other != _TEXT)]:
             dataset = _dataset(file, name)
             left -= dataset.nbytes
             if left < 0:
@@ -77,8 +77,8 @@ def read_model_file(content: bytes) -> tuple[Any, dict[str, np.ndarray]]:
     text = values.pop(_TEXT)
     if not isinstance(text, bytes):
         raise FprcError(f"{_TEXT}: must be text; {_AGAIN}")
-    for name, each in values.items():
-        _refuse_infinite(name, each)
+    for name, array in values.items():
+        _refuse_infinite(name, array)
     return json.loads(text, parse_float=_number, parse_constant=_number), values
 
 

@@ -86,14 +86,14 @@ class NVAR(FeatureMap):
         linear = np.hstack([taps(column, self._span())[:, :: self.spacing] for column in scaled.T])
         factors = self._factors().T
         products = linear[:, factors[0]]
-        for each in factors[1:]:
-            products *= linear[:, each]
+        for columns in factors[1:]:
+            products *= linear[:, columns]
         return np.hstack([linear, products])
 
     def _named(self, columns: list[str]) -> list[str]:
         lags = range(0, self._span(), self.spacing)
         linear = [f"{column}_lag{lag}" for column in columns for lag in lags]
-        return linear + [" ".join(linear[i] for i in each) for each in self._factors()]
+        return linear + [" ".join(linear[i] for i in product) for product in self._factors()]
 
     def _start(self, x: np.ndarray) -> None:
         self._products = self._factors()

@@ -1,4 +1,4 @@
-"""A fitted model that goes on learning while it controls."""
+"""A fitted model that continues to learn while it controls."""
 
 import math
 from contextlib import suppress
@@ -25,7 +25,7 @@ class Learning(NamedTuple):
     delay_s: float = 0.02  #: time from a command to the angle that follows from it
     kpa_per_deg: float = 2.0  #: pressure by which a degree of error corrects the model
     limit_kpa: float = 150.0  #: most that learning may add to P_ff, or take from it
-    stop_deg: float = 0.5  #: angle up to which the actuator lies at its stop, and tells nothing
+    stop_deg: float = 0.5  #: angle up to which the actuator is at its stop
 
 
 class Online:
@@ -38,8 +38,8 @@ class Online:
         C <- (1 - m) (C - G phi^T C) + m C_0,                m = T / memory
 
     C_0 is the inverse of the training's information, scaled to ``prior_s``. C never exceeds C_0,
-    so the gains are bounded however long nothing excites a weight; with forgetting instead, C and
-    the weights can grow without limit. Nothing is learned while the command is at a limit, the
+    so the gains are bounded even if a weight is not excited for long; with forgetting instead, C
+    and the weights can grow without limit. Nothing is learned while the command is at a limit, the
     actuator at its stop, or the learned part at ``limit_kpa`` and asked to go further.
 
     Parameters

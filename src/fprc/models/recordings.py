@@ -1,4 +1,4 @@
-"""Several recordings at once: models restart at the first sample of each."""
+"""Several recordings at once: models restart at the first sample of each recording."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -49,7 +49,7 @@ def join_recordings(
             pairs.append(check(X[i], outputs[i], i == 0))
     inputs, targets = zip(*pairs, strict=True)
     whole = None if y is None else np.concatenate(targets)
-    return np.concatenate(inputs), whole, [len(each) for each in inputs]
+    return np.concatenate(inputs), whole, [len(recording) for recording in inputs]
 
 
 def checked_lengths(lengths: ArrayLike | None, samples: int) -> list[int]:
@@ -71,7 +71,7 @@ def checked_lengths(lengths: ArrayLike | None, samples: int) -> list[int]:
 
 
 def split_recordings(values: np.ndarray, lengths: Sequence[int]) -> list[np.ndarray]:
-    """Split values of joined recordings into those of each."""
+    """Split values of joined recordings into one array per recording."""
     edges = np.cumsum([0, *lengths]).tolist()
     return [values[first:last] for first, last in pairwise(edges)]
 
@@ -79,7 +79,7 @@ def split_recordings(values: np.ndarray, lengths: Sequence[int]) -> list[np.ndar
 def transform_each(
     features: BaseEstimator, X: np.ndarray, lengths: ArrayLike | None = None
 ) -> np.ndarray:
-    """Return the features of each recording, computed from its own samples only.
+    """Return the features of each recording, computed only from the samples of that recording.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         fitted = []
         for i in range(len(parts)):
             others = sums[:i] + sums[i + 1 :]
-            gram, moments = (sum(each) for each in zip(*others, strict=True))
+            gram, moments = (sum(terms) for terms in zip(*others, strict=True))
             readout = clone(self)
             readout.n_features_in_ = checked.n_features_in_
             readout.w_out_ = solve_ridge(gram, moments, self.alpha)

@@ -114,11 +114,11 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         return self
 
     def partial_fit(self, X: Recordings, y: Recordings, lengths: ArrayLike | None = None) -> Self:
-        """Go on learning from more recordings; memberships and features stay as they are.
+        """Continue to learn from more recordings; memberships and features stay as they are.
 
         The weights become those of a ridge regression on these data and on all that the model
         remembers, given the weights before. The first call trains as ``fit`` does, and remembers.
-        A model that was fitted and remembers nothing counts its training as much as these data.
+        A fitted model that remembers no data gives its training the same weight as these data.
 
         Parameters
         ----------
@@ -181,7 +181,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         return validate_data(self, X, reset=False, dtype=np.float64), None
 
     def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> Self:
-        """Return a fitted copy of this model made of fitted parts, with a stream of its own."""
+        """Return a fitted copy of this model made of fitted parts, with a separate stream."""
         model = clone(self)
         model.n_features_in_ = features.n_features_in_
         model.features_ = deepcopy(features)
@@ -197,7 +197,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
             yield "information_", (weights, weights)
 
     def __copy__(self) -> Self:
-        """Return a deep copy: two models with one stream would spoil it for each other."""
+        """Return a deep copy: two models must not share the state of a stream."""
         return deepcopy(self)
 
     def reset(self, x: ArrayLike | None = None) -> None:

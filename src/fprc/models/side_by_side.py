@@ -45,12 +45,12 @@ class SideBySide(FeatureMap):
     LIMITS: Mapping[str, Limit] = {}
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """Return the parameters; with ``deep`` the maps and theirs too."""
+        """Return the parameters; with ``deep`` also the maps and their parameters."""
         parameters = super().get_params(deep=False)
         if deep:
-            for name, each in self._named_maps().items():
-                parameters[name] = each
-                parameters |= {f"{name}__{key}": value for key, value in each.get_params().items()}
+            for name, part in self._named_maps().items():
+                parameters[name] = part
+                parameters |= {f"{name}__{key}": value for key, value in part.get_params().items()}
         return parameters
 
     def set_params(self, **parameters: Any) -> Self:
@@ -60,19 +60,19 @@ class SideBySide(FeatureMap):
         replaced = {name: parameters.pop(name) for name in self._named_maps() if name in parameters}
         if replaced:
             self.maps = [
-                (name, replaced.get(name, each), columns) for name, each, columns in self.maps
+                (name, replaced.get(name, part), columns) for name, part, columns in self.maps
             ]
         return super().set_params(**parameters)
 
     def _named_maps(self) -> dict[str, FeatureMap]:
         try:
-            return {name: each for name, each, _ in self.maps if isinstance(each, FeatureMap)}
+            return {name: part for name, part, _ in self.maps if isinstance(part, FeatureMap)}
         except (TypeError, ValueError):
             return {}  # any value can be set; fit refuses a wrong one
 
     def count_features(self) -> int | None:
-        """Return the number of features of all maps; None if one does not tell."""
-        counts = [features_of(each) for each in self.maps_]
+        """Return the number of features of all maps; None if it is unknown for one of them."""
+        counts = [features_of(part) for part in self.maps_]
         return None if None in counts else sum(filter(None, counts))
 
     def learned(self) -> Iterator[tuple[str, Learned]]:
@@ -80,14 +80,14 @@ class SideBySide(FeatureMap):
         self._check_columns()
         n = self.n_features_in_
         sizes = [n if columns is None else len(columns) for _, _, columns in self.maps]
-        maps = [each for _, each, _ in self.maps]
+        maps = [part for _, part, _ in self.maps]
         yield "maps_", list(map(LearnedPart, maps, sizes))
         self._check_size()
 
     def _prepare(self, X: np.ndarray) -> None:
         self.maps_ = [
-            clone(each).set_output(transform="default").fit(X[:, columns])
-            for (_, each, _), columns in zip(self.maps, self._columns(), strict=True)
+            clone(part).set_output(transform="default").fit(X[:, columns])
+            for (_, part, _), columns in zip(self.maps, self._columns(), strict=True)
         ]
 
     def _check_columns(self) -> None:
@@ -100,9 +100,9 @@ class SideBySide(FeatureMap):
             ) from error
         problems = [] if names else ["there are no maps"]
         problems += [
-            f"{name!r} is {type(each).__name__}; must be a FeatureMap"
-            for name, each, _ in self.maps
-            if not isinstance(each, FeatureMap)
+            f"{name!r} is {type(part).__name__}; must be a FeatureMap"
+            for name, part, _ in self.maps
+            if not isinstance(part, FeatureMap)
         ]
         problems += [
             f"{name!r} is repeated" for name in sorted({n for n in names if names.count(n) > 1})
@@ -137,30 +137,30 @@ class SideBySide(FeatureMap):
         return list(zip(self.maps_, self._columns(), strict=True))
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
-        return np.hstack([each.transform(X[:, columns]) for each, columns in self.parts()])
+        return np.hstack([part.transform(X[:, columns]) for part, columns in self.parts()])
 
     def _named(self, columns: list[str]) -> list[str]:
         return [
             f"{name}__{feature}"
-            for (name, _, _), (each, own) in zip(self.maps, self.parts(), strict=True)
-            for feature in each.get_feature_names_out([columns[i] for i in own])
+            for (name, _, _), (part, indices) in zip(self.maps, self.parts(), strict=True)
+            for feature in part.get_feature_names_out([columns[i] for i in indices])
         ]
 
     def _start(self, x: np.ndarray) -> None:
         self._parts, edge = [], 0
-        for each, columns in self.parts():
-            each.reset(x[columns])
-            size = len(each.get_feature_names_out())
-            self._parts.append((each, np.array(columns), slice(edge, edge + size)))
+        for part, columns in self.parts():
+            part.reset(x[columns])
+            size = len(part.get_feature_names_out())
+            self._parts.append((part, np.array(columns), slice(edge, edge + size)))
             edge += size
         self._row = np.empty(edge)
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        for each, columns, place in self._parts:
-            self._row[place] = each.advance(x[columns])
+        for part, columns, place in self._parts:
+            self._row[place] = part.advance(x[columns])
         return self._row
 
 
 def _are_whole(columns: Any) -> bool:
     is_list = isinstance(columns, Sequence | np.ndarray) and len(columns) > 0
-    return is_list and all(isinstance(each, Integral) for each in columns)
+    return is_list and all(isinstance(column, Integral) for column in columns)

@@ -97,14 +97,16 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
 def _known_classes(classes: Collection[type]) -> dict[str, type]:
     """Return the models of this package, ``classes`` and the other estimators of their modules."""
     # not imported by name, so that a rule does not depend on the code of every model
-    modules = "fprc.models", *(each.__module__ for each in classes)
+    modules = "fprc.models", *(known_class.__module__ for known_class in classes)
     members = [member for module in modules for member in vars(sys.modules[module]).values()]
     estimators = [
-        each for each in members if isinstance(each, type) and issubclass(each, BaseEstimator)
+        member
+        for member in members
+        if isinstance(member, type) and issubclass(member, BaseEstimator)
     ]
-    known = {each.__name__: each for each in (*estimators, *classes)}
+    known = {known_class.__name__: known_class for known_class in (*estimators, *classes)}
     bases = BaseEstimator, SequenceModel
-    return {name: each for name, each in known.items() if each not in bases}
+    return {name: known_class for name, known_class in known.items() if known_class not in bases}
 
 
 def _name_of(cls: type, names: Mapping[type, str]) -> str:
@@ -133,10 +135,10 @@ def _describe_learned(value: Any, names: Mapping[type, str], arrays: Arrays, pla
         return _describe(value, names, arrays, f"{place}.")
     if isinstance(value, list) and value and isinstance(value[0], BaseEstimator):
         parts = enumerate(value)
-        return [_describe(each, names, arrays, f"{place}.{i}.") for i, each in parts]
+        return [_describe(part, names, arrays, f"{place}.{i}.") for i, part in parts]
     values = np.asarray(value)
     if values.dtype.kind not in "biuf":
-        if all(isinstance(each, str) for each in values.flat):
+        if all(isinstance(element, str) for element in values.flat):
             return values.tolist()
         raise FprcError(
             f"learned attribute {place} is {type(value).__name__}; only numbers, arrays of numbers "
@@ -178,7 +180,7 @@ def _restore_learned(value: Any, arrays: Arrays, known: Mapping[str, type], plac
         return _restore(value, arrays, known, f"{place}.")
     if isinstance(value, list) and value and isinstance(value[0], dict):
         parts = enumerate(value)
-        return [_restore(each, arrays, known, f"{place}.{i}.") for i, each in parts]
+        return [_restore(part, arrays, known, f"{place}.{i}.") for i, part in parts]
     return np.array(value, dtype=object) if isinstance(value, list) else value
 
 
@@ -202,7 +204,7 @@ def _unfitted(described: Mapping[str, Any], known: Mapping[str, type]) -> Any:
 
 def _parameter(value: Any, known: Mapping[str, type]) -> Any:
     if isinstance(value, list):
-        return [_parameter(each, known) for each in value]
+        return [_parameter(element, known) for element in value]
     if isinstance(value, dict) and value.keys() == {"class", "parameters"}:
         return _unfitted(value, known)
     return value
