@@ -55,8 +55,8 @@ def _reasons_to_refuse(folder: str) -> list[str]:
     if set(place) <= {".."}:
         reasons.append("is the project's folder, or contains it")
     elif place[0] in PROJECT_FOLDERS or (place[0].startswith(".") and place[0] != ".."):
-        own = ", ".join(sorted(PROJECT_FOLDERS))
-        reasons.append(f"is in {place[0]}; hidden folders and {own} are the project's own")
+        reserved = ", ".join(sorted(PROJECT_FOLDERS))
+        reasons.append(f"is in {place[0]}; hidden folders and {reserved} are the project's own")
     elif os.path.abspath(folder) == os.path.expanduser("~"):
         reasons.append("is your home folder")
     return reasons

@@ -51,13 +51,15 @@ def _column(channel: Channel) -> tuple[Any, Any]:
 
 
 _FIELDS: dict[str, Any] = {
-    each.name: _column(each) for each in CHANNELS if each.kind not in ("time", "tracking")
+    channel.name: _column(channel)
+    for channel in CHANNELS
+    if channel.kind not in ("time", "tracking")
 }
 #: Channels of a raw log, see data/raw/README.md; omitted channels are not in the log.
 Channels = create_model("Channels", __base__=Section, __module__=__name__, **_FIELDS)
 
 
-#: Words in the name of a column that tell its channel; the first channel that fits counts.
+#: Words in the name of a column that identify its channel; the first channel that fits is used.
 _WORDS = {
     "p_o_kpa": "p_?o|pam_?b|sealed|reservoir|memory",
     "p_i_kpa": "p_?i|pam_?a",
@@ -66,12 +68,12 @@ _WORDS = {
     "p_exp_command_kpa": "command|commanded|cmd|set|setpoint|desired|demand",
     "p_exp_kpa": "p_?exp|pressure|actuator",
 }
-#: Words that make an angle the wanted one, which is no channel of an import.
+#: Words that mark an angle as the desired one, which is no channel of an import.
 _WANTED = "theta_?d|ref|reference|command|cmd|set|setpoint|desired|target"
 
 
 def likely_channel(name: str) -> str | None:
-    """Guess the channel of a column from its name; None if no word tells it."""
+    """Guess the channel of a column from its name; None if no word identifies it."""
     if name in Channels.model_fields:
         return name
     # bendAngle are two words

@@ -119,8 +119,8 @@ def rig_file(name: str) -> Path:
     """
     files = rig_files()
     if name not in files:
-        own = _RIGS[-1] / f"{name}.yaml"
-        raise ConfigError(f"rig = {name}: there is no {own}; use {' or '.join(files)}")
+        file = _RIGS[-1] / f"{name}.yaml"
+        raise ConfigError(f"rig = {name}: there is no {file}; use {' or '.join(files)}")
     return files[name]
 
 

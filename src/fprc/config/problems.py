@@ -40,7 +40,7 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
         key, message = ".".join(above), "must have 2 items"
     if kind in ("model_type", "model_attributes_type"):
         message = "must hold keys and values"
-    # our own checks tell the value as far as it helps
+    # the messages of our checks name the value where that helps
     shown = "" if kind == "value_error" else f" = {value}"
     default = defaults.get(key, PydanticUndefined)
     remedy = "" if default is PydanticUndefined else f"; remove the key for {default!r}"

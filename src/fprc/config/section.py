@@ -101,7 +101,7 @@ def quantity(
 
 def limits_of(field: FieldInfo) -> Within | None:
     """Return the ends of a number, or of each number of a list; None if it has none."""
-    return next((each for each in field.metadata if isinstance(each, Within)), None)
+    return next((entry for entry in field.metadata if isinstance(entry, Within)), None)
 
 
 def _are_given(items: tuple[T, ...]) -> tuple[T, ...]:
