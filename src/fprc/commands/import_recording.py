@@ -29,7 +29,7 @@ from fprc.logs.sources import read_source
 from fprc.logs.variables import Source, columns_of
 from fprc.provenance import sha256
 
-#: Channels of a draft even if no column's name tells them: what training FPRC needs.
+#: Channels of a draft even if no column's name identifies them: what training FPRC needs.
 _DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
 #: Limit on listed variables that cannot be channels.
 _LISTED_OTHERS = 50
@@ -245,7 +245,7 @@ def _outputs_beside(raw: str) -> tuple[str, str]:
     diagnosed, drawn = f"{stem}.diagnosis.json", f"{stem}.diagnosis.png"
 
     def is_ours(old: Path) -> bool:
-        # the picture has no mark of its own: it was written with the diagnosis
+        # the picture does not name its log: it was written with the diagnosis
         known = is_json_with(diagnosed, "source", "log", "words")
         return known and read_json(diagnosed)["log"] == Path(raw).name
 
@@ -305,8 +305,8 @@ def list_source(source: str, map_file: str | None = None) -> None:
 def draft_map(source: str, map_file: str | None = None) -> str:
     """Return a map of a foreign file in YAML, its channels, units and clock guessed.
 
-    A channel that the workflow needs and no column's name tells has the column ``?``, and a unit
-    that no name tells is marked: the user completes them.
+    A channel that the workflow needs and no column's name identifies has the column ``?``, and
+    a unit that no name gives is marked: the user completes them.
 
     Parameters
     ----------

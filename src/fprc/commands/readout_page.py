@@ -1,4 +1,4 @@
-"""Page of `fprc readout`: what P_o and the other models are worth on a recording, in words."""
+"""Page of `fprc readout`: what P_o and the other models contribute on a recording, in words."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -114,8 +114,8 @@ def rates_in_words(
 
     ``given`` is the configuration, ``scaled`` that for the rate of the models.
     """
-    own = ", ".join(f"{each:g}" for each in dict.fromkeys(own_hz))
-    line = f"Sample rates: recorded at {own} Hz; the models use {rate_hz:g} Hz."
+    recorded = ", ".join(f"{hz:g}" for hz in dict.fromkeys(own_hz))
+    line = f"Sample rates: recorded at {recorded} Hz; the models use {rate_hz:g} Hz."
     before, after = given["models"], scaled["models"]
     reference_hz = given["control"]["sample_rate_hz"]
     if before == after:
@@ -141,24 +141,24 @@ def what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
     return f"Trained before {mapping.test_from_s:g} s{also}, tested after"
 
 
-def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
+def findings(table: pd.DataFrame, settings: Mapping[str, float]) -> list[str]:
     """Describe the effect of P_o on the error: at the models' settings, and at the best ones.
 
     Parameters
     ----------
     table : DataFrame
         As ``tables.readout.readout`` gives it.
-    own : Mapping
+    settings : Mapping
         ``epsilon`` and ``n_u`` of the models.
     """
     held_out = readout.held_out(table)
     rows = table[table["split"] == held_out]
-    at_own = rows[(rows["epsilon"] == own["epsilon"]) & (rows["n_u"] == own["n_u"])]
-    at_own = at_own.set_index("readout")
+    at_settings = rows[(rows["epsilon"] == settings["epsilon"]) & (rows["n_u"] == settings["n_u"])]
+    at_settings = at_settings.set_index("readout")
     folds = "On blocked folds" if held_out == "blocked" else "On recordings left out of training"
     lines = []
     for phase, what in (("validation", folds), ("test", "On the test part")):
-        errors = at_own[f"{phase}_rmse"]
+        errors = at_settings[f"{phase}_rmse"]
         changes = ", ".join(
             f"{_change(errors['p_o'], errors[other])} {name}"
             for other, name in (
@@ -169,7 +169,7 @@ def findings(table: pd.DataFrame, own: Mapping[str, float]) -> list[str]:
         )
         lines.append(f"{what} FPRC's error is {changes}.")
     best = rows[rows["readout"] == "p_o"].sort_values("test_rmse").iloc[0]
-    change = _change(best["test_rmse"], at_own["test_rmse"]["none"])
+    change = _change(best["test_rmse"], at_settings["test_rmse"]["none"])
     lines.append(
         f"Of the settings tried, epsilon = {best['epsilon']:g} and n_u = {best['n_u']} test best: "
         f"{change} than without a readout. This is optimistic: the test selected them."
