@@ -13,7 +13,7 @@ from fprc.errors import ControlError
 if TYPE_CHECKING:
     from fprc.models import Online
 
-#: Of a feedforward that learns nothing.
+#: Of a feedforward that does not learn.
 _NO_LEARNING = dict.fromkeys(
     ("kpa_per_deg", "stop_deg", "limit_kpa", "delay_samples", "mixing"), 0.0
 )
