@@ -35,7 +35,7 @@ def _layout(fields: tuple[Any, ...]) -> np.dtype:
 
 
 def _fields(settings: Mapping[str, Any]) -> tuple[Any, ...]:
-    """Return name, own fields if it has any, and shape of each entry."""
+    """Return the name of each entry, its fields if it has any, and its shape."""
     return tuple(
         (name, _fields(value), ()) if isinstance(value, Mapping) else (name, None, np.shape(value))
         for name, value in settings.items()

@@ -21,7 +21,7 @@ def squeeze_rate(reservoir, squeezed_ml, slip_force, p_active_kpa, p_passive_kpa
 
 @kernel
 def bending_rate(reservoir, phi, p_active_kpa, p_passive_kpa, push_kpa):
-    """Rate of the reservoir's own bending angle, deg/s.
+    """Rate of the reservoir's bending angle, deg/s.
 
     tau phi' = (p_A - P_o + P_o(0) + push) / k - phi, where push is an external force in kPa.
     No model uses phi, but bending takes a little volume from PAM B.

@@ -1,7 +1,7 @@
 """The whole rig as one state that is advanced tick by tick.
 
 Two valves, the bending actuator, the dual-PAM reservoir and the sensors; each
-equation lives in its own module. Integration is semi-implicit Euler.
+equation is in a separate module. Integration is semi-implicit Euler.
 """
 
 import math
