@@ -145,7 +145,7 @@ def _open(path: Path) -> int:
         file = os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666)
     except FileExistsError:  # another process has created it meanwhile
         return os.open(path, flags)
-    os.fchmod(file, 0o666)  # whatever the umask
+    os.fchmod(file, 0o666)  # for any umask
     return file
 
 

@@ -22,7 +22,7 @@ from fprc.rig.simulator import (
 
 _NOISE_BLOCK = 4096
 
-#: Of a feedforward that learns nothing.
+#: Of a feedforward that does not learn.
 _NO_LEARNER = (np.empty((0, 0)), np.empty(0), np.empty((0, 0)), np.empty((0, 0)))
 
 
