@@ -167,14 +167,14 @@ def _problems_of_filling(settled: Mapping[str, Mapping[str, float]]) -> list[str
         ("actuator", "p_exp_kpa", "p_i_kpa", "main_output"),
         ("PAM A", "p_i_kpa", "p_exp_kpa", "reservoir_output"),
     )
-    for chamber, own, other, output in pairs:
+    for chamber, channel, other, output in pairs:
         filled, vented = settled.get(f"{chamber} filled"), settled.get(f"{chamber} vented")
         if filled is None:
             continue
-        if filled[own] - before[own] < _FILLED_KPA:
+        if filled[channel] - before[channel] < _FILLED_KPA:
             crossed = filled[other] - before[other] > _UNFILLED_KPA
             problems.append(
-                f"{chamber}: setpoint {TEST_KPA:g} kPa, but {own} = {filled[own]:.1f}; "
+                f"{chamber}: setpoint {TEST_KPA:g} kPa, but {channel} = {filled[channel]:.1f}; "
                 + (f"{other} rose instead: hoses, channels or {output} are swapped" if crossed
                    else f"check supply, valve and hardware.boards.{output}")
             )  # fmt: skip
@@ -182,10 +182,10 @@ def _problems_of_filling(settled: Mapping[str, Mapping[str, float]]) -> list[str
             problems.append(
                 f"{chamber} filled, but {other} moved to {filled[other]:.1f} kPa; check the hoses"
             )
-        if vented is not None and vented[own] > _UNFILLED_KPA:
+        if vented is not None and vented[channel] > _UNFILLED_KPA:
             problems.append(
-                f"{chamber} vented, but {own} is still {vented[own]:.1f} kPa; check the valve "
-                "and its exhaust"
+                f"{chamber} vented, but {channel} is still {vented[channel]:.1f} kPa; "
+                "check the valve and its exhaust"
             )
     filled = settled.get("actuator filled", {})
     bent = filled and filled["p_exp_kpa"] - before["p_exp_kpa"] >= _FILLED_KPA

@@ -77,7 +77,7 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         with suppress(BrokenPipeError):  # it has already ended, with a message
             process.stdin.write(json.dumps(request).encode() + b"\n")
             process.stdin.flush()
-        end = _watch(messages, _beating(process), hardware["loop"])
+        end = _watch(messages, _heartbeat_of(process), hardware["loop"])
         if end in _KILLED:
             process.kill()
         # vent before waiting for the end of the process: until then the valves hold their voltages
@@ -121,7 +121,7 @@ def _listen(process: _Process, messages: queue.SimpleQueue[bytes]) -> None:
     messages.put(b"")
 
 
-def _beating(process: _Process) -> Callable[[], None]:
+def _heartbeat_of(process: _Process) -> Callable[[], None]:
     """Return a function that sends the process a heartbeat, without blocking."""
     pipe = process.stdin.fileno()
     os.set_blocking(pipe, False)
@@ -140,8 +140,7 @@ def _watch(
 
     Silence is limited to ``opening_s`` after ``OPENING``, since a driver may take seconds to open a
     board, and to ``stalled_s`` after ``ARMED``. It is counted in timeouts, not by a clock: a
-    guardian that was itself suspended thus reads the messages that arrived meanwhile before it
-    judges.
+    guardian that was suspended itself therefore first reads the messages that arrived meanwhile.
     """
     limits_s = {OPENING: loop["opening_s"], ARMED: loop["stalled_s"], SAFE: math.inf}
     state, silent = SAFE, 0
@@ -167,12 +166,12 @@ def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) 
     attempts and prints nothing; this one prints the state every second.
     """
     before, began_s = received.count(signal.SIGINT), time.monotonic()
-    given_up, told = threading.Event(), queue.SimpleQueue[tuple[str, str]]()
-    threading.Thread(target=_attempt, args=(hardware, given_up, told), daemon=True).start()
+    given_up, reports = threading.Event(), queue.SimpleQueue[tuple[str, str]]()
+    threading.Thread(target=_attempt, args=(hardware, given_up, reports), daemon=True).start()
     printed_s, printed, problem, written_s = began_s, "", "", 0.0
     while True:
         with suppress(queue.Empty):
-            what, text = told.get(timeout=_POLL_S)
+            what, text = reports.get(timeout=_POLL_S)
             if what == "outcome":
                 return text
             if text:
@@ -202,20 +201,20 @@ def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) 
 def _attempt(
     hardware: Mapping[str, Any],
     given_up: threading.Event,
-    told: queue.SimpleQueue[tuple[str, str]],
+    reports: queue.SimpleQueue[tuple[str, str]],
 ) -> None:
-    """Try to vent until it succeeds or is given up; tell the error of each write, and the outcome.
+    """Try to vent until it succeeds or is given up; report each write and the outcome.
 
-    The error of a write that succeeded is empty.
+    A write is reported by its error, which is empty if it succeeded.
     """
     while not given_up.is_set():
         try:
-            vent_from_outside(hardware, lambda error: told.put(("write", error)))
-            return told.put(("outcome", _VENTED))
+            vent_from_outside(hardware, lambda error: reports.put(("write", error)))
+            return reports.put(("outcome", _VENTED))
         except NotVentedError as error:
-            return told.put(("outcome", str(error)))
+            return reports.put(("outcome", str(error)))
         except Exception as error:  # of any type: the next attempt may succeed
-            told.put(("write", f"{type(error).__name__}: {error}"))
+            reports.put(("write", f"{type(error).__name__}: {error}"))
             given_up.wait(_RETRY_S)
 
 

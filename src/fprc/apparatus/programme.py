@@ -113,7 +113,7 @@ def _try_step(fitted: Any, path: str) -> None:
     """Make a step, which also compiles it before the first tick."""
     try:
         fitted.step((0.0,) * fitted.n_features_in_)
-    except Exception as error:  # whatever a class from outside raises
+    except Exception as error:  # a class from outside may raise any error
         raise FprcError(f"{path}: makes no step ({error}); train the model again") from error
 
 
