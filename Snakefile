@@ -37,7 +37,7 @@ for target in STUDIES:
             input:
                 refused(
                     f"{target}: a target of the studies; run `snakemake --cores 2 --snakefile"
-                    f" {own('../studies/Snakefile')} {target}`"
+                    f" {file_of_workflow('../studies/Snakefile')} {target}`"
                 ),
             localrule: True
 

@@ -10,7 +10,7 @@ LONG, ALONE = 1, workflow.cores + 1
 RULES = workflow.current_basedir
 
 
-def own(name):
+def file_of_workflow(name):
     """Return a file of this workflow, named from the folder of the rules.
 
     The path is relative, so that moving the workflow with its results reruns nothing.

@@ -6,7 +6,7 @@ if PLAN.on_simulated_rig:
         input:
             models=[PATHS.model("sweep", model) for model in PLAN.feedforward],
         output:
-            raw=[PATHS.log(run_log("{reference}", each)) for each in PLAN.controllers],
+            raw=[PATHS.log(run_log("{reference}", controller)) for controller in PLAN.controllers],
         log:
             PATHS.messages("track_{reference}"),
         params:

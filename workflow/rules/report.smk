@@ -18,14 +18,18 @@ rule list_unavailable:
 
 rule report_page:
     input:
-        template=[own(f"../report/page.{kind}.j2") for kind in ("html", "css", "js")],
+        template=[file_of_workflow(f"../report/page.{kind}.j2") for kind in ("html", "css", "js")],
         ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
         missing=PATHS.below("not_available.csv"),
         tables=[page.replace(".md", kind) for page in PLAN.pages for kind in (".md", ".csv")],
         figures=[
             file
             for number, stem in PLAN.figures.items()
-            for file in (f"{stem}.png", f"{stem}.json", own(f"../report/fig{number:02}.rst"))
+            for file in (
+                f"{stem}.png",
+                f"{stem}.json",
+                file_of_workflow(f"../report/fig{number:02}.rst"),
+            )
         ],
     output:
         html=report(

@@ -36,7 +36,7 @@ rule smoke:
     localrule: True
     threads: workflow.cores
     params:
-        snakefile=own("../../Snakefile"),
+        snakefile=file_of_workflow("../../Snakefile"),
     message:
         "The whole workflow on small settings, into results/smoke"
     shell:

@@ -1,7 +1,7 @@
 # Beyond the paper: competitors of its models, on several worlds of simulated rigs.
 
 #: Settings of the tuned models; they were made by this workflow.
-TUNED = own("../../config/tuned.yaml")
+TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 OWN_WORLD = SETTINGS["fitted"]["name"]
 WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS]

@@ -3,7 +3,7 @@
 DRAWN, BEYOND = SETTINGS["drawn"], SETTINGS["beyond"]
 TARGET_NAMES = ["command", "measured"]
 SURROGATE = pick(SETTINGS["calibration"], "stride", "esn_nodes")
-#: The rig, and how the paper's models are judged on it, with whatever seed.
+#: The rig, and how the paper's models are judged on it, with any seed.
 EVERY_SEED = {
     "on_rig": on_rig(SETTINGS),
     "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),

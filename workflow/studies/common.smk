@@ -1,7 +1,7 @@
 # Names that several rules of the studies share.
 
 #: Rigs near print; the target `near_print` made them.
-NEAR_PRINT = own("../../config/rigs/near_print.json")
+NEAR_PRINT = file_of_workflow("../../config/rigs/near_print.json")
 # an unrelated folder may have docs/images too
 IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(
     os.path.join(RULES, "../.."), os.curdir
@@ -45,10 +45,10 @@ def judging(judge, *models):
     ``judge`` is the function below ``fprc.studies`` that does it, with ``models``.
     """
     judged_by = f"fprc.studies.{judge.rpartition('.')[0]}"
-    own = stage("studies.judge.judge_families", key="version")["version"]
+    stage_version = stage("studies.judge.judge_families", key="version")["version"]
 
     def version(wildcards):
-        return f"{own(wildcards)}-{fingerprint(judged_by, *map(class_module, models))}"
+        return f"{stage_version(wildcards)}-{fingerprint(judged_by, *map(class_module, models))}"
 
     return {"stage": "studies.judge.judge_families", "judge": judge, "version": version}
 
@@ -99,7 +99,7 @@ def made_by_rules():
 def pictures_of_docs():
     """Return the figure of the results that each picture of the documentation copies."""
     figures = {}
-    for params, files in ((each.params, each.input) for each in workflow.rules):
+    for params, files in ((known.params, known.input) for known in workflow.rules):
         if files.get("figures") and params.get("pictures"):
             figures |= dict(zip(params.pictures, map(str, files.figures)))
     return figures

@@ -131,7 +131,7 @@ if "check" not in PLAN.unavailable:
     rule check:
         input:
             **{**OF_README, **({} if SHOWN else {"pages": [], "seeds": []})},
-            verdicts=own("../../config/verdicts.yaml"),
+            verdicts=file_of_workflow("../../config/verdicts.yaml"),
         log:
             PATHS.messages("check"),
         localrule: True
