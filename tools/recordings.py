@@ -77,10 +77,10 @@ def rows(datasets: Path) -> Iterator[str]:
     """Evaluate the recordings one after the other and return a row for each."""
     with tempfile.TemporaryDirectory() as name:
         folders = iter(Path(tempfile.mkdtemp(dir=name)) for _ in range(9))
-        for each, file in FILES.items():
-            path, mapping = str(datasets / each / file), public_map(each)
-            yield row(f"`{each}`", readout(next(folders), path, mapping=mapping))
-        yield row(f"`{each}`, in mm", readout(next(folders), path, mapping=in_mm(mapping)))
+        for dataset, file in FILES.items():
+            path, mapping = str(datasets / dataset / file), public_map(dataset)
+            yield row(f"`{dataset}`", readout(next(folders), path, mapping=mapping))
+        yield row(f"`{dataset}`, in mm", readout(next(folders), path, mapping=in_mm(mapping)))
         logs = [str(Path(name, f"{experiment}.h5")) for experiment in ("complex", "sweep")]
         for log in logs:
             main(["simulate", Path(log).stem, "--out", log])

@@ -192,7 +192,7 @@ def digits(first: Mapping[str, Path], second: Mapping[str, Path]) -> tuple[str, 
 
 
 def build(folder: Path, circumstances: tuple[str, Mapping[str, str]], *arguments: str) -> None:
-    """Run the workflow of a checkout with its own package."""
+    """Run the workflow of a checkout with the package of that checkout."""
     cores, environment = circumstances
     subprocess.run(
         [sys.executable, "-m", "snakemake", "--cores", cores, "all", *arguments],

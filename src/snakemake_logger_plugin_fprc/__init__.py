@@ -51,7 +51,7 @@ class LogHandler(LogHandlerBase):
     """Prints Snakemake's events; runs in the thread of its queue."""
 
     def __post_init__(self) -> None:
-        """Choose between lines for jobs and Snakemake's own output."""
+        """Choose between lines for jobs and Snakemake's output."""
         asked = self.common_settings
         stream = sys.stdout if asked.stdout else sys.stderr
         self._own = ColorizingTextHandler(nocolor=asked.nocolor, stream=stream)
@@ -142,7 +142,7 @@ class LogHandler(LogHandlerBase):
 
     @property
     def writes_to_stream(self) -> bool:
-        """Replaces Snakemake's own output."""
+        """Replaces Snakemake's output."""
         return True
 
     @property

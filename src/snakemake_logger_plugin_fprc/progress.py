@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TextIO
 
-#: Time between two signs of life where no job ends, outside a terminal.
+#: Time between two progress lines where no job ends, outside a terminal.
 QUIET_S = 60.0
 
 
@@ -141,8 +141,8 @@ def read_seconds(path: Path) -> dict[str, float]:
 def write_seconds(path: Path, *durations: Mapping[str, float]) -> None:
     """Keep the durations of rules, the later ones first; a failure costs an estimate only."""
     merged: dict[str, float] = {}
-    for each in durations:
-        merged |= each
+    for newer in durations:
+        merged |= newer
     with suppress(OSError):
         path.write_text(json.dumps(merged), encoding="utf-8")
 

@@ -109,8 +109,8 @@ def _us(seconds: Sequence[float], samples: int) -> str:
 def _ratio(theirs: Sequence[float], ours: Sequence[float]) -> str:
     """Return the median of the rounds' ratios, with the smallest and the largest."""
     ratios = [a / b for a, b in zip(theirs, ours, strict=True)]
-    each = (statistics.median(ratios), min(ratios), max(ratios))
-    return "{} ({} to {})".format(*map(three_digits, each))
+    shown = (statistics.median(ratios), min(ratios), max(ratios))
+    return "{} ({} to {})".format(*map(three_digits, shown))
 
 
 @numba.njit(fastmath=True)
@@ -136,7 +136,9 @@ def bandwidth(features: EchoStates, X: np.ndarray, rounds: int) -> str:
         run()
     seconds = interleaved(work, rounds)
     read = {"step": same.nbytes * len(few), "same": same.nbytes * len(few), "large": large.nbytes}
-    gb_per_s = {name: read[name] / statistics.median(each) / 1e9 for name, each in seconds.items()}
+    gb_per_s = {
+        name: read[name] / statistics.median(times) / 1e9 for name, times in seconds.items()
+    }
     share = statistics.median(a / b for a, b in zip(seconds["same"], seconds["step"], strict=True))
     return (
         f"A step of ours reads W_r, {same.nbytes / 1e6:.2f} MB in float32, at "

@@ -4,7 +4,7 @@
 
 The last commit is cloned twice. One clone uses no compiled code of ours: scikit-fuzzy's fuzzy
 c-means, NumPy line by line for the ESN states and the steps of the models, and
-Python numbers for the rig's equations; each fold solves its own ridge. Everything else is the
+Python numbers for the rig's equations; each fold solves a separate ridge. Everything else is the
 same, and so is the number of cores. The plain clone takes about half an hour, in which nothing else
 should run.
 """
@@ -24,7 +24,7 @@ from tools.benchmark import refuse_other_kernels, show
 
 ROOT = Path(__file__).parents[2]
 
-#: What stands at the end of each module instead of our own.
+#: What is appended to each module to replace our functions.
 PLAIN = {
     "compiled.py": """
 def kernel(function, **options):

@@ -74,7 +74,7 @@ def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".") as scratch:
         folder = Path(scratch) / version
         folder.mkdir()
-        tracked = _said("git", "-C", str(root), "ls-files", "-z").split("\0")[:-1]
+        tracked = _output_of("git", "-C", str(root), "ls-files", "-z").split("\0")[:-1]
         code = [name for name in tracked if (root / name).is_file()]  # no link to a folder
         metadata = describe_crate(
             root,
@@ -84,7 +84,7 @@ def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
             version=version,
             published=released(root)[version],
         )
-        committed = int(_said("git", "-C", str(root), "log", "-1", "--format=%ct"))
+        committed = int(_output_of("git", "-C", str(root), "log", "-1", "--format=%ct"))
         archive(root, folder / crate, metadata, sorted({*code, *made}), committed)
         validate(folder / crate, tools)
         build_packages(root, folder, tools, committed)
@@ -101,7 +101,7 @@ def _of_version(root: Path, version: str, target: Path) -> list[str]:
             f"{PAGE}: its newest release is {newest}, the package is {version}; "
             "cut it with `make cut VERSION=...` and commit"
         )
-    if _said("git", "-C", str(root), "tag", "--list", f"v{version}").strip():
+    if _output_of("git", "-C", str(root), "tag", "--list", f"v{version}").strip():
         problems.append(f"the tag v{version} exists: this version is released; cut a newer one")
     if target.exists():
         problems.append(f"{target}: exists; move it away")
@@ -130,24 +130,24 @@ def archive(
 def validate(crate: Path, tools: str) -> None:
     """Validate a crate with its profile; the validator reads the JSON-LD context from the web."""
     checked = ["validate", "--profile-identifier", PROFILE, "--verbose", "--no-paging", str(crate)]
-    _said(str(Path(tools).with_name("rocrate-validator")), "--no-interactive", *checked)
+    _output_of(str(Path(tools).with_name("rocrate-validator")), "--no-interactive", *checked)
 
 
 def build_packages(root: Path, folder: Path, tools: str, seconds: int) -> None:
     """Build sdist and wheel, check their metadata, and install the wheel in a new environment."""
     dated = {"SOURCE_DATE_EPOCH": str(seconds)}
-    _said(tools, "-m", "build", "--outdir", str(folder), str(root), **dated)
+    _output_of(tools, "-m", "build", "--outdir", str(folder), str(root), **dated)
     (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
-    _said(tools, "-m", "twine", "check", "--strict", str(wheel), str(sdist))
+    _output_of(tools, "-m", "twine", "check", "--strict", str(wheel), str(sdist))
     with tempfile.TemporaryDirectory() as scratch:
         venv.create(scratch, with_pip=True)
         python = str(Path(scratch) / "bin/python")
-        _said(python, "-m", "pip", "install", "--quiet", str(wheel))
-        _said(python, "-m", "pip", "check")
-        _said(str(Path(scratch) / "bin/fprc"), "--version")
+        _output_of(python, "-m", "pip", "install", "--quiet", str(wheel))
+        _output_of(python, "-m", "pip", "check")
+        _output_of(str(Path(scratch) / "bin/fprc"), "--version")
 
 
-def _said(*command: str, **environment: str) -> str:
+def _output_of(*command: str, **environment: str) -> str:
     """Run a program and return what it printed.
 
     Raises

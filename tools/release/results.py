@@ -52,7 +52,7 @@ def problems_of(
     sidecars: Mapping[str, Mapping[str, Any]],
     commit: str,
 ) -> list[str]:
-    """Return what forbids releasing the results, for people; none if nothing does."""
+    """Return why the results cannot be released, as texts; none if they can."""
     if not sidecars:
         return ["no results; build them with `make paper`"]
     elsewhere = [name for name, made in sidecars.items() if made["commit"] != commit]
