@@ -143,8 +143,8 @@ def _parts(name: str, thing: Any) -> Iterator[_Part]:
         return
     content = _content_of(thing)
     if isinstance(content, dict):
-        for field, each in content.items():
-            yield from _field(name, field, each)
+        for field, by_index in content.items():
+            yield from _field(name, field, by_index)
     elif isinstance(content, list):
         for text, element in content:
             yield from _parts(f"{name}{{{text}}}", element)
@@ -152,18 +152,18 @@ def _parts(name: str, thing: Any) -> Iterator[_Part]:
         yield name, content
 
 
-def _field(name: str, field: str, each: list[tuple[str, Any]]) -> Iterator[_Part]:
+def _field(name: str, field: str, by_index: list[tuple[str, Any]]) -> Iterator[_Part]:
     """Yield the parts of a field of a struct array, given with the index of each element."""
-    if len(each) == 1:
-        yield from _parts(f"{name}.{field}", each[0][1])
+    if len(by_index) == 1:
+        yield from _parts(f"{name}.{field}", by_index[0][1])
         return
-    contents = (_content_of(element) for _, element in each)
+    contents = (_content_of(element) for _, element in by_index)
     parts = [_numbers_of(c, 1) for c in contents if isinstance(c, np.ndarray | h5py.Dataset)]
     scalars = [part.item() for part in parts if isinstance(part, np.ndarray)]
-    if len(scalars) == len(each) > 0:
+    if len(scalars) == len(by_index) > 0:
         yield f"[{name}.{field}]", np.array(scalars)
         return
-    for text, element in each:
+    for text, element in by_index:
         yield from _parts(f"{name}({text}).{field}", element)
 
 
@@ -224,7 +224,9 @@ def _targets(dataset: h5py.Dataset) -> list[tuple[str, Any]]:
     if dataset.size > MOST_ARRAYS:
         raise _too_many(dataset.file.filename)
     references = elements(np.asarray(dataset[()] if dataset.size else []).T)
-    return [(text, dataset.file[each] if each else _EMPTY) for text, each in references]
+    return [
+        (text, dataset.file[reference] if reference else _EMPTY) for text, reference in references
+    ]
 
 
 def _numbers_of(part: np.ndarray | h5py.Dataset | str, left: int) -> np.ndarray | str:

@@ -60,17 +60,17 @@ def read_text(
         )
     body = _rows_of(lines, data_line or first_line)
     text = {first_line - 1: header, **body}
-    mark = separator or _separator_of(path, dict(islice(text.items(), 1 + _TRIED)))
-    names, *rows = _split(path, text, mark)
+    delimiter = separator or _separator_of(path, dict(islice(text.items(), 1 + _TRIED)))
+    names, *rows = _split(path, text, delimiter)
     numbers = list(body)
     fitted = [_fitted(fields, names) for fields in rows]
     unfit = [k for k, fields in enumerate(fitted) if fields is None]
     if unfit:
         raise LogError(
             f"{path}: the header has {len(names)} fields separated by "
-            f"{_SEPARATORS.get(mark, mark)}, line {numbers[unfit[0]]} has {len(rows[unfit[0]])}, "
-            f"and {len(unfit) - 1} more lines do not match; repair them, or set csv.separator, "
-            "csv.header_line and csv.data_line"
+            f"{_SEPARATORS.get(delimiter, delimiter)}, line {numbers[unfit[0]]} has "
+            f"{len(rows[unfit[0]])}, and {len(unfit) - 1} more lines do not match; repair them, or "
+            "set csv.separator, csv.header_line and csv.data_line"
         )
     table = [fields for fields in fitted if fields is not None]
     if header_line is None and all(_is_number(name) and not _is_missing(name) for name in names):
@@ -83,8 +83,8 @@ def read_text(
             f"{path}: no samples below line {first_line - 1}; check csv.header_line, "
             "csv.data_line, and that the last line ends in a line end"
         )
-    variables, others = _numbers_of(columns, numbers, mark, decimal)
-    kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
+    variables, others = _numbers_of(columns, numbers, delimiter, decimal)
+    kind = f"text separated by {_SEPARATORS.get(delimiter, delimiter)}"
     return Source(path, kind, variables, others, np.array(numbers), notes)
 
 
@@ -135,12 +135,12 @@ def _rows_of(lines: Sequence[str], first_line: int) -> dict[int, str]:
     return dict(dropwhile(lambda row: not row[1].strip(), rows))
 
 
-def _split(path: Path, text: Mapping[int, str], mark: str) -> list[list[str]]:
+def _split(path: Path, text: Mapping[int, str], delimiter: str) -> list[list[str]]:
     """Return the fields of each line; the lines are given by their numbers."""
     lines: Iterable[str] = text.values()
-    if mark == " ":  # csv.reader takes one separator: replace the tabs outside quotation marks
+    if delimiter == " ":  # csv.reader takes one separator: replace the tabs outside quotation marks
         lines = (re.sub(r'("[^"]*")|\t', lambda found: found[1] or " ", line) for line in lines)
-    reader = csv.reader(lines, delimiter=mark, skipinitialspace=True, strict=True)
+    reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=True, strict=True)
     rows: list[list[str]] = []
     try:
         for fields in reader:
@@ -172,17 +172,17 @@ def _separator_of(path: Path, text: Mapping[int, str]) -> str:
     splits the header into the most fields.
     """
 
-    def score(mark: str) -> tuple[bool, float, float]:
+    def score(delimiter: str) -> tuple[bool, float, float]:
         try:
-            names, *split = _split(path, text, mark)
+            names, *split = _split(path, text, delimiter)
         except LogError:  # a flawed line, which the right separator can have too
             return (False, 0.0, np.inf)
         rows = [_fitted(fields, names) for fields in split]
         width = len(names) - (not names[-1].strip())
         fields = [field for row in rows for field in row or ()]
         # a single column that is not all numbers contains another separator
-        marks = "." if mark == "," or width == 1 else ".,"
-        numbers = sum(_is_number(field, marks) for field in fields) / max(len(fields), 1)
+        decimals = "." if delimiter == "," or width == 1 else ".,"
+        numbers = sum(_is_number(field, decimals) for field in fields) / max(len(fields), 1)
         matches = None not in rows and (width > 1 or numbers == 1.0)
         return (matches, numbers if matches else 0.0, width)
 

@@ -63,7 +63,7 @@ def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
     """
     present = [path for path in map(Path, paths) if path.exists()]
     read = isolated_each(read_header, present) if isolate else map(read_header, present)
-    return {path.stem: Header(path, *each) for path, each in zip(present, read, strict=True)}
+    return {path.stem: Header(path, *fields) for path, fields in zip(present, read, strict=True)}
 
 
 def contents(

@@ -49,9 +49,9 @@ def gather(
     lengths = {name: len(values) for name, values in picked.items()}
     clock = None
     if len(set(lengths.values())) > 1:
-        each = ", ".join(f"{wanted[name]} {length}" for name, length in lengths.items())
+        unequal = ", ".join(f"{wanted[name]} {length}" for name, length in lengths.items())
         problems.append(
-            f"{source.path}: columns have unequal numbers of samples ({each}); resample them to "
+            f"{source.path}: columns have unequal numbers of samples ({unequal}); resample them to "
             "one clock first"
         )
     elif "time" in picked or ("time" not in wanted and picked):

@@ -43,7 +43,7 @@ def isolated_each(
         Lists the errors of all files.
     """
     results = attempt_each(function, paths, **keywords)
-    problems = [str(each) for each in results if isinstance(each, LogError)]
+    problems = [str(result) for result in results if isinstance(result, LogError)]
     if problems:
         raise LogError("\n".join(problems))
     return results

@@ -86,7 +86,7 @@ def missing_channels(attributes: Mapping[str, Any], channels: Container[str]) ->
 
 def _required_channels(attributes: Mapping[str, Any]) -> tuple[str, ...]:
     recorded = str(attributes.get("source"))
-    source = next((each for each in ("import", "rig") if recorded.startswith(each)), "sim")
+    source = next((word for word in ("import", "rig") if recorded.startswith(word)), "sim")
     return needed_by(source, tracking=_is_run(attributes))
 
 
@@ -244,7 +244,7 @@ def _wrong_rates(log: Columns, expected_hz: float | None, tolerance: float) -> l
     steps, problems = len(time_s) - 1, []
     period_s = (time_s[-1] - time_s[0]) / steps if steps else 1.0 / expected_hz
     is_other = abs(declared_hz / expected_hz - 1.0) > tolerance
-    # a clock that is as declared has no error of its own
+    # a clock that is as declared has no error
     right_hz = [expected_hz, declared_hz] if is_other else [expected_hz]
     if all(abs(period_s * rate_hz - 1.0) > tolerance for rate_hz in right_hz):
         problems.append(

@@ -70,11 +70,11 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
     end = _find_block(data, END, start, seed)
     # of an end mark that was not written whole, only its beginning may be there
-    mark = data.find(END, start)
-    stop = mark if mark >= 0 else len(data)
+    marker = data.find(END, start)
+    stop = marker if marker >= 0 else len(data)
     appended = end.content["samples"] if end else -(-(stop - start) // record.itemsize)
-    whole = max((stop - start) // record.itemsize, 0)
-    records = np.frombuffer(data, record, whole, start) if whole else np.empty(0, record)
+    complete = max((stop - start) // record.itemsize, 0)
+    records = np.frombuffer(data, record, complete, start) if complete else np.empty(0, record)
     right = np.flatnonzero(_checksums(records, seed) == records["crc"])
     # a disk that returns a page twice, or in another place, loses nothing
     ticks, first = np.unique(records["tick"][right].astype(np.int64), return_index=True)
