@@ -151,8 +151,8 @@ def save(fig: Figure, data: Mapping[str, Any], *files: str) -> Mapping[str, Any]
     *files : str
         Files to write, ending in .pdf or .png.
     """
-    mark = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
-    fig.supxlabel(mark, x=0.99, ha="right", fontsize=MARK_PT, color="0.45")
+    origin = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
+    fig.supxlabel(origin, x=0.99, ha="right", fontsize=MARK_PT, color="0.45")
     with warnings.catch_warnings():
         # names from files may have characters that the font lacks; each is drawn as a box
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")

@@ -1,4 +1,4 @@
-"""What a build of the paper has shown, in a line."""
+"""What a run of the workflow has shown, in a line."""
 
 from pathlib import Path
 
@@ -24,7 +24,7 @@ def outcome(results: str) -> str:
         parts.insert(0, f"median deviation of Tables II and III {100 * off.abs().median():.0f} %")
     ledger = Path(results, "claims.json")
     if ledger.exists():
-        # without those on execution times, as in README.md: they vary from build to build
+        # without those on execution times, as in README.md: they vary from run to run
         claims = read_json(str(ledger))["claims"]
         verdicts = [claim["verdict"] for claim in claims if claim["rig"] != TIMED]
         parts.insert(0, f"{verdicts.count('reproduced')} of {len(verdicts)} claims reproduced")

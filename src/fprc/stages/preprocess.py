@@ -55,7 +55,7 @@ def read_recordings(
     sample_rate_hz: float,
     limits: Mapping[str, Any],
 ) -> tuple[list[Data], list[dict[str, Any]]]:
-    """Return the models' channels of raw logs, and the quality record of each.
+    """Return the models' channels of raw logs, and their quality records.
 
     Parameters
     ----------

@@ -141,7 +141,7 @@ def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
 
 
 def _claims(ledger: Sequence[str], folder: Path, names: Container[str]) -> dict[str, Any]:
-    """Return the claims, each with its evidence on the page, their note and their files."""
+    """Return the claims, with their evidence on the page, their note and their files."""
     if not ledger:
         return {"claims": None}
     report = read_json(ledger[0])
@@ -297,9 +297,9 @@ def symbols(text: object) -> Markup:
 
     def shown(match: re.Match[str]) -> str:
         letter, index, greek = match.groups()
-        sign = f"<i>{_GREEK.get(greek or letter, letter)}</i>"
-        sign = f"{sign}<sub>{index}</sub>" if index else sign
+        symbol = f"<i>{_GREEK.get(greek or letter, letter)}</i>"
+        symbol = f"{symbol}<sub>{index}</sub>" if index else symbol
         meaning = GLOSSARY.get(match[0])
-        return f'<abbr title="{escape(meaning)}">{sign}</abbr>' if meaning else sign
+        return f'<abbr title="{escape(meaning)}">{symbol}</abbr>' if meaning else symbol
 
     return Markup(_SYMBOL.sub(shown, str(escape(text))))

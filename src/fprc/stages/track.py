@@ -26,7 +26,7 @@ def track(
     seed: int,
     classes: Mapping[str, Any] | None = None,
 ) -> None:
-    """Follow one reference with every controller, and write one raw log for each.
+    """Follow one reference with every controller, and write one raw log per controller.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from fprc.tables.models import deviations
 
 def readme_blocks(pages: Sequence[str], seeds: Sequence[str], ledger: str) -> dict[str, str]:
     """Return the blocks of the README that the paper's workflow makes; see ``update_readme``."""
-    # without those on execution times, which vary from build to build
+    # without those on execution times, which vary from run to run
     claims = [claim for claim in read_json(ledger)["claims"] if claim["rig"] != TIMED]
     (sentence,) = found(claims, {}, simulated=True) or ("No claim is judged.",)
     shown = {path.stem: path.read_text(encoding="utf-8") for path in map(Path, pages)}
