@@ -125,7 +125,7 @@ def exclusive(path: Path | str) -> Iterator[IO[bytes]]:
         with file:
             _lock(file, path)
             opened = os.fstat(file.fileno())
-            # if its last user has deleted the file before we had the lock, there is another or none
+            # its last user may have deleted the file before we had the lock: then open it again
             if os.path.exists(path) and os.path.samestat(opened, os.stat(path)):
                 yield file
                 return
@@ -157,7 +157,7 @@ def resuming(
     Parameters
     ----------
     head
-        What the entries depend on: a file with another head is begun anew.
+        What the entries depend on: a file with another head is replaced.
     keep : bool
         Whether a copy of a file with another head is kept, with the suffix ``.old``.
 
@@ -185,7 +185,7 @@ def resuming(
                 shutil.copyfile(path, f"{path}.old")
                 log.warning(
                     "warning: %s is of other settings or other code, or its first line is damaged; "
-                    "it is kept as %s.old and begun anew",
+                    "it is kept as %s.old, and a new one is begun",
                     path,
                     path,
                 )

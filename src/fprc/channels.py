@@ -1,4 +1,4 @@
-"""The channels of a log: what each is, in which unit, which logs need it, what is plausible."""
+"""The channels of a log: their kinds, units and plausible values, and the logs that need them."""
 
 import math
 from typing import Literal, NamedTuple

@@ -23,7 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         try:
             code = _run(arguments)
         except BaseException as error:
-            # the interrupt may have come as another error, of the code that it hit
+            # the interrupted code may have raised another error instead
             if not was_stopped() and not isinstance(error, KeyboardInterrupt):
                 raise
         else:
@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    # imported here, where Ctrl-C is noted
+    # imported here, where Ctrl-C is recorded
     from fprc.commands.parser import parser
     from fprc.errors import FprcError
 
@@ -53,7 +53,7 @@ def _run(arguments: Sequence[str] | None) -> int:
             raise
         if error.filename is None:
             _discard_output()
-        if isinstance(error, BrokenPipeError):  # nothing reads it any more, as after `| head`
+        if isinstance(error, BrokenPipeError):  # the reader has closed the pipe, as after `| head`
             return _BROKEN_PIPE
         what = error.filename or "the output cannot be written"
         problem = f"{what}: {error.strerror}; check the disk and the path"
@@ -62,7 +62,7 @@ def _run(arguments: Sequence[str] | None) -> int:
 
 
 def _prepare_output() -> None:
-    """Let output to a closed descriptor or to a terminal without Unicode be no error."""
+    """Prevent errors of output to a closed descriptor or to a terminal without Unicode."""
     for number in range(3):
         try:
             os.fstat(number)
@@ -76,13 +76,13 @@ def _prepare_output() -> None:
 
 
 def _discard_output() -> None:
-    """Discard what is left to print, so that Python's own flush at exit does not fail too."""
+    """Discard what is left to print, so that Python's flush at exit does not fail too."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @contextmanager
 def _noting_interrupts() -> Iterator[Callable[[], bool]]:
-    """Note Ctrl-C, besides raising KeyboardInterrupt; yield what returns whether it came."""
+    """Record Ctrl-C and raise KeyboardInterrupt; yield a function that returns whether it came."""
     interrupts = []
     before, report = signal.getsignal(signal.SIGINT), sys.unraisablehook
 

@@ -16,7 +16,7 @@ _CONFIG: Any = numba.config
 def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     """Compile ``function`` with numba and cache the machine code on disk.
 
-    numba drops a cached kernel when its own file changes, but not when another
+    numba drops a cached kernel when its file changes, but not when another
     file changes that defines a function it calls. The name of the cache folder
     therefore holds a hash of this file, of ``fprc.control_laws``, and of all sources
     of the kernel's package. A kernel must not call a kernel of another package.

@@ -42,10 +42,10 @@ def lesson(
     kpa_per_deg: float,
     stop_deg: float,
 ) -> float:
-    """Return the pressure that a model that learns should have given, kPa; NaN if nothing tells.
+    """Return the pressure that a model that learns should have given, kPa; NaN if unknown.
 
-    Nothing tells it where the command was at a limit, and where the actuator lies at its stop: its
-    angle does not depend on the pressure there.
+    It is unknown where the command was at a limit, and where the actuator is at its stop: there its
+    angle does not depend on the pressure.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def pd_step(
     if not incremental:
         return kp * error_deg + kd * rate
     p_fb = p_fb_kpa + kd * rate + kp * error_deg
-    # beyond a limit, kp e would wind up the sum: it counts only if it leads back
+    # beyond a limit, kp e would wind up the sum: it is added only if it reduces the excess
     if error_deg > 0.0 and p_ff_kpa + p_fb > high or error_deg < 0.0 and p_ff_kpa + p_fb < low:
         return p_fb_kpa + kd * rate
     return p_fb

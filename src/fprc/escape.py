@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 _FORMULA = re.compile(r"[=@\t\r]|[+-](?!\.?\d[\d.]*(e[+-]?\d+)?$)", re.IGNORECASE)
 _LATEX = {
-    **{mark: f"\\{mark}" for mark in "_%&#${}"},
+    **{special: f"\\{special}" for special in "_%&#${}"},
     "\\": "\\textbackslash{}", "~": "\\textasciitilde{}", "^": "\\textasciicircum{}",
     "±": "$\\pm$",
 }  # fmt: skip
@@ -31,8 +31,10 @@ def visible(text: str, *, kept: str = "") -> str:
     if text.isprintable():
         return text
     return "".join(
-        mark if mark.isprintable() or mark in kept else mark.encode("unicode_escape").decode()
-        for mark in text
+        character
+        if character.isprintable() or character in kept
+        else character.encode("unicode_escape").decode()
+        for character in text
     )
 
 
@@ -80,4 +82,4 @@ def code(text: str) -> str:
 
 def latex(text: str) -> str:
     """Return text that LaTeX typesets literally."""
-    return "".join(_LATEX.get(mark, mark) for mark in text)
+    return "".join(_LATEX.get(character, character) for character in text)

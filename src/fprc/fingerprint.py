@@ -16,7 +16,7 @@ from sysconfig import get_path
 
 import fprc
 
-#: Folder of Python's own libraries; names of the folders of installed packages.
+#: Folder of Python's standard library; names of the folders of installed packages.
 _STANDARD = get_path("stdlib")
 _INSTALLED = {"site-packages", "dist-packages"}
 
@@ -38,7 +38,7 @@ def _closure(modules: tuple[str, ...]) -> set[str]:
         module = todo.pop()
         if module not in seen:
             seen.add(module)
-            todo += [_defining(*each) for each in _source(module)[1] if _path(each[0])]
+            todo += [_defining(*imported) for imported in _source(module)[1] if _path(imported[0])]
     return seen
 
 

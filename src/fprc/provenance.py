@@ -1,4 +1,4 @@
-"""Where a result comes from, and whether it is still what its rule wrote."""
+"""Where a result comes from, and whether it was changed after its rule wrote it."""
 
 import hashlib
 import json
@@ -104,7 +104,7 @@ def checkout(package: Path | None = None) -> tuple[str | None, bool | None]:
 
 def _git(folder: Path, *arguments: str) -> str | None:
     command = ["git", "--no-optional-locks", "-C", str(folder), *arguments]
-    # a hook sets variables of git's own
+    # a hook of git sets git's variables
     env = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
@@ -119,7 +119,7 @@ def digest_of(path: str | Path, results: str | Path) -> Path:
 
 
 def write_digests(paths: Iterable[str], results: str | Path) -> None:
-    """Write the SHA-256 of results, by which ``changed_results`` knows them."""
+    """Write the SHA-256 of results, which ``changed_results`` compares."""
     for path in paths:
         digest = digest_of(path, results)
         digest.parent.mkdir(parents=True, exist_ok=True)
@@ -139,7 +139,7 @@ def changed_results(results: str | Path, paths: Iterable[str] | None = None) -> 
     if paths is None:
         digests = Path(results, "digests")
         known = sorted(digests.rglob("*.sha256"))
-        paths = [str(Path(results, each.relative_to(digests).with_suffix(""))) for each in known]
+        paths = [str(Path(results, file.relative_to(digests).with_suffix(""))) for file in known]
     return [
         path
         for path in paths

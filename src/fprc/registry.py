@@ -21,12 +21,12 @@ Settings = Mapping[str, Any]
 ANGLE = "theta_deg"
 
 
-#: Look of every model that is not the paper's.
+#: Style in figures of every model that is not the paper's.
 _OUTSIDE = ("#505050", ":")
 
 
 class Entry(NamedTuple):
-    """A model's class, inputs and settings, and its look in figures."""
+    """A model's class, inputs and settings, and its style in figures."""
 
     cls: str  #: ``module.Class``, or a function that takes the settings and returns the model
     inputs: tuple[str, ...]  #: input channels, in the order of the columns of ``X``
@@ -35,7 +35,7 @@ class Entry(NamedTuple):
     settings: tuple[str, ...]
     title: str  #: name in tables and figures
     look: tuple[str, str] = _OUTSIDE  #: grey and line style in every figure
-    own: Settings = {}  #: parameters that no section has
+    fixed: Settings = {}  #: parameters that no section has
 
 
 #: The paper's models, in its order.
@@ -70,9 +70,9 @@ _BOTH = (ANGLE, "p_o_kpa")
 
 
 def _competitor(
-    cls: str, inputs: tuple[str, ...], settings: tuple[str, ...], title: str, **own: Any
+    cls: str, inputs: tuple[str, ...], settings: tuple[str, ...], title: str, **fixed: Any
 ) -> Entry:
-    return Entry(f"fprc.models.competitors.{cls}", inputs, settings, title, own=own)
+    return Entry(f"fprc.models.competitors.{cls}", inputs, settings, title, fixed=fixed)
 
 
 #: The models that are compared beyond the paper, the paper's first.
@@ -209,7 +209,7 @@ def parameters_of(name: str, models: Settings) -> dict[str, Any]:
     entry = entry_of(name, models)
     if name in models.get("others", {}):
         return dict(models["others"][name]["settings"])
-    return {**parameters_at(entry.settings, models), **entry.own}
+    return {**parameters_at(entry.settings, models), **entry.fixed}
 
 
 def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceModel":
@@ -244,7 +244,7 @@ _METHODS = ("get_params", "fit", "predict", "make_features", "make_readout", "as
 
 
 def load_class(name: str, models: Settings) -> Any:
-    """Import the class of a model, or of a competitor what builds it.
+    """Import the class of a model, or the class or function that makes a competitor.
 
     Raises
     ------
@@ -258,7 +258,7 @@ def load_class(name: str, models: Settings) -> Any:
     where = f"models.others.{name}.estimator: {path}"
     try:
         loaded = getattr(import_module(module), cls)
-    except Exception as error:  # whatever the user's module raises
+    except Exception as error:  # the user's module may raise any error
         raise ConfigError(
             f"{where} cannot be imported ({type(error).__name__}: {error}); give module.Class, and "
             "put the module's folder on PYTHONPATH"

@@ -62,7 +62,7 @@ def judge_competitor(
         A log does not suit the model: it is too short, or too long for the memory.
     """
     rate_hz = train.attributes.get("sample_rate_hz", PAPER_HZ)
-    settings = scaled(entry_of(name).own, rate_hz / PAPER_HZ)
+    settings = scaled(entry_of(name).fixed, rate_hz / PAPER_HZ)
     model = build(name, judgement.models, judgement.seed, **settings)
     _refuse_too_long(name, model.get_params(), train, test)
     logs = {key: log.samples(name) for key, log in (("train", train), ("test", test))}
