@@ -13,7 +13,7 @@ def lines(printed):
 
 def test_file_that_no_rule_makes_is_reported_and_nothing_else(smoked_copy):
     results = smoked_copy.folder / "results/smoke"
-    # what a run that was killed, a search that was begun anew and other settings leave
+    # what a killed run, a search with a new checkpoint and other settings leave
     for name in ("grids/taps.partial.jsonl", "calibration/search.partial.jsonl.old",
                  "calibration/search.partial.jsonl.1", "blocked/logs/record_sweep.log",
                  "blocked/tables/table2.md"):  # fmt: skip

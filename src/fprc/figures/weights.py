@@ -14,7 +14,7 @@ _AVERAGES = {"mean_of_feature": "mean", "published_mean_of_feature": "paper"}
 
 
 def plot_shares(table: DataFrame, ax: Axes) -> Axes:
-    """Draw stacked bars, bias at the bottom, with the two separations of each in red.
+    """Draw stacked bars: bias, P_o and theta_d from the bottom, separated by red lines.
 
     Beside the rules: the mean over the rules, and the mean that the paper prints.
 

@@ -84,11 +84,11 @@ def fit_rig(
         free=free, workers=workers, version=version, ends=ends,
     )  # fmt: skip
     start = encode(on_rig.rig, free)
-    begun = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
+    start_rig = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
     done: list[Searched] = []
     for number, (fit, generations) in enumerate(planned, start=1):
         log.info("search %d of %d, for %s", number, len(planned), ", ".join(fit))
-        at = done[-1].best if done else begun
+        at = done[-1].best if done else start_rig
         changed = {**calibration, "fit": fit, "generations": generations}
         done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
     best, objective, estimate, result = done[-1]
@@ -98,10 +98,10 @@ def fit_rig(
         "software": f"fprc {__version__}",
         "seeds": list(seeds),
         **_outcome(objective, full_errors(best, seeds, workers, judgement), estimate(best, seeds)),
-        "loss_at_start": objective.loss(estimate(begun, seeds)),
+        "loss_at_start": objective.loss(estimate(start_rig, seeds)),
         "loss": result.loss,
         "check_seeds": list(check_seeds),
-        "check_loss_at_start": objective.loss(estimate(begun, check_seeds)),
+        "check_loss_at_start": objective.loss(estimate(start_rig, check_seeds)),
         "check_loss": objective.loss(estimate(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
         "searches": [
@@ -129,7 +129,7 @@ class Searched(NamedTuple):
 
 
 def _searched(
-    begun: RigSettings,
+    start_rig: RigSettings,
     *,
     printed: Mapping[str, Any],
     judgement: Mapping[str, Any],
@@ -152,16 +152,16 @@ def _searched(
         tracking=tracking,
     )
     log.info("judging the rig at which the search begins, with the full models")
-    like = estimate(begun, seeds)
-    ratios = ratios_to_full(full_errors(begun, seeds, workers, judgement), like)
+    like = estimate(start_rig, seeds)
+    ratios = ratios_to_full(full_errors(start_rig, seeds, workers, judgement), like)
     objective = Objective(aim, ratios, like)
     # a search that ran out of time goes on if it is given more
-    lasting = {key: value for key, value in calibration.items() if key != "minutes"}
-    depends_on = [asdict(begun), judgement, lasting, grids, tracking, aim, version]
+    settings = {key: value for key, value in calibration.items() if key != "minutes"}
+    depends_on = [asdict(start_rig), judgement, settings, grids, tracking, aim, version]
     result = search(
-        partial(judge_point, on_rig=begun, free=free, seeds=seeds, estimate=estimate),
+        partial(judge_point, on_rig=start_rig, free=free, seeds=seeds, estimate=estimate),
         lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),
-        encode(begun.rig, free),
+        encode(start_rig.rig, free),
         step=calibration["step"],
         generations=calibration["generations"],
         seed=seeds[0],
@@ -171,7 +171,7 @@ def _searched(
         seconds=ends - time.monotonic(),
         progress=partial(log.info, "generation %d of %d, least loss %.4f, %.0f s"),
     )
-    best = replace(begun, rig=resolved(decode(result.point, begun.rig, free)))
+    best = replace(start_rig, rig=resolved(decode(result.point, start_rig.rig, free)))
     return Searched(best, objective, estimate, result)
 
 

@@ -42,10 +42,10 @@ def _judge_fully(on_rig: RigSettings, judgement: Judgement) -> dict[str, float]:
 
 
 def ratios_to_full(
-    full: Sequence[Mapping[str, float]], cheap: Sequence[Mapping[str, Any]]
+    full: Sequence[Mapping[str, float]], estimated: Sequence[Mapping[str, Any]]
 ) -> dict[str, float]:
     """Return the ratios of the full models' errors to those of the surrogate."""
     return {
-        key: float(np.mean([e[key] for e in full]) / np.mean([e["errors"][key] for e in cheap]))
+        key: float(np.mean([e[key] for e in full]) / np.mean([e["errors"][key] for e in estimated]))
         for key in full[0]
     }

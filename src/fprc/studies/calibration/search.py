@@ -138,14 +138,14 @@ def search(
     head = {"key": key, "start": start.tolist(), "step": step, "seed": seed}
     archive, rng, radius = _Archive(deviations_of), np.random.default_rng(seed), _RADIUS
     first = -(-2 * start.size // _POPULATION)
-    begun, done, judged = time.monotonic(), 0, 0
+    begin_s, done, judged = time.monotonic(), 0, 0
     with (
         resuming(checkpoint, head, keep=True) as (known, append),
         parallel_config("loky", inner_max_num_threads=1),
         Parallel(n_jobs=workers) as pool,
     ):
         while done < generations and (
-            done < max(len(known), 1) or time.monotonic() - begun < seconds
+            done < max(len(known), 1) or time.monotonic() - begin_s < seconds
         ):
             if done < first or not archive.points:
                 points = list(start + step * rng.standard_normal((_POPULATION, start.size)))
@@ -161,7 +161,7 @@ def search(
                 new = pool(delayed(judge)(point) for point in points)
                 archive.add(points, new)
                 append(new)
-                progress(done + 1, generations, archive.least, time.monotonic() - begun)
+                progress(done + 1, generations, archive.least, time.monotonic() - begin_s)
             if done >= first:
                 better = archive.least < 0.999 * before
                 radius = min(max(radius * (_GROW if better else _SHRINK), _LEAST), _MOST)

@@ -63,29 +63,29 @@ def judge_by_surrogate(
     """
     simulated = simulate(on_rig, seed)
     logs = {name: data.channels for name, data in simulated.items()}
-    cheap = _Cheap(logs, models, seed, surrogate["stride"])
+    thinned = _FuzzyModels(logs, models, seed, surrogate["stride"])
     fuzzy = {
-        (train, name): cheap.fit(train, name == "fprc") for train, _ in DIRECTIONS
+        (train, name): thinned.fit(train, name == "fprc") for train, _ in DIRECTIONS
         for name in ("fprc", "fuzzy_linear")
     }  # fmt: skip
     errors = _esn_errors(simulated, models, seed, surrogate)
     for (train, name), readout in fuzzy.items():
         for phase, log in zip(("train", "test"), (train, *(set(logs) - {train})), strict=True):
-            errors[f"{train}/{name}/{phase}"] = cheap.error(readout, log, name == "fprc")
+            errors[f"{train}/{name}/{phase}"] = thinned.error(readout, log, name == "fprc")
     judged: dict[str, Any] = {"errors": errors, "properties": properties(logs)}
     if "shares" in measures:
-        judged["shares"] = cheap.shares()
+        judged["shares"] = thinned.shares()
     if "epsilon" in measures:
         judged["epsilon"] = [
-            cheap.error(cheap.fit("sweep", True, epsilon=value), "sweep", True, epsilon=value)
+            thinned.error(thinned.fit("sweep", True, epsilon=value), "sweep", True, epsilon=value)
             for value in grids["epsilon"]
         ]
     if "n_c" in measures:
-        judged["n_c"] = cheap.over_rules(grids["n_c"])
+        judged["n_c"] = thinned.over_rules(grids["n_c"])
     if "taps" in measures:
         judged["taps"] = [
             [
-                cheap.error(cheap.fit("sweep", True, n_u=u, n_y=y), "sweep", True, n_u=u, n_y=y)
+                thinned.error(thinned.fit("sweep", True, n_u=u, n_y=y), "sweep", True, n_u=u, n_y=y)
                 for y in grids["n_y"]
             ]
             for u in grids["n_u"]
@@ -99,7 +99,7 @@ def judge_by_surrogate(
     return judged
 
 
-class _Cheap:
+class _FuzzyModels:
     """The fuzzy models on every ``stride``-th row of two logs."""
 
     def __init__(
