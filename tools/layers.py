@@ -56,7 +56,7 @@ def block() -> str:
     rows = [_row(layer, packages) for layer in layers()]
     lines = ["```mermaid", "flowchart TB"]
     lines += [f'  {node}["{text}"]' for row in rows for node, text in row.items() if node != text]
-    # each row below the one before, by lines that are not seen
+    # invisible links keep each row below the one before
     lines += [f"  {' & '.join(above)} ~~~ {' & '.join(below)}" for above, below in pairwise(rows)]
     for row in rows:
         for name in row:

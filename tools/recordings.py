@@ -74,7 +74,7 @@ def row(name: str, report: Mapping[str, Any]) -> str:
 
 
 def rows(datasets: Path) -> Iterator[str]:
-    """Evaluate the recordings one after the other and return a row for each."""
+    """Evaluate the recordings one after the other, and yield their rows."""
     with tempfile.TemporaryDirectory() as name:
         folders = iter(Path(tempfile.mkdtemp(dir=name)) for _ in range(9))
         for dataset, file in FILES.items():

@@ -69,7 +69,7 @@ PROCESSORS = {
     },
 }
 
-#: By how much numbers may differ before they are other results.
+#: Largest relative difference of numbers that still count as the same.
 AGREE = 0.01
 
 #: Results that are compared by their numbers; the others are made of them.
@@ -224,7 +224,7 @@ def built(scratch: Path, circumstances: Sequence[tuple], small: bool) -> Iterato
 
 
 def main() -> int:
-    """Build more than once and say what differs; 1 if anything does that must not."""
+    """Build more than once and print what differs; return 1 if anything differs that must not."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--smoke", action="store_true", help="small settings, minutes")
     parser.add_argument("--processors", action="store_true", help="compute as on other processors")

@@ -78,7 +78,7 @@ class LogHandler(LogHandlerBase):
             os.environ["FPRC_MESSAGES"] = "log"
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print what a record means to a person; an error here must not end the thread."""
+        """Print a record in words; an error here must not end the thread."""
         try:
             self._print(record)
         except Exception:
@@ -157,7 +157,7 @@ class LogHandler(LogHandlerBase):
 
     @property
     def has_formatter(self) -> bool:
-        """Words its lines itself."""
+        """Formats its lines itself."""
         return True
 
     @property

@@ -57,12 +57,12 @@ class Progress:
         self.say(f"{count}; what each says is in its log, below results/logs")
 
     def start(self, number: int, rule: str, label: str, log: Path | None) -> None:
-        """Note that a job has started."""
+        """Record that a job has started."""
         self.running[number] = Job(rule, label, log, self.clock())
         self.show()
 
     def finish(self, number: int) -> None:
-        """Print the line of a job that has ended well."""
+        """Print the line of a job that has succeeded."""
         job = self.running.pop(number, None)
         if job is None:
             return

@@ -36,8 +36,8 @@ def record(settings):
 
     def plain(value):
         if isinstance(value, Mapping):
-            return SimpleNamespace(**{name: plain(each) for name, each in value.items()})
-        return [float(each) for each in value] if isinstance(value, (list, tuple)) else float(value)
+            return SimpleNamespace(**{name: plain(part) for name, part in value.items()})
+        return [float(x) for x in value] if isinstance(value, (list, tuple)) else float(value)
 
     return [plain(settings)]
 """,
@@ -110,7 +110,7 @@ def clone(folder: Path, plain: bool) -> None:
 
 
 def make_plain(package: Path) -> None:
-    """Let a copy of the package compute plainly."""
+    """Replace the compiled functions in a copy of the package by plain ones."""
     for name, code in PLAIN.items():
         module = package / name
         module.write_text(module.read_text(encoding="utf-8") + code, encoding="utf-8")
@@ -140,7 +140,7 @@ def errors(tables: Path) -> dict[tuple[str, ...], float]:
 
 
 def report(cores: int, smoke: bool) -> str:
-    """Build both; say what they took and by how much their errors differ."""
+    """Build both; report their times and by how much their errors differ."""
     seconds, tables = [], []
     with tempfile.TemporaryDirectory() as scratch:
         for name in ("ours", "plain"):

@@ -1,4 +1,4 @@
-# Sec. IV: closed-loop runs on the rig, each a raw log like any other.
+# Sec. IV: closed-loop runs on the rig, recorded as raw logs.
 
 if PLAN.on_simulated_rig:
 

@@ -1,4 +1,4 @@
-# The figures, each drawn from result files only.
+# The figures, drawn from result files only.
 
 
 rule draw_fig1:

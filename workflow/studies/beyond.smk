@@ -5,7 +5,7 @@ TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 OWN_WORLD = SETTINGS["fitted"]["name"]
 WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS]
-#: Figures: the table that each draws, its stage, and what it shows.
+#: Figures: their tables, stages and captions.
 FIGURES_BEYOND = {
     "pairs": (
         "claims",
@@ -186,7 +186,7 @@ rule beyond_capacity:
         units=list(range(BEYOND["capacity"]["seeds"])),
         how={
             "models": pick(SETTINGS["models"], "n_y", "fprc", "esn"),
-            "capacity": {key: each for key, each in BEYOND["capacity"].items() if key != "seeds"},
+            "capacity": {key: value for key, value in BEYOND["capacity"].items() if key != "seeds"},
         },
         workers=workers_over(BEYOND["capacity"]["seeds"] * (1 + len(OTHER_RIGS))),
         checkpoint=placed(PATHS.below("beyond/capacity.partial.jsonl")),
