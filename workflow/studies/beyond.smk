@@ -3,8 +3,8 @@
 #: Settings of the tuned models; they were made by this workflow.
 TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
-OWN_WORLD = SETTINGS["fitted"]["name"]
-WORLDS = [OWN_WORLD, *OTHER_RIGS, *SETS]
+CONFIGURED_WORLD = SETTINGS["fitted"]["name"]
+WORLDS = [CONFIGURED_WORLD, *OTHER_RIGS, *SETS]
 #: Figures: their tables, stages and captions.
 FIGURES_BEYOND = {
     "pairs": (
@@ -14,17 +14,17 @@ FIGURES_BEYOND = {
     ),
     "tracking": (
         "tracking",
-        stage("studies.show_beyond.draw_tracking") | {"world": OWN_WORLD},
+        stage("studies.show_beyond.draw_tracking") | {"world": CONFIGURED_WORLD},
         "tracking errors against test errors",
     ),
     "offsets": (
         "offsets",
-        stage("studies.show_beyond.draw_offsets") | {"world": OWN_WORLD},
+        stage("studies.show_beyond.draw_offsets") | {"world": CONFIGURED_WORLD},
         "offset of P_o",
     ),
     "capacities": (
         "capacities",
-        stage("studies.show_beyond.draw_capacities") | {"world": OWN_WORLD},
+        stage("studies.show_beyond.draw_capacities") | {"world": CONFIGURED_WORLD},
         "capacities",
     ),
     "settings": (
@@ -125,7 +125,7 @@ rule beyond_training:
         runtime=120,
     params:
         **judging("beyond.contest.judge_lengths", *COMPETITORS),
-        families=lambda wildcards: [family_named(OWN_WORLD)],
+        families=lambda wildcards: [family_named(CONFIGURED_WORLD)],
         units=list(range(BEYOND["training"]["seeds"])),
         how={
             "contest": CONTEST,
@@ -154,7 +154,7 @@ rule beyond_steps:
     threads: workflow.cores
     params:
         **judging("beyond.contest.judge_steps", *COMPETITORS),
-        families=lambda wildcards: [family_named(OWN_WORLD)],
+        families=lambda wildcards: [family_named(CONFIGURED_WORLD)],
         units=[0],
         how={"contest": CONTEST},
         workers=1,

@@ -29,7 +29,7 @@ def family_named(name):
     return {
         "name": name,
         "rigs": name if name in SETS else "one",
-        "every_model": name == OWN_WORLD,
+        "every_model": name == CONFIGURED_WORLD,
         "first_seed": BEYOND["first_seed"],
         "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
         "fitted": SETS[name]["terms"] if name in SETS else fitted,
@@ -60,7 +60,7 @@ def world_of(wildcards):
 
 def one_rig_each(wildcards):
     """Return the worlds that have one rig."""
-    return [family_named(name) for name in (OWN_WORLD, *OTHER_RIGS)]
+    return [family_named(name) for name in (CONFIGURED_WORLD, *OTHER_RIGS)]
 
 
 def units_of(wildcards):

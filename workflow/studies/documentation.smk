@@ -101,7 +101,7 @@ rule beyond_page:
         page="docs/beyond.md",
         board="docs/benchmark.md",
         pictures=[f"docs/images/beyond_{name}.png" for name in FIGURES_BEYOND],
-        world=OWN_WORLD,
+        world=CONFIGURED_WORLD,
     message:
         "docs/beyond.md and the leaderboard: numbers and pictures from the results"
     script:

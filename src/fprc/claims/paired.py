@@ -157,7 +157,7 @@ def judge_together(
     )
     adjusted, levels = holm(p, alpha)
     outcomes = []
-    for parts, ok, own_p, level in zip(claims, judged, adjusted, levels, strict=True):
+    for parts, ok, adjusted_p, level in zip(claims, judged, adjusted, levels, strict=True):
         if not ok:
             outcomes.append(Judged(NOT_JUDGED, 1.0, level, None))
             continue
@@ -169,7 +169,7 @@ def judge_together(
             stable = _share_of_subsets(parts, level, verdict, left_out)
             if stable < AGREEING:
                 verdict, turned = UNDECIDED, verdict
-        outcomes.append(Judged(verdict, float(own_p), float(level), stable, turned))
+        outcomes.append(Judged(verdict, float(adjusted_p), float(level), stable, turned))
     return outcomes
 
 

@@ -108,12 +108,12 @@ def report_readout(
     refuse_unwritable([folder])
     for path in (source, *train):
         open_given(path, error=LogError).close()
-    own_hz = [own_rate(mapping, source)]
-    own_hz += [own_rate(mapping.of_whole("sweep"), path) for path in train]
-    rate_hz = mapping.sample_rate_hz or _common_rate(own_hz, settings)
+    recorded_hz = [own_rate(mapping, source)]
+    recorded_hz += [own_rate(mapping.of_whole("sweep"), path) for path in train]
+    rate_hz = mapping.sample_rate_hz or _common_rate(recorded_hz, settings)
     mapping = mapping.model_copy(update={"sample_rate_hz": rate_hz})
     scaled = settings_at(settings, rate_hz)
-    rates = rates_in_words(own_hz, rate_hz, settings, scaled)
+    rates = rates_in_words(recorded_hz, rate_hz, settings, scaled)
     log.info("%s", rates)
     parts = _parts(source, mapping, train)
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
@@ -162,7 +162,7 @@ def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> dict[str, R
     }
 
 
-def _common_rate(own_hz: Sequence[float], settings: Mapping[str, Any]) -> float:
+def _common_rate(recorded_hz: Sequence[float], settings: Mapping[str, Any]) -> float:
     """Return the rate at which the models work on recordings of these rates, Hz.
 
     It is that of the slowest recording, at least the 1 Hz that a map can give and at most the
@@ -170,7 +170,7 @@ def _common_rate(own_hz: Sequence[float], settings: Mapping[str, Any]) -> float:
     """
     highest: float = settings["control"]["sample_rate_hz"]
     is_simulated = settings["evaluation"]["reservoir"] == "simulated"
-    return highest if is_simulated else min(highest, max(1.0, min(own_hz)))
+    return highest if is_simulated else min(highest, max(1.0, min(recorded_hz)))
 
 
 def _prepare(

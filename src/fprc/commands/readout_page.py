@@ -108,13 +108,16 @@ def _with_hash(path: str) -> str:
 
 
 def rates_in_words(
-    own_hz: Sequence[float], rate_hz: float, given: Mapping[str, Any], scaled: Mapping[str, Any]
+    recorded_hz: Sequence[float],
+    rate_hz: float,
+    given: Mapping[str, Any],
+    scaled: Mapping[str, Any],
 ) -> str:
     """Return the rates of the recordings, the rate that the models use, and what was scaled.
 
     ``given`` is the configuration, ``scaled`` that for the rate of the models.
     """
-    recorded = ", ".join(f"{hz:g}" for hz in dict.fromkeys(own_hz))
+    recorded = ", ".join(f"{hz:g}" for hz in dict.fromkeys(recorded_hz))
     line = f"Sample rates: recorded at {recorded} Hz; the models use {rate_hz:g} Hz."
     before, after = given["models"], scaled["models"]
     reference_hz = given["control"]["sample_rate_hz"]
