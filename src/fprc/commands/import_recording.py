@@ -187,7 +187,7 @@ def _read(mapping: ImportMap, source: str) -> tuple[Source, Recording]:
 
 def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     """Do as ``import_recording``, with a map that has been read already."""
-    diagnosed, drawn = _outputs_beside(raw)
+    diagnosed, picture = _outputs_beside(raw)
     columns, rate_hz = mapping.channels.model_dump(exclude_none=True), mapping.rate_hz
     time = mapping.time.model_dump()
     content, recording = _read(mapping, source)
@@ -216,7 +216,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         name: f"{name} from {spec['column']}" + (f": {spec['note']}" if spec["note"] else "")
         for name, spec in columns.items()
     }
-    with replacing_all(diagnosed, drawn, raw) as (page, png, log):
+    with replacing_all(diagnosed, picture, raw) as (page, png, log):
         file = {"source": Path(source).name, "log": Path(raw).name, "words": lines}
         write_json(page, file | diagnosis)
         fig = draw_diagnosis(
@@ -242,7 +242,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
 def _outputs_beside(raw: str) -> tuple[str, str]:
     """Return the names of diagnosis and picture; only an earlier import may be overwritten."""
     stem = Path(raw).with_suffix("")
-    diagnosed, drawn = f"{stem}.diagnosis.json", f"{stem}.diagnosis.png"
+    diagnosed, picture = f"{stem}.diagnosis.json", f"{stem}.diagnosis.png"
 
     def is_ours(old: Path) -> bool:
         # the picture does not name its log: it was written with the diagnosis
@@ -251,8 +251,8 @@ def _outputs_beside(raw: str) -> tuple[str, str]:
 
     refuse_output(raw, ".h5", ours=_is_imported)
     refuse_output(diagnosed, ".json", ours=is_ours)
-    refuse_output(drawn, ".png", ours=is_ours)
-    return diagnosed, drawn
+    refuse_output(picture, ".png", ours=is_ours)
+    return diagnosed, picture
 
 
 def _is_imported(old: Path) -> bool:

@@ -23,7 +23,7 @@ def split_rows(
     Parameters
     ----------
     split : {"shuffled", "blocked", "recordings"}
-        Rows drawn at random, contiguous blocks, or whole recordings. The paper does not say
+        Random rows, contiguous blocks, or whole recordings. The paper does not say
         which; shuffled rows have the validation spread that it prints, 0.05-0.15 kPa.
     purge : int
         Rows on each side of a contiguous block that do not train, because they resemble

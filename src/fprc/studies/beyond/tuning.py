@@ -49,14 +49,14 @@ SPACES: dict[str, dict[str, Any]] = {
 
 
 def candidates_of(name: str, count: int, seed: int) -> list[dict[str, Any]]:
-    """Return the defaults of a model, and ``count`` - 1 settings drawn from its space."""
-    drawn = ParameterSampler(SPACES[name], count - 1, random_state=seed)
-    return [{}, *map(_settings, drawn)]
+    """Return the defaults of a model, and ``count`` - 1 settings sampled from its space."""
+    sampled = ParameterSampler(SPACES[name], count - 1, random_state=seed)
+    return [{}, *map(_settings, sampled)]
 
 
-def _settings(drawn: Mapping[str, Any]) -> dict[str, Any]:
+def _settings(sampled: Mapping[str, Any]) -> dict[str, Any]:
     """Return plain numbers with four digits, and for a bank the list of its epsilons."""
-    plain = {key: _plain(value) for key, value in drawn.items()}
+    plain = {key: _plain(value) for key, value in sampled.items()}
     if "filters" not in plain:
         return plain
     fastest, slowest, filters = (plain.pop(key) for key in _BANK)

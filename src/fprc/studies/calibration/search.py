@@ -20,7 +20,7 @@ from scipy.optimize import least_squares
 from fprc.artifacts import resuming
 
 #: Points of a generation: minima of the model within these multiples of the radius around the best
-#: point, the minimum around another good point, and points drawn around these.
+#: point, the minimum around another good point, and random points around these.
 _REACH = (0.4, 1.0, 2.0)
 _POPULATION = 8
 

@@ -67,7 +67,7 @@ def _shown(
     time_s, theta, p_exp = one["time_s"] - SPAN_S[0], one["theta_deg"], one["p_exp_kpa"]
     seen = slice(picked[0], picked[-1] + 1)
     loop.plot(p_exp[seen], theta[seen], color="0.88")
-    (drawn,) = loop.plot([], [], color=style.SIGNALS["theta"])
+    (curve,) = loop.plot([], [], color=style.SIGNALS["theta"])
     loop.set(xlabel=r"$P_\mathrm{exp}$ [kPa]", ylabel=r"$\theta$ [deg]")
     track.plot(time_s[seen], one["theta_d_deg"][seen], color=style.SIGNALS["theta_d"],
                linewidth=2.5, alpha=0.6, label=r"wanted, $\theta_d$")  # fmt: skip
@@ -76,7 +76,7 @@ def _shown(
     track.set(xlabel="Time [s]", ylabel=r"$\theta$ [deg]", xlim=(0.0, SPAN_S[1] - SPAN_S[0]))
     style.legend_above(track)
     return [
-        (drawn, p_exp, theta),
+        (curve, p_exp, theta),
         (pd, two["time_s"] - SPAN_S[0], two["theta_deg"]),
         (fprc, time_s, theta),
     ]
