@@ -186,7 +186,9 @@ rule beyond_capacity:
         units=list(range(BEYOND["capacity"]["seeds"])),
         how={
             "models": pick(SETTINGS["models"], "n_y", "fprc", "esn"),
-            "capacity": {key: value for key, value in BEYOND["capacity"].items() if key != "seeds"},
+            "capacity": {
+                key: value for key, value in BEYOND["capacity"].items() if key != "seeds"
+            },
         },
         workers=workers_over(BEYOND["capacity"]["seeds"] * (1 + len(OTHER_RIGS))),
         checkpoint=placed(PATHS.below("beyond/capacity.partial.jsonl")),
