@@ -5,6 +5,8 @@ import re
 import textwrap
 from importlib.metadata import version as version_of
 
+from fprc.escape import typeset
+
 project = "fprc"
 copyright = "The fprc developers; MIT licence"  # noqa: A001 (Sphinx names it)
 version = release = version_of("fprc")
@@ -42,10 +44,10 @@ sphinx_gallery_conf = {
 
 
 def setup(app):
-    """Show our own members only, formulas line by line, and link to pages of the site."""
+    """Show our own members only, formulas line by line, and symbols with low indices."""
     app.connect("autodoc-skip-member", _is_not_ours)
     app.connect("autodoc-process-docstring", _set_formulas_apart, priority=400)  # before numpydoc
-    app.connect("source-read", _link_within_the_site)
+    app.connect("source-read", _link_and_typeset)
 
 
 def _is_not_ours(app, what, name, member, skip, options):
@@ -64,8 +66,9 @@ def _set_formulas_apart(app, what, name, obj, options, lines):
     lines[:] = "\n\n".join([first, *others]).splitlines() + [""]
 
 
-def _link_within_the_site(app, name, source):
-    source[0] = source[0].replace("(../data/raw/README.md)", "(logs.md)")
+def _link_and_typeset(app, name, source):
+    if app.env.doc2path(name).endswith(".md"):
+        source[0] = typeset(source[0].replace("(../data/raw/README.md)", "(logs.md)"))
 
 
 # a thread of BLAS for each core changes last digits

@@ -66,6 +66,31 @@ def markdown(text: str) -> str:
     return re.sub(r"([\\`*<>|&$])", r"\\\1", visible(text))
 
 
+#: What ``typeset`` leaves as it is: code, headings, tags, addresses of links.
+_KEPT = r"^```.*?^```|^(?: {4}|\t|#)[^\n]*|(?P<fence>`+).+?(?P=fence)|<[^>\n]*>|\]\([^)\n]*\)"
+_SYMBOL = re.compile(
+    rf"{_KEPT}|(?<![\w.-])(?:(?P<letter>theta|θ|P|n)_(?P<index>d|i|o|exp|ff|fb|c|u|y)"
+    r"|(?P<greek>theta|epsilon))(?![\w-])",
+    re.MULTILINE | re.DOTALL,
+)
+_GREEK = {"theta": "θ", "epsilon": "ε"}
+
+
+def typeset(text: str) -> str:
+    """Return Markdown whose symbols, such as ``P_o`` and ``theta_d``, have their index set low.
+
+    Code, tags and addresses of links stay as they are.
+    """
+
+    def set_low(match: re.Match[str]) -> str:
+        letter = match["letter"]
+        if letter:
+            return f"{_GREEK.get(letter, letter)}<sub>{match['index']}</sub>"
+        return _GREEK.get(match["greek"], match[0])
+
+    return _SYMBOL.sub(set_low, text)
+
+
 def unmarkdown(text: str) -> str:
     """Undo ``markdown``, for text without escapes of ``visible``."""
     return re.sub(r"\\([\\`*<>|&$])", r"\1", text)

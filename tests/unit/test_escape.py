@@ -76,3 +76,22 @@ def test_spreadsheet_computes_nothing(text):
 @pytest.mark.parametrize("text", ["-1.5", "+2", "-.5e-3", "1=1", "N", "", "% of its scale", "m=s"])
 def test_numbers_and_plain_texts_are_no_formulae(text):
     assert escape.spreadsheet(text) == text
+
+
+TYPESET = [
+    ("P_o and theta_d, P_ff(k)", "P<sub>o</sub> and θ<sub>d</sub>, P<sub>ff</sub>(k)"),
+    ("θ_d/P_o, n_c 16, epsilon", "θ<sub>d</sub>/P<sub>o</sub>, n<sub>c</sub> 16, ε"),
+    ("| P_o's | theta |", "| P<sub>o</sub>'s | θ |"),
+    ("P_other, theta_deg, p_o_kpa, P_o_x", "P_other, theta_deg, p_o_kpa, P_o_x"),
+    ("## How P_o helps\n", "## How P_o helps\n"),
+    ("`P_o` and ``a ` P_o``", "`P_o` and ``a ` P_o``"),
+    ("```\nP_o\n```\nP_o", "```\nP_o\n```\nP<sub>o</sub>"),
+    ("    P_o = 1\nP_o", "    P_o = 1\nP<sub>o</sub>"),
+    ('<img alt="P_o"> [P_o](#the-P_o)', '<img alt="P_o"> [P<sub>o</sub>](#the-P_o)'),
+]
+
+
+@pytest.mark.parametrize(("text", "set_low"), TYPESET)
+def test_symbols_in_prose_have_low_indices_and_code_is_untouched(text, set_low):
+    assert escape.typeset(text) == set_low
+    assert escape.typeset(set_low) == set_low

@@ -11,6 +11,7 @@ import pandas as pd
 from fprc.artifacts import read_json
 from fprc.claims.paper import TIMED
 from fprc.errors import FprcError
+from fprc.escape import typeset
 from fprc.paper import ERRORS
 from fprc.registry import title_of
 from fprc.tables.found import found
@@ -23,11 +24,12 @@ def readme_blocks(pages: Sequence[str], seeds: Sequence[str], ledger: str) -> di
     claims = [claim for claim in read_json(ledger)["claims"] if claim["rig"] != TIMED]
     (sentence,) = found(claims, {}, simulated=True) or ("No claim is judged.",)
     shown = {path.stem: path.read_text(encoding="utf-8") for path in map(Path, pages)}
-    return {
+    blocks = {
         **{name: shown[name] for name in ("table2_seeds", "table4_seeds")},
         "outcome": f"- **{sentence.removesuffix('.')}** ([each of them](docs/results.md)).\n"
         f"- {deviations_sentence(seeds[:2])} {_tracking(seeds[2])}",
     }
+    return {name: typeset(block) for name, block in blocks.items()}
 
 
 def replace_block(text: str, name: str, block: str, path: str = "README.md") -> str:

@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
+from fprc.escape import typeset
 from fprc.studies import blocks as of_pages
 from fprc.studies.beyond import tables as beyond
 
@@ -107,7 +108,7 @@ def update_beyond_page(
     found = {name: pd.read_csv(path) for name, path in csv.items()}
     judged = read_json(verdicts)
     blocks = beyond.blocks(judged, found, world)
-    _update(readme, {"worth": blocks.pop("worth")})
+    _update(readme, {"worth": typeset(blocks.pop("worth"))})
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, blocks)
     _copy(figures, pictures)
