@@ -99,11 +99,12 @@ rule beyond_page:
         **stage("studies.documents.update_beyond_page"),
         readme="README.md",
         page="docs/beyond.md",
+        details="docs/beyond-details.md",
         board="docs/benchmark.md",
         pictures=[f"docs/images/beyond_{name}.png" for name in FIGURES_BEYOND],
         world=CONFIGURED_WORLD,
     message:
-        "docs/beyond.md and the leaderboard: numbers and pictures from the results"
+        "docs/beyond.md, its details and the leaderboard: numbers and pictures from the results"
     script:
         "../scripts/stage.py"
 

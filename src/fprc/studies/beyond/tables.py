@@ -291,7 +291,7 @@ def blocks(
     tables: Mapping[str, pd.DataFrame],
     world: str,
 ) -> dict[str, str]:
-    """Return the generated blocks of docs/beyond.md, and two of other pages.
+    """Return the generated blocks of docs/beyond.md and docs/beyond-details.md, and two others.
 
     They are the ``leaderboard`` of docs/benchmark.md and ``worth`` of README.md.
 

@@ -85,17 +85,22 @@ def update_beyond_page(
     *,
     readme: str,
     page: str,
+    details: str,
     board: str,
     pictures: Sequence[str],
     world: str,
     **csv: str,
 ) -> None:
-    """Replace the generated blocks of docs/beyond.md, the leaderboard, and the pictures.
+    """Replace the generated blocks of docs/beyond.md and its details, and the pictures.
 
     The README gets the verdicts on what the reservoir is worth.
 
     Parameters
     ----------
+    page : str
+        Page with the table of the claims.
+    details : str
+        Page with the other tables but the leaderboard.
     board : str
         Page with the leaderboard.
     figures, pictures : sequence of str
@@ -110,7 +115,8 @@ def update_beyond_page(
     blocks = beyond.blocks(judged, found, world)
     _update(readme, {"worth": typeset(blocks.pop("worth"))})
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
-    _update(page, blocks)
+    _update(page, {"beyond_claims": blocks.pop("beyond_claims")})
+    _update(details, blocks)
     _copy(figures, pictures)
 
 
