@@ -69,7 +69,7 @@ def markdown(text: str) -> str:
 #: What ``typeset`` leaves as it is: code, headings, tags, addresses of links.
 _KEPT = r"^```.*?^```|^(?: {4}|\t|#)[^\n]*|(?P<fence>`+).+?(?P=fence)|<[^>\n]*>|\]\([^)\n]*\)"
 _SYMBOL = re.compile(
-    rf"{_KEPT}|(?<![\w.-])(?:(?P<letter>theta|θ|P|n)_(?P<index>d|i|o|exp|ff|fb|c|u|y)"
+    rf"{_KEPT}|(?<![\w.-])(?:(?P<letter>theta|θ|P̃?|n|k|K|W)_(?P<index>d|i|o|exp|ff|fb|c|u|y|p|in|out)"
     r"|(?P<greek>theta|epsilon))(?![\w-])",
     re.MULTILINE | re.DOTALL,
 )

@@ -8,6 +8,13 @@ OF_README = {
     "seeds": [path.replace(".md", ".csv") for path in PLAN.seeds_tables],
     "ledger": PATHS.below("claims.json"),
 }
+#: Figures of the paper in docs/idea.md, by their pictures.
+IN_DOCS = {
+    f"docs/images/fig{number:02}.png": PATHS.below(
+        BY_NAME[f"fig{number}"].files[0].replace(".pdf", ".png")
+    )
+    for number in (1, 2, 7)
+}
 
 if "readme" not in PLAN.unavailable:
 
@@ -31,7 +38,10 @@ if "readme" not in PLAN.unavailable:
         input:
             **OF_README,
             orders=PATHS.below("tables/orders.csv"),
-            figures=expand(PATHS.below("figures/moving.{kind}"), kind=("gif", "png")),
+            figures=[
+                *expand(PATHS.below("figures/moving.{kind}"), kind=("gif", "png")),
+                *IN_DOCS.values(),
+            ],
             made_from=TARGETS["report"],
         log:
             PATHS.messages("readme"),
@@ -41,9 +51,9 @@ if "readme" not in PLAN.unavailable:
             **stage("studies.documents.update_readme"),
             readme="README.md",
             results="docs/results.md",
-            pictures=expand("docs/images/moving.{kind}", kind=("gif", "png")),
+            pictures=[*expand("docs/images/moving.{kind}", kind=("gif", "png")), *IN_DOCS],
         message:
-            "README.md and docs/results.md: numbers and picture from the results"
+            "README.md and docs/results.md: numbers from the results; pictures of docs/"
         script:
             "../scripts/stage.py"
 
