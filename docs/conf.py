@@ -67,7 +67,7 @@ def _set_formulas_apart(app, what, name, obj, options, lines):
 
 
 def _link_and_typeset(app, name, source):
-    if app.env.doc2path(name).endswith(".md"):
+    if str(app.env.doc2path(name)).endswith(".md"):
         source[0] = typeset(source[0].replace("(../data/raw/README.md)", "(logs.md)"))
 
 

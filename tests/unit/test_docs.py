@@ -182,7 +182,9 @@ BEYOND, DETAILS = "docs/beyond.md", "docs/beyond-details.md"
 )
 def test_numbers_of_a_sentence_are_those_of_the_generated_table(page, sentence, block, cells):
     """A cell is a row, a column and, if not the first, which decimal; a sentence may round it."""
-    tables = " ".join((ROOT / name).read_text("utf-8") for name in (BEYOND, DETAILS, "docs/results.md"))
+    tables = " ".join(
+        (ROOT / name).read_text("utf-8") for name in (BEYOND, DETAILS, "docs/results.md")
+    )
     table = tables.partition(f"<!-- {block}: generated -->")[2].partition(f"<!-- {block}: end")[0]
     rows = [
         [cell.strip() for cell in line.split("|")[1:-1]]

@@ -106,7 +106,10 @@ def test_blocks_are_those_of_the_pages_and_survive_csv(worlds, ledgers, tmp_path
     begun = {
         name
         for page in (
-            "docs/beyond.md", "docs/beyond-details.md", "docs/benchmark.md", "README.md",
+            "docs/beyond.md",
+            "docs/beyond-details.md",
+            "docs/benchmark.md",
+            "README.md",
         )  # fmt: skip
         for name in re.findall(r"<!-- (\w+): generated -->", (root / page).read_text("utf-8"))
     }
