@@ -1,4 +1,4 @@
-"""Write the table of recordings in docs/own-data.md: ``make recordings DATASETS=folder``.
+"""Write the table of recordings in docs/chamber.md: ``make recordings DATASETS=folder``.
 
 The folder has the two public recordings of ``config/maps``, each in a folder of its map's name.
 """
@@ -17,7 +17,7 @@ from fprc.cli import main
 from fprc.studies.blocks import replace_block
 
 ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs/own-data.md"
+PAGE = ROOT / "docs/chamber.md"
 BLOCK = "recordings"
 #: Public recordings: file below the folder of its map's name.
 FILES = {"byu_bellows_arm": "bellows_arm_whitened.mat", "pneusim_antagonistic_pam": "data.mat"}

@@ -49,7 +49,7 @@ MAPS = {
 
 @pytest.fixture(scope="module")
 def recordings():
-    """The module that writes the table of recordings in docs/own-data.md."""
+    """The module that writes the table of recordings in docs/chamber.md."""
     spec = importlib.util.spec_from_file_location("recordings", ROOT / "tools/recordings.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -141,6 +141,6 @@ def test_one_command_goes_from_the_file_to_a_report(source, unit, tmp_path, reco
         # as much as a ridge by other hands: 26.3 N without, 23.1 N with p1
         own = table[(table["split"] == "shuffled") & (table["n_u"] == 3)].set_index("readout")
         assert own.loc[["none", "p_o"], "test_rmse"].between(20.0, 32.0).all()
-    name, page = source.parent.name, (ROOT / "docs/own-data.md").read_text(encoding="utf-8")
+    name, page = source.parent.name, (ROOT / "docs/chamber.md").read_text(encoding="utf-8")
     report = read_json(tmp_path / "out/readout/competitors.json")
     assert recordings.row(f"`{name}`", report) in page.splitlines(), "make recordings"

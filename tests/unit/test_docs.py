@@ -30,7 +30,8 @@ BLOCKS = {
     ],
     "docs/hardware.md": ["needs a sensor on the bus"],
     "docs/running.md": ["tests/workflow/test_module.py"],
-    "docs/own-data.md": ["tests/unit/commands/test_import_recording.py"] * 2,
+    "docs/chamber.md": ["tests/unit/commands/test_import_recording.py"],
+    "docs/own-data.md": ["tests/unit/commands/test_import_recording.py"],
 }
 #: Targets of other Snakefiles than ours, and the tests that make them.
 TARGETS_ELSEWHERE = {

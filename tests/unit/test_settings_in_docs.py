@@ -52,13 +52,7 @@ def quoted():
             f"{valves.neutral_v:g} V closes a valve, {valves.vent_v:g} V opens",
             f"The loop runs at {times}",
         ],
-        "docs/own-data.md": [
-            f"| text | {delimited.LARGEST_TEXT_BYTES >> 20} MB |",
-            f"| any other file; a journal | {given.MOST_BYTES >> 30} GB; "
-            f"{recovery.LARGEST_JOURNAL_BYTES >> 30} GB |",
-            f"| {arrays.MOST_NUMBERS / 1e6:g} million: ",
-            f"MATLAB 7.3 file | {arrays.MOST_ARRAYS:,};",
-            f"| {clock.LONGEST_S / 3600:g} h, and {clock.MOST_POINTS / 1e6:g} million samples",
+        "docs/chamber.md": [
             f"cut into {WORDS[competitors.BLOCKS]} blocks",
             f"`evaluation.purge_s` ({settings.evaluation.purge_s:g} s)",
             f"({competitors.TIME_CONSTANTS * filter_s:g} s), less",
@@ -66,6 +60,14 @@ def quoted():
             f"fewer than {WORDS[paired.LEAST_UNITS]} decide nothing",
             f"An ESN with {settings.models.esn.r} states is left out of logs of more than "
             f"{states:,} samples",
+        ],
+        "docs/own-data.md": [
+            f"| text | {delimited.LARGEST_TEXT_BYTES >> 20} MB |",
+            f"| any other file; a journal | {given.MOST_BYTES >> 30} GB; "
+            f"{recovery.LARGEST_JOURNAL_BYTES >> 30} GB |",
+            f"| {arrays.MOST_NUMBERS / 1e6:g} million: ",
+            f"MATLAB 7.3 file | {arrays.MOST_ARRAYS:,};",
+            f"| {clock.LONGEST_S / 3600:g} h, and {clock.MOST_POINTS / 1e6:g} million samples",
             f"to {resample.PASS:g} of the new Nyquist frequency and at -{resample.STOP_DB:g} dB",
             f"a step longer than {diagnosis.GAP_PERIODS:g} median steps",
             f"constant for more than {diagnosis.FROZEN_S:g} s",

@@ -233,11 +233,11 @@ def test_clock_is_found_however_unevenly_it_ticks(tmp_path, capsys, stamps, is_c
 
 # --- the page that explains it --------------------------------------------------------------
 
-PAGE = (Path(__file__).parents[3] / "docs" / "own-data.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[3] / "docs"
 
 
-def blocks(language):
-    return [part.split("```")[0] for part in PAGE.split(f"```{language}\n")[1:]]
+def first_block(page, language):
+    return (DOCS / page).read_text("utf-8").split(f"```{language}\n")[1].split("```")[0]
 
 
 def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypatch):
@@ -251,9 +251,9 @@ def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypa
     }
     for name in ("sweep", "complex"):
         write_raw(f"data/raw/{name}.h5", recorded[name], source="sim", **attributes)
-    snippet, _ = blocks("python")
+    snippet = first_block("own-data.md", "python")
     exec(compile(snippet, "docs/own-data.md", "exec"), {})
-    Path("sweep.yaml").write_text(blocks("yaml")[0])
+    Path("sweep.yaml").write_text(first_block("own-data.md", "yaml"))
     import_recording("arm_sweep.csv", "sweep.yaml", "mylogs/sweep.h5")
     log = read_raw("mylogs/sweep.h5", **RATE)
     for name in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"):
@@ -261,12 +261,12 @@ def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypa
 
 
 def test_several_recordings_of_the_page_are_fitted_both_ways():
-    _, snippet = blocks("python")
+    snippet = first_block("chamber.md", "python")
     rng = np.random.default_rng(0)
     names = {"np": np, "FPRC": FPRC}
     for i in range(1, 5):
         names |= {f"X{i}": rng.uniform(0.0, 60.0, (300, 2)), f"y{i}": rng.uniform(0.0, 350.0, 300)}
-    exec(compile(snippet, "docs/own-data.md", "exec"), names)
+    exec(compile(snippet, "docs/chamber.md", "exec"), names)
     again = names["model"].predict([names["X3"], names["X4"]])
     for one, other in zip(names["p_ff"], again, strict=True):
         np.testing.assert_allclose(one, other)
