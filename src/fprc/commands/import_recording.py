@@ -152,10 +152,11 @@ def _missing_columns(map_file: str, source: str) -> list[str]:
     return pick_all(content, draft.columns)[1]
 
 
-def own_rate(mapping: ImportMap, source: str) -> float:
-    """Return the sample rate of a recording by its clock, Hz; pauses are excluded.
+def own_rate(mapping: ImportMap, source: str) -> tuple[float, float]:
+    """Return the sample rate of a recording by its clock, Hz, and its duration, s.
 
-    A rate that differs from a whole number by no more than a clock's error is that number.
+    The rate excludes pauses. If it differs from a whole number by no more than a clock's error, it
+    is that number.
 
     Raises
     ------
@@ -169,7 +170,8 @@ def own_rate(mapping: ImportMap, source: str) -> float:
         raise LogError(f"{source}: time: {hint}; give sample_rate_hz if it is not")
     rate_hz = rate_of(recording.time_s)
     whole_hz = float(np.round(rate_hz))
-    return whole_hz if abs(rate_hz - whole_hz) <= _NEAR_WHOLE * rate_hz else rate_hz
+    is_whole = abs(rate_hz - whole_hz) <= _NEAR_WHOLE * rate_hz
+    return (whole_hz if is_whole else rate_hz), float(recording.time_s[-1])
 
 
 def _read(mapping: ImportMap, source: str) -> tuple[Source, Recording]:
@@ -323,7 +325,7 @@ def draft_map(source: str, map_file: str | None = None) -> str:
     lines = [
         f"# Drafted from the names in {visible(Path(source).name)}; check each line, and complete "
         "those with a ?",
-        "experiment: sweep  # or complex; for fprc readout, instead: test_from_s, in seconds",
+        "experiment: sweep  # or complex; instead, for fprc readout: test_from_s, in seconds",
     ]
     if guess := guesses.get(clock or ""):
         lines.append(

@@ -38,6 +38,8 @@ log = logging.getLogger(__name__)
 
 #: Modules that pandas imports only when it writes a table.
 TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
+#: Share of a recording that trains unless the map gives test_from_s.
+_TRAINED = 2.0 / 3.0
 
 
 @messages_on_terminal()
@@ -53,8 +55,9 @@ def report_readout(
     """Measure how much the readout P_o of a recording improves FPRC.
 
     Imports a recording, trains FPRC with and without P_o and other models on its first part, tests
-    them on its second, and writes a report with verdicts. The map gives test_from_s, where the
-    second part begins; docs/own-data.md describes it. Without a rate in the map, the models work at
+    them on its second, and writes a report with verdicts. The map, which docs/own-data.md
+    describes, gives test_from_s, where the second part begins, by default the last third of what
+    it selects. Without a rate in the map, the models work at
     the recording's own rate, at most 200 Hz; settings in samples are scaled to the same time.
     Repeat the command to continue a run that was stopped.
 
@@ -68,8 +71,8 @@ def report_readout(
     map_ : MAP.yaml
         Columns, units and parts.
     train : FILE
-        Further recordings with the same columns, used for training only. The map may then have
-        ``experiment: complex`` instead of test_from_s: all of SOURCE is test data.
+        Further recordings with the same columns, used for training only. If the map has
+        ``experiment: complex`` and no test_from_s, all of SOURCE is test data.
     out : FOLDER
         Folder to write; by default results/ and SOURCE's name.
     config : FILE
@@ -108,10 +111,13 @@ def report_readout(
     refuse_unwritable([folder])
     for path in (source, *train):
         open_given(path, error=LogError).close()
-    recorded_hz = [own_rate(mapping, source)]
-    recorded_hz += [own_rate(mapping.of_whole("sweep"), path) for path in train]
+    rate_hz, duration_s = own_rate(mapping, source)
+    recorded_hz = [rate_hz, *(own_rate(mapping.of_whole("sweep"), path)[0] for path in train)]
     rate_hz = mapping.sample_rate_hz or _common_rate(recorded_hz, settings)
     mapping = mapping.model_copy(update={"sample_rate_hz": rate_hz})
+    if mapping.experiment == "sweep":
+        test_from_s = float(f"{mapping.start_s + _TRAINED * duration_s:.4g}")
+        mapping = mapping.model_copy(update={"experiment": None, "test_from_s": test_from_s})
     scaled = settings_at(settings, rate_hz)
     rates = rates_in_words(recorded_hz, rate_hz, settings, scaled)
     log.info("%s", rates)
@@ -213,11 +219,11 @@ def _prepare(
 
 def _problems_of_map(path: str, mapping: ImportMap, *, simulated: bool, more: bool) -> list[str]:
     problems = []
-    is_whole_test = mapping.experiment == "complex" and more
-    if mapping.test_from_s is None and not is_whole_test:
+    if mapping.experiment == "complex" and not more:
         problems.append(
-            f"{path}: test_from_s is missing: the time in s at which the test part begins, counted "
-            "from the first sample; give it instead of experiment"
+            f"{path}: experiment: complex makes all of the recording a test, and nothing is left "
+            "to train on; give --train, or in the map test_from_s, the time in s at which the test "
+            "part begins, instead of experiment"
         )
     if mapping.channels.model_dump()["p_o_kpa"] is None and not simulated:
         problems.append(

@@ -1,6 +1,7 @@
 import io
 import logging
 from contextlib import redirect_stderr, redirect_stdout
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -182,9 +183,24 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch,
     assert "sweep_2.h5: from an earlier run with more training logs" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("kept", "trained", "tested"), [({}, 1600, 800), ({"start_s": 3, "end_s": 9}, 800, 400)]
+)
+def test_last_third_is_the_test_unless_the_map_says_where_it_begins(
+    recording, tmp_path, monkeypatch, kept, trained, tested
+):
+    monkeypatch.setattr(readout_command, "_compete", Mock(side_effect=KeyboardInterrupt))
+    assert run(tmp_path, recording(test_from_s=None, experiment="sweep", **kept)) == 130
+    lengths = [
+        len(read_columns(tmp_path / f"out/data/{name}.h5", ("time_s",)).channels["time_s"])
+        for name in ("sweep", "complex")
+    ]
+    assert lengths == pytest.approx([trained, tested], abs=2)
+
+
 def test_map_of_a_whole_test_log_needs_training_logs(recording, tmp_path):
     map_file = recording(test_from_s=None, experiment="complex")
-    with pytest.raises(ConfigError, match="test_from_s is missing"):
+    with pytest.raises(ConfigError, match="test_from_s"):
         report_readout(str(tmp_path / "log.csv"), map_=map_file, out=str(tmp_path / "out"))
 
 
