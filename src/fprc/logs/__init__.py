@@ -1,20 +1,18 @@
 """Experiment logs: HDF5 files of named channels with units."""
 
 from fprc.logs.columns import Columns, read_columns, write_columns
-from fprc.logs.folder import COMPLETE, Content, contents, headers, refuse_other_source
+from fprc.logs.folder import Header, headers, refuse_other_source
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
 from fprc.logs.raw import read_raw, read_run, write_raw
 from fprc.logs.recovery import read_journal, recover
 
 __all__ = [
-    "COMPLETE",
     "Columns",
-    "Content",
+    "Header",
     "Journal",
     "assess",
     "headers",
-    "contents",
     "read_columns",
     "read_journal",
     "read_raw",

@@ -1,10 +1,9 @@
 """Contents of a folder of raw logs, from their headers alone."""
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from fprc.channels import RAW_CHANNELS
 from fprc.errors import LogError
 from fprc.logs.columns import read_header
 from fprc.logs.isolated import isolated_each
@@ -12,40 +11,27 @@ from fprc.logs.quality import other_quantity
 
 
 class Header(NamedTuple):
-    """Names of the channels of a log, and its attributes."""
+    """Names of the channels of a log that exists or will be recorded, and its attributes."""
 
     path: Path
     channels: frozenset[str]
     attributes: Mapping[str, Any]
 
-
-class Content(NamedTuple):
-    """What a log contains."""
-
-    channels: frozenset[str] | None  #: names of its channels; None: all
-    notes: Mapping[str, str]  #: notes of an import, by channel
-
     def lacks(self, names: Sequence[str]) -> list[str]:
         """Return those of the names that the log has no channel for."""
-        if self.channels is None:
-            return []
         return [name for name in names if name not in self.channels]
 
-    def with_channels(self, names: Sequence[str]) -> "Content":
-        """Return the content after these channels are added or replaced; they have no notes."""
-        channels = None if self.channels is None else self.channels | {*names}
-        notes = {name: note for name, note in self.notes.items() if name not in names}
-        return Content(channels, notes)
+    def with_channels(self, names: Sequence[str]) -> "Header":
+        """Return the header after these channels are added or replaced; they have no notes."""
+        notes = self.attributes.get("notes", {})
+        kept = {name: note for name, note in notes.items() if name not in names}
+        return self._replace(channels=self.channels | {*names}, attributes={"notes": kept})
 
     def substitute(self, name: str) -> str | None:
         """Return the quantity that a channel holds instead of the one in its name, or None."""
         begins = other_quantity(name)
-        note = self.notes.get(name, "")
+        note = self.attributes.get("notes", {}).get(name, "")
         return note.removeprefix(begins) if note.startswith(begins) else None
-
-
-#: Content of a log with every channel.
-COMPLETE = Content(None, {})
 
 
 def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
@@ -64,34 +50,6 @@ def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
     present = [path for path in map(Path, paths) if path.exists()]
     read = isolated_each(read_header, present) if isolate else map(read_header, present)
     return {path.stem: Header(path, *fields) for path, fields in zip(present, read, strict=True)}
-
-
-def contents(
-    existing: Mapping[str, Header],
-    names: Sequence[str],
-    to_come: Container[str] = (),
-    without: Sequence[str] = (),
-) -> dict[str, Content]:
-    """Return the contents of the named logs that exist or will be recorded.
-
-    Parameters
-    ----------
-    existing : Mapping
-        Headers of the existing logs, see ``headers``.
-    names : sequence of str
-        Names of logs, without ``.h5``.
-    to_come : container of str
-        Logs that the workflow will record; assumed to have every channel.
-    without : sequence of str
-        Channels that the logs ``to_come`` will lack.
-    """
-    coming = Content(frozenset(RAW_CHANNELS) - set(without), {}) if without else COMPLETE
-    read = {
-        name: Content(header.channels, header.attributes.get("notes", {}))
-        for name, header in existing.items()
-    }
-    logs = {name: coming if name in to_come else read.get(name) for name in names}
-    return {name: content for name, content in logs.items() if content}
 
 
 def refuse_other_source(existing: Mapping[str, Header], *, simulated: bool) -> None:

@@ -4,20 +4,20 @@ from collections.abc import Mapping, Sequence
 
 from fprc.channels import unit_of
 from fprc.escape import in_words, terminal
-from fprc.logs import Content
+from fprc.logs import Header
 from fprc.paper import run_log
 from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
 
 
 def unavailable(
-    logs: Mapping[str, Content], folder: str, runs: Sequence[str], *, simulated: bool
+    logs: Mapping[str, Header], folder: str, runs: Sequence[str], *, simulated: bool
 ) -> dict[str, str]:
     """Return the results that cannot be made, with their reasons.
 
     Parameters
     ----------
     logs : Mapping
-        Contents of the logs that exist or will be recorded, by name.
+        Headers of the logs that exist or will be recorded, by name.
     folder : str
         Folder of the logs, for the reasons.
     runs : sequence of str
@@ -37,7 +37,7 @@ def unavailable(
     return {name: why for name, why in given.items() if BY_NAME[name].part_of not in given}
 
 
-def why_not(need: Result, logs: Mapping[str, Content], folder: str) -> str | None:
+def why_not(need: Result, logs: Mapping[str, Header], folder: str) -> str | None:
     """Return why a result cannot be made from the logs; None if it can."""
     absent = [f"{name}.h5" for name in need.logs if name not in logs]
     if absent:

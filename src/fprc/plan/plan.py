@@ -7,10 +7,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fprc.channels import RESERVOIR
+from fprc.channels import CHANNELS, RESERVOIR
 from fprc.errors import LogError
-from fprc.logs import Content, contents, headers, refuse_other_source
-from fprc.logs.folder import Header
+from fprc.logs import Header, headers, refuse_other_source
 from fprc.paper import (
     DISTURBANCE,
     EXPERIMENTS,
@@ -88,17 +87,15 @@ class Plan:
         return sorted(filter(_is_further, self.existing), key=lambda name: (len(name), name))
 
     @cached_property
-    def contents(self) -> dict[str, Content]:
-        """Contents of the raw logs that exist or will be recorded, by name."""
-        missing = [name for name in self.every_log if name not in self.existing]
-        coming = self.every_log if self.on_simulated_rig else missing
+    def contents(self) -> dict[str, Header]:
+        """Headers of the raw logs that exist or will be recorded, by name."""
+        logs = {name: self.existing[name] for name in self.every_log if name in self.existing}
         has_phi = self.on_simulated_rig or self.settings["hardware"]["phi"]
-        logs = contents(
-            self.existing,
-            self.every_log,
-            to_come=coming if self.records else [],
-            without=[] if has_phi else ["phi_deg"],
-        )
+        lacking = set() if has_phi else {"phi_deg"}
+        channels = frozenset(channel.name for channel in CHANNELS) - lacking
+        for name in self.every_log if self.records else ():
+            if self.on_simulated_rig or name not in logs:
+                logs[name] = Header(Path(self.paths.log(name)), channels, {})
         if self.simulates_reservoir:
             logs |= {
                 name: logs[name].with_channels(RESERVOIR) for name in EXPERIMENTS if name in logs

@@ -4,7 +4,7 @@ import h5py
 import pytest
 
 from fprc.errors import LogError
-from fprc.logs import COMPLETE, contents, headers, isolated, refuse_other_source
+from fprc.logs import headers, isolated, refuse_other_source
 
 NAMES = ["sweep", "complex", "track_sweep_fprc"]
 
@@ -18,19 +18,12 @@ def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, isol
     path = write_log("sweep.h5", notes={"theta_deg": "not in deg: x [mm]", "p_o_kpa": "muscle 1"})
     with h5py.File(path, "a") as log:
         del log["phi_deg"]
-    found = contents(there(tmp_path, isolate), NAMES)
+    found = there(tmp_path, isolate)
     assert list(found) == ["sweep"]
     assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
     assert found["sweep"].substitute("theta_deg") == "x [mm]"
     assert found["sweep"].substitute("p_o_kpa") is None
     assert found["sweep"].substitute("p_i_kpa") is None
-
-
-def test_logs_to_come_lack_only_what_the_rig_does_not_measure(tmp_path):
-    assert contents(there(tmp_path), NAMES, to_come=["complex"]) == {"complex": COMPLETE}
-    assert COMPLETE.lacks(["phi_deg", "anything"]) == []
-    found = contents(there(tmp_path), NAMES, to_come=NAMES, without=["phi_deg"])
-    assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
 
 
 def test_every_file_that_cannot_be_read_is_named(write_log, tmp_path):

@@ -114,6 +114,13 @@ def test_what_shows_further_seeds_is_made_of_every_replicate(simulated):
         assert set(simulated.targets[name]) >= REPLICATES
 
 
+def test_log_to_come_lacks_only_what_the_rig_does_not_measure():
+    for phi, lacking in ((None, ["phi_deg"]), ({}, [])):
+        settings = check({"source": "rig", "hardware": {"phi": phi}}).model_dump(mode="json")
+        plan = Plan(settings, {}, "data/raw")
+        assert plan.contents["sweep"].lacks(["phi_deg", "p_o_kpa"]) == lacking
+
+
 def test_recorded_logs_have_no_further_seeds():
     plan = recorded(*EXPERIMENTS)
     for name in ("fig10", "fig11"):
