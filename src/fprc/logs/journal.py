@@ -22,9 +22,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from fprc.channels import unit_of
 from fprc.errors import LogError
-from fprc.logs.raw import RAW_ATTRIBUTES, missing_channels
 
 #: Marker of the header; the digit is the version of the format.
 MAGIC = b"\x89FPRCJ1\n"
@@ -67,8 +65,7 @@ class Journal:
     Raises
     ------
     LogError
-        The file exists or cannot be written; a channel or an attribute of a raw log is missing.
-        Lists all problems of names and attributes.
+        The file exists or cannot be written.
     """
 
     def __init__(
@@ -80,7 +77,6 @@ class Journal:
         sync_s: float = 0.5,
     ):
         self.path = Path(path)
-        _check(self.path, names, attributes)
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         self.attributes = started | dict(attributes)
         header = _block(MAGIC, self.attributes | {"names": list(names)})
@@ -236,26 +232,6 @@ class Journal:
             f"{self.path} was deleted, moved, cut or unmounted during the run; leave it alone, "
             "and check its disk"
         )
-
-
-def _check(path: Path, names: Sequence[str], attributes: Mapping[str, Any]) -> None:
-    """Refuse a description from which no raw log could be made after the run."""
-    problems = [] if path.suffix == ".journal" else ["a journal's name ends in .journal"]
-    for name in names:
-        try:
-            unit_of(name)
-        except LogError as error:
-            problems.append(str(error))
-    absent = [name for name in RAW_ATTRIBUTES if name not in attributes and name != "simulated"]
-    for what, wrong in {
-        "channels {} occur twice": sorted({name for name in names if names.count(name) > 1}),
-        "channels {} are missing": missing_channels(attributes, names),
-        "attributes {} are missing": absent,
-    }.items():
-        if wrong:
-            problems.append(f"{what.format(', '.join(wrong))}; see data/raw/README.md")
-    if problems:
-        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
 
 
 def _open_new(path: Path) -> int:

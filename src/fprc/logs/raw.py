@@ -73,15 +73,10 @@ def write_raw(
         for name, values in channels.items()
         if not (len(values) and np.isnan(values).all())
     }
-    if missing := missing_channels(attributes, measured):
+    missing = [name for name in _required_channels(attributes) if name not in measured]
+    if missing := missing + _missing_target(attributes, measured):
         raise LogError(f"{path}: not written, channels {', '.join(missing)} are missing")
     write_columns(path, measured, attributes)
-
-
-def missing_channels(attributes: Mapping[str, Any], channels: Container[str]) -> list[str]:
-    """Return the required channels that a log with these attributes lacks."""
-    missing = [name for name in _required_channels(attributes) if name not in channels]
-    return missing + _missing_target(attributes, channels)
 
 
 def _required_channels(attributes: Mapping[str, Any]) -> tuple[str, ...]:

@@ -61,7 +61,10 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     data = read_given(path, error=LogError, most_bytes=LARGEST_JOURNAL_BYTES)
     header = _find_block(data, MAGIC, 0)
     if header is None:
-        raise LogError(_no_header(path, data))
+        raise LogError(
+            f"{path}: not a journal of this version (data/raw/README.md describes it), or both "
+            "copies of its header are damaged or cut; restore the file, or run again"
+        )
     attributes = header.content
     names = attributes.pop("names")
     # a header at byte 0 is the first copy, so the second one follows
@@ -99,18 +102,6 @@ def _find_block(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block
         if isinstance(content, dict):
             return _Block(content, at, data[at : crc_at + UINT32.size])
     return None
-
-
-def _no_header(path: Path, data: bytes) -> str:
-    version = data[6:7]
-    if data[:6] == MAGIC[:6] and version.isdigit() and version != MAGIC[6:7]:
-        return f"{path}: a journal of version {version.decode()}; read it with a newer fprc"
-    if MAGIC in data or MAGIC.startswith(data[: len(MAGIC)]):
-        return (
-            f"{path}: both copies of the header are damaged or cut, and without it the samples "
-            "have no meaning; restore the file, or run again"
-        )
-    return f"{path}: not a journal; journals are described in data/raw/README.md"
 
 
 def _checksums(records: np.ndarray, seed: int) -> np.ndarray:
