@@ -39,7 +39,7 @@ def defaults() -> str:
     """Return config/config.yaml: every setting but the rig's, at its default."""
     values = Settings().model_dump(mode="json", exclude={"rig", "fitted", "armed"})
     values = {"source": values.pop("source"), "rig": RIG} | values
-    return _HEAD + yaml.dump(values, Dumper=_Plain, sort_keys=False, default_flow_style=None)
+    return _HEAD + yaml.safe_dump(values, sort_keys=False, default_flow_style=None)
 
 
 def schema() -> str:
@@ -73,17 +73,3 @@ def _row(name: str, default: Any, field: FieldInfo) -> str:
     unit = extra["unit"] or unit_of_key(name) if extra else ""
     cells = [f"`{name}`", unit, f"`{json.dumps(default)}`", limits, field.description or ""]
     return f"| {' | '.join([*cells, extra.get('source', '')])} |"
-
-
-class _Plain(yaml.SafeDumper):
-    """Writes 1e-06 as 1.0e-06: YAML 1.1 reads the former as text."""
-
-
-def _float(dumper: yaml.SafeDumper, value: float) -> yaml.Node:
-    text = repr(value)
-    if "e" in text and "." not in text:
-        text = text.replace("e", ".0e")
-    return dumper.represent_scalar("tag:yaml.org,2002:float", text)
-
-
-_Plain.add_representer(float, _float)

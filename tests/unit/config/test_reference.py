@@ -71,16 +71,6 @@ def test_generated_yaml_reads_back_as_the_same_numbers():
         assert type(written[key]) is type(value), key
 
 
-@pytest.mark.parametrize(
-    "value", [1e-6, 1.5e-7, 0.1, 1e16, 1e22, 123456789.0, 5e-324, 1.0, -2e-9, 20 / 65536]
-)
-def test_any_float_is_written_so_that_yaml_reads_the_same_float(value):
-    text = yaml.dump({"x": value}, Dumper=reference._Plain)
-    read = yaml.safe_load(text)["x"]
-    assert type(read) is float
-    assert read == value
-
-
 def test_page_documents_every_setting_once():
     keys = [key for key, _ in documented()]
     assert sorted(keys) == sorted(ACTUAL)
