@@ -52,14 +52,25 @@ def read_text(
         header; a column name occurs twice.
     """
     lines, notes = _lines_of(path)
-    header, first_line = _header_of(path, lines, header_line)
-    if data_line is not None and data_line < first_line:
+    content = {
+        number: line
+        for number, line in enumerate(lines, 1)
+        if number == header_line or not line.lstrip().startswith(("#", "%"))
+    }
+    top = header_line or next((number for number, line in content.items() if line.strip()), 0)
+    if not content.get(top, "").strip("\r\n"):
         raise LogError(
-            f"{path}: csv.data_line = {data_line}; must be below the header, which ends on "
-            f"line {first_line - 1}"
+            f"{path}: no samples; the file is empty, or csv.header_line is a blank line or past "
+            "its end"
         )
-    body = _rows_of(lines, data_line or first_line)
-    text = {first_line - 1: header, **body}
+    header, end = content[top], top
+    while header.count('"') % 2 and end < len(lines):  # a line end between quotation marks
+        header, end = header + lines[end], end + 1
+    if data_line is not None and data_line <= end:
+        raise LogError(f"{path}: csv.data_line = {data_line}; must be below the header, line {end}")
+    below = ((number, line) for number, line in content.items() if number >= (data_line or end + 1))
+    body = dict(dropwhile(lambda row: not row[1].strip(), below))
+    text = {top: header, **body}
     delimiter = separator or _separator_of(path, dict(islice(text.items(), 1 + _TRIED)))
     names, *rows = _split(path, text, delimiter)
     numbers = list(body)
@@ -75,12 +86,12 @@ def read_text(
     table = [fields for fields in fitted if fields is not None]
     if header_line is None and all(_is_number(name) and not _is_missing(name) for name in names):
         if data_line is None:
-            table, numbers = [names, *table], [first_line - 1, *numbers]
+            table, numbers = [names, *table], [top, *numbers]
         names = [""] * len(names)
     columns = _columns_of(path, names, table) if table else {}
     if not columns:
         raise LogError(
-            f"{path}: no samples below line {first_line - 1}; check csv.header_line, "
+            f"{path}: no samples below line {end}; check csv.header_line, "
             "csv.data_line, and that the last line ends in a line end"
         )
     variables, others = _numbers_of(columns, numbers, delimiter, decimal)
@@ -105,34 +116,6 @@ def _lines_of(path: Path) -> tuple[list[str], tuple[str, ...]]:
         return lines, ()
     note = f"line {len(lines)}, the last, has no line end and may be cut short; it was left out"
     return lines[:-1], (note,)
-
-
-def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith(("#", "%"))
-
-
-def _header_of(path: Path, lines: Sequence[str], header_line: int | None) -> tuple[str, int]:
-    """Return the header, which may have line ends between quotation marks, and the line below."""
-    found = (k for k, line in enumerate(lines, 1) if line.strip() and not _is_comment(line))
-    begin = header_line or next(found, len(lines) + 1)
-    if not any(line.strip("\r\n") for line in lines[begin - 1 : begin]):
-        raise LogError(
-            f"{path}: no samples; the file is empty, or csv.header_line is a blank line or past "
-            "its end"
-        )
-    quotes = 0
-    for end, line in enumerate(lines[begin - 1 :], begin + 1):
-        quotes += line.count('"')
-        if quotes % 2 == 0:
-            return "".join(lines[begin - 1 : end - 1]), end
-    raise LogError(f"{path}: a quotation mark on line {begin} is not closed; close or delete it")
-
-
-def _rows_of(lines: Sequence[str], first_line: int) -> dict[int, str]:
-    """Return the rows by line number, without comments, and blank lines before the first row."""
-    numbered = enumerate(lines[first_line - 1 :], first_line)
-    rows = ((number, line) for number, line in numbered if not _is_comment(line))
-    return dict(dropwhile(lambda row: not row[1].strip(), rows))
 
 
 def _split(path: Path, text: Mapping[int, str], delimiter: str) -> list[list[str]]:
