@@ -1,8 +1,7 @@
 """`fprc readout`: report how much P_o of a recording improves FPRC, and how others compare."""
 
 import logging
-import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -255,7 +254,6 @@ def _judge(
             version=fingerprint(
                 "fprc.stages.readout", *map(class_module, ("fprc", "fuzzy_linear"))
             ),
-            progress=progress_bar(),
         )
     files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex")}
     tabulate_readout(cells, parts=parts, **files)
@@ -279,24 +277,7 @@ def _compete(
             workers=workers,
             checkpoint=str(folder / "competitors.partial.jsonl"),
             version=fingerprint("fprc.stages.competitors", *map(class_module, ON_RECORDINGS)),
-            progress=progress_bar("models"),
         )
     csv, md = (str(folder / f"competitors.{kind}") for kind in ("csv", "md"))
     tabulate_competitors(str(result), csv, md)
     return read_json(result)
-
-
-def progress_bar(what: str = "cells") -> Callable[[int, int], None]:
-    """Return a function that shows progress: a bar on a terminal, else a line every tenth."""
-    terminal = sys.stderr.isatty()
-    width = 30
-
-    def draw(done: int, total: int) -> None:
-        bar = "#" * (width * done // total)
-        line = f"[{bar:{width}}] {done} of {total} {what}"
-        if terminal:
-            print(f"\r{line}", end="\n" if done == total else "", file=sys.stderr, flush=True)
-        elif done == total or done % max(total // 10, 1) == 0:
-            print(line, file=sys.stderr, flush=True)
-
-    return draw

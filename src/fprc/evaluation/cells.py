@@ -26,10 +26,11 @@ def checkpoint_key(settings: Any, paths: Sequence[str] = ()) -> str:
 
 
 def log_progress(done: int, total: int) -> None:
-    """Log a bar of the finished cells."""
+    """Log a bar of the finished cells whenever it grows."""
     width = 30
-    bar = "#" * (width * done // total)
-    log.info("[%-*s] %d of %d cells", width, bar, done, total)
+    length = width * done // total
+    if length > width * (done - 1) // total:
+        log.info("[%-*s] %d of %d cells", width, "#" * length, done, total)
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 import io
 import logging
 from contextlib import redirect_stderr, redirect_stdout
+from functools import partial
 from unittest.mock import Mock
 
 import numpy as np
@@ -15,11 +16,13 @@ from fprc.commands.readout import report_readout
 from fprc.commands.readout_page import findings
 from fprc.config.importing import read_map
 from fprc.errors import ConfigError
+from fprc.evaluation.cells import judged_cells, log_progress
 from fprc.experiments.competitors import period_s, recording_blocks
 from fprc.experiments.data import read_data
 from fprc.experiments.settings import Judgement
 from fprc.logs import read_columns
 from fprc.plan.arguments import judgement, paper_models
+from fprc.stages import readout as stage
 
 CHANNELS = {
     "theta_deg": {"column": "angle", "unit": "deg"},
@@ -77,21 +80,15 @@ def finished(tmp_path_factory):
     """Folder of a run that was stopped after five cells and went on; what it printed; its cells."""
     folder, seen = tmp_path_factory.mktemp("finished"), []
     map_file = write_recording(folder)()
-    draw = readout_command.progress_bar
 
-    def bar(what="cells"):
-        shown = draw(what)
-
-        def stop(done, total):
-            shown(done, total)
-            seen.append(done)
-            if done == 5 and what == "cells":
-                raise KeyboardInterrupt
-
-        return stop if what == "cells" else shown
+    def stop(done, total):
+        log_progress(done, total)
+        seen.append(done)
+        if done == 5:
+            raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(readout_command, "progress_bar", bar)
+        patch.setattr(stage, "judged_cells", partial(judged_cells, progress=stop))
         assert run(folder, map_file) == 130
         assert not (folder / "out/readout/cells.json").exists()
         out, err = io.StringIO(), io.StringIO()
@@ -127,7 +124,7 @@ def test_one_command_goes_from_a_recording_to_a_report(finished):
     assert set(others["blocks"]) == {4}
     assert "cells" not in printed
     assert "] 26 of 26 cells" in messages
-    assert "] 9 of 9 models" in messages
+    assert "] 9 of 9 cells" in messages
     assert all(f" ({claim}): undecided. " in messages for claim in ("B1", "B4", "R1"))
     # the next run in this process logs to the standard error of its own time
     assert not logging.getLogger("fprc").handlers
