@@ -1,8 +1,6 @@
 """`fprc import`: convert a recording of another program to a raw log."""
 
 import json
-from collections.abc import Callable
-from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -12,7 +10,7 @@ import numpy as np
 from fprc import __version__
 from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
 from fprc.channels import CHANNELS, TARGETS, unit_of
-from fprc.config.importing import ImportMap, likely_channel, likely_unit, read_draft, read_map
+from fprc.config.importing import ImportMap, likely_channel, likely_unit, read_csv, read_map
 from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
 from fprc.figures import style
@@ -21,7 +19,7 @@ from fprc.logs import write_raw
 from fprc.logs.clock import Recording, likely_rate, other_unit, refuse_length
 from fprc.logs.columns import read_header
 from fprc.logs.diagnosis import describe, diagnose
-from fprc.logs.gather import gather, pick_all
+from fprc.logs.gather import gather
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import other_quantity
 from fprc.logs.resample import rate_of, resample
@@ -95,61 +93,20 @@ def import_recording(source: str, map_file: str, raw: str) -> None:
     Raises
     ------
     ConfigError
-        The map is wrong, or names columns that the file lacks; lists all errors.
+        The map is wrong; lists all errors.
     LogError
-        The file cannot be used with this map.
+        The file cannot be used with this map; lists all columns that it lacks.
     OutputError
         One of the three files exists and was not written by an import to ``raw``, or cannot be
         written.
     """
-    mapping = checked_map(map_file, source, partial(_problems_of_two_logs, map_file))
+    mapping = read_map(map_file)
+    if mapping.experiment is None:
+        raise ConfigError(
+            f"{map_file}: test_from_s is for `fprc readout`; give experiment (sweep or complex) "
+            "instead, and start_s or end_s"
+        )
     import_mapped(mapping, source, raw)
-
-
-def _problems_of_two_logs(map_file: str, mapping: ImportMap) -> list[str]:
-    if mapping.experiment is not None:
-        return []
-    return [
-        f"{map_file}: test_from_s is for `fprc readout`; give experiment (sweep or complex) "
-        "instead, and start_s or end_s"
-    ]
-
-
-def checked_map(
-    map_file: str, source: str, problems_of: Callable[[ImportMap], list[str]]
-) -> ImportMap:
-    """Read a map and check it; if it is wrong, also check its columns against the file.
-
-    Parameters
-    ----------
-    problems_of : callable
-        Returns the problems of a valid map for the present command.
-
-    Raises
-    ------
-    ConfigError
-        Lists everything that is wrong with the map.
-    """
-    try:
-        mapping = read_map(map_file)
-        problems = problems_of(mapping)
-    except ConfigError as error:
-        problems = [str(error)]
-    if problems:
-        raise ConfigError("\n".join([*problems, *_missing_columns(map_file, source)]))
-    return mapping
-
-
-def _missing_columns(map_file: str, source: str) -> list[str]:
-    """Return an error text for each column of a map, valid or not, that the file lacks."""
-    try:
-        draft = read_draft(map_file)
-        content = read_source(source, **draft.csv)
-    except ConfigError:  # unreadable map, already reported
-        return []
-    except LogError as error:
-        return [str(error)]
-    return pick_all(content, draft.columns)[1]
 
 
 def own_rate(mapping: ImportMap, source: str) -> tuple[float, float]:
@@ -352,7 +309,7 @@ def draft_map(source: str, map_file: str | None = None) -> str:
 
 
 def _content(source: str, map_file: str | None) -> Source:
-    return read_source(source, **(read_draft(map_file).csv if map_file else {}))
+    return read_source(source, **(read_csv(map_file).model_dump() if map_file else {}))
 
 
 def _quoted(name: str) -> str:

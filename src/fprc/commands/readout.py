@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Mapping, Sequence
-from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -11,14 +10,14 @@ from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, write_text
 from fprc.claims.recording import sentences
-from fprc.commands.import_recording import checked_map, import_mapped, own_rate
+from fprc.commands.import_recording import import_mapped, own_rate
 from fprc.commands.models import refuse_repeats
 from fprc.commands.processes import processes
 from fprc.commands.readout_page import Recordings, log_names, rates_in_words, report_page
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
-from fprc.config.importing import ImportMap
-from fprc.errors import FprcError, LogError
+from fprc.config.importing import ImportMap, read_map
+from fprc.errors import ConfigError, FprcError, LogError
 from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.rates import settings_at
 from fprc.fingerprint import fingerprint
@@ -103,8 +102,9 @@ def report_readout(
     settings = from_files(config).model_dump(mode="json")
     simulated = settings["evaluation"]["reservoir"] == "simulated"
     refuse_repeats([source, *train], "a test on training samples proves nothing")
-    problems_of = partial(_problems_of_map, map_, simulated=simulated, more=bool(train))
-    mapping = checked_map(map_, source, problems_of)
+    mapping = read_map(map_)
+    if problems := _problems_of_map(map_, mapping, simulated=simulated, more=bool(train)):
+        raise ConfigError("\n".join(problems))
     count = processes(workers)
     folder = Path(out or Path("results", Path(source).stem))
     refuse_unwritable([folder])

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, create_model
 
@@ -140,22 +140,12 @@ class ImportMap(Section):
         return self.sample_rate_hz or 200.0
 
     def part(self, experiment: str) -> "ImportMap":
-        """Return the map of one of the two parts.
-
-        Raises
-        ------
-        ValueError
-            The map has no ``test_from_s``, so it describes one log.
-        """
-        if self.test_from_s is None:
-            raise ValueError("a map without test_from_s has no parts")
-        parts: dict[str, dict[str, Any]] = {
-            # the sample at the border belongs to the test
-            "sweep": {"end_s": self.test_from_s - 0.5 / self.rate_hz},
-            "complex": {"start_s": self.test_from_s},
-        }
+        """Return the map of one of the two parts that ``test_from_s`` separates."""
+        border_s = self.test_from_s or 0.0
+        # the sample at the border belongs to the test
+        ends = {"sweep": {"end_s": border_s - 0.5 / self.rate_hz}, "complex": {"start_s": border_s}}
         alone = {"experiment": experiment, "test_from_s": None}
-        return self.model_copy(update=alone | parts[experiment])
+        return self.model_copy(update=alone | ends[experiment])
 
     def of_whole(self, experiment: str) -> "ImportMap":
         """Return the map of a whole recording with the same columns."""
@@ -183,31 +173,19 @@ def read_map(path: Path | str) -> ImportMap:
     return mapping
 
 
-class Draft(NamedTuple):
-    """The parts of a map that can be compared with the file to import."""
-
-    columns: dict[str, str]  #: by key of the map
-    csv: dict[str, Any]  #: format of the text
-
-
-def read_draft(path: Path | str) -> Draft:
-    """Read the parts of a map that can be compared with the file, even if others are wrong.
+def read_csv(path: Path | str) -> Csv:
+    """Read the section ``csv`` of a map, whose other sections may be missing or wrong.
 
     Raises
     ------
     ConfigError
-        The file is not YAML with keys and values.
+        The file is not YAML with keys and values, or the section is wrong.
     """
-    loaded = read_yaml(path)
     try:
-        csv = Csv.model_validate(loaded.get("csv", {})).model_dump()
-    except ValidationError:
-        return Draft({}, {})
-    channels = _mapping(loaded.get("channels"))
-    specs = {"time": loaded.get("time")} | {f"channels.{name}": channels[name] for name in channels}
-    columns = {key: _as_text(_mapping(spec).get("column")) for key, spec in specs.items()}
-    named = {key: column for key, column in columns.items() if isinstance(column, str)}
-    return Draft(named, csv)
+        return Csv.model_validate(read_yaml(path).get("csv", {}))
+    except ValidationError as error:
+        items = ({**item, "loc": ("csv", *item["loc"])} for item in error.errors())
+        raise ConfigError.listing([*map(_explained, items)], "map", file=path) from error
 
 
 def _contradictions(loaded: Mapping[str, Any]) -> Iterator[str]:

@@ -45,7 +45,7 @@ def gather(
     wanted = {name: spec["column"] for name, spec in channels.items()}
     if time.get("column") is not None:
         wanted = {"time": time["column"]} | wanted
-    picked, problems = pick_all(source, wanted)
+    picked, problems = _pick_all(source, wanted)
     lengths = {name: len(values) for name, values in picked.items()}
     clock = None
     if len(set(lengths.values())) > 1:
@@ -83,7 +83,7 @@ def gather(
     )
 
 
-def pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[str]]:
+def _pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[str]]:
     """Return the columns of a file by name, and an error text for each that it lacks."""
     picked, problems = {}, []
     for name, column in wanted.items():

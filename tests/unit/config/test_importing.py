@@ -4,11 +4,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.config.importing import (
-    Draft,
     Time,
     likely_channel,
     likely_unit,
-    read_draft,
+    read_csv,
     read_map,
 )
 from fprc.errors import ConfigError
@@ -157,13 +156,13 @@ def test_wrong_word_is_answered_by_the_nearest(problems, content, meant):
     assert said == (f"{meant}?" if meant else "")
 
 
-def test_draft_has_the_columns_of_a_wrong_map(tmp_path):
+def test_format_of_the_text_is_read_from_a_map_that_is_not_complete(tmp_path):
     path = tmp_path / "map.yaml"
-    channels = {"theta_deg": {"column": 3, "unit": "x"}, "p_o_kpa": 5, "p_i_kpa": {"column": []}}
-    path.write_text(yaml.safe_dump({"time": {"column": "t"}, "channels": channels, "x": 1}))
-    assert read_draft(path).columns == {"time": "t", "channels.theta_deg": "3"}
-    path.write_text(yaml.safe_dump({"time": {"column": "t"}, "csv": {"decimal": ";"}}))
-    assert read_draft(path) == Draft({}, {})
+    path.write_text(yaml.safe_dump({"time": 5, "csv": {"decimal": ","}}))
+    assert read_csv(path).decimal == ","
+    path.write_text(yaml.safe_dump({"csv": {"decimal": ";"}}))
+    with pytest.raises(ConfigError, match=r"map\.yaml: 1 error in the map:\n  csv\.decimal = ;"):
+        read_csv(path)
 
 
 KEYS = ["experiment", "time", "channels", "column", "unit", "theta_deg", "p_o_kpa", "csv", "end_s"]
