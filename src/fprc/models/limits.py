@@ -14,6 +14,10 @@ from sklearn.base import BaseEstimator
 #: it would exceed the range of float, and a low-pass would remember it for hours.
 LARGEST = 1e9
 
+#: Smallest number by which samples are divided. The tenth power of the largest quotient, times the
+#: largest weight and summed over all features, is within the range of double.
+SMALLEST_SCALE = 1e-12
+
 #: Most features of a map, and most columns of its input.
 MOST_FEATURES = 100_000
 

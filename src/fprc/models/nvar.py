@@ -9,7 +9,7 @@ import numpy as np
 from fprc.models.features import FeatureMap, taps
 from fprc.models.kernels import delay, multiply
 from fprc.models.learned import Learned
-from fprc.models.limits import Limit, Whole
+from fprc.models.limits import LARGEST, SMALLEST_SCALE, Limit, Whole
 
 
 class NVAR(FeatureMap):
@@ -35,7 +35,8 @@ class NVAR(FeatureMap):
     Attributes
     ----------
     mean_, scale_ : ndarray of shape (n_inputs,)
-        Mean and standard deviation of each column of the training log; 1 for a constant column.
+        Mean and standard deviation of each column of the training log; the latter is 1 for a
+        column that is constant but for rounding.
 
     References
     ----------
@@ -51,7 +52,8 @@ class NVAR(FeatureMap):
         "n_taps": Whole(1, 1000),
         "spacing": Whole(1, 10_000),
         "degree": Whole(2, 10),
-        "scale_": Limit(0, 1e30, low_open=True),
+        "mean_": Limit(-2 * LARGEST, 2 * LARGEST),
+        "scale_": Limit(SMALLEST_SCALE, 1e30),
     }
 
     def count_features(self) -> int:
@@ -67,7 +69,7 @@ class NVAR(FeatureMap):
 
     def _prepare(self, X: np.ndarray) -> None:
         self.mean_, spread = X.mean(axis=0), X.std(axis=0)
-        self.scale_ = np.where(spread > 0, spread, 1.0)
+        self.scale_ = np.where(spread >= SMALLEST_SCALE, spread, 1.0)
 
     def _span(self) -> int:
         return (self.n_taps - 1) * self.spacing + 1

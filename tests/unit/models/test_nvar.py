@@ -39,8 +39,20 @@ def test_names_say_lags_in_samples_and_factors():
     ]
 
 
-def test_constant_column_gives_zeros():
-    assert not NVAR(2, 3).fit_transform(np.full((10, 1), 42.0)).any()
+@pytest.mark.parametrize("value", [42.0, 5e-324])
+def test_column_that_is_constant_but_for_rounding_gives_zeros(value):
+    features = NVAR(2, 3).fit(value * (1.0 + 1e-15 * np.arange(10.0))[:, None])
+    assert features.scale_.tolist() == [1.0]
+    assert_allclose(features.transform(np.full((10, 1), value)), 0.0, atol=1e-12)
+
+
+def test_products_of_the_smallest_allowed_scale_are_finite():
+    features = NVAR(2, 3, degree=10).fit(log())
+    limits = features.LIMITS
+    features.mean_, features.scale_ = np.array([[limits["mean_"].high], [limits["scale_"].low]])
+    with np.errstate(all="raise"):
+        largest = np.abs(features.step([-1e9])).max()
+        assert np.isfinite(largest * 1e30 * 1e5)
 
 
 def test_log_shorter_than_the_taps_is_refused_with_both_numbers():

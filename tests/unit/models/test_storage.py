@@ -258,7 +258,8 @@ def test_wrong_array_is_named(change, problem, saved, path):
 @pytest.mark.parametrize(
     ("features", "name", "value"),
     [
-        (NVAR(n_taps=2), "scale_", np.zeros(2)),
+        (NVAR(n_taps=2), "scale_", np.full(2, 5e-324)),
+        (NVAR(n_taps=2), "mean_", np.full(2, 1e30)),
         (PlayOperators(n_plays=3), "half_widths_", -np.ones((2, 3))),
         (EchoStates(r=4, random_state=1), "W_r_", np.full((4, 4), 1e100)),
     ],
