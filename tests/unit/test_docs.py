@@ -117,6 +117,22 @@ def test_python_of_a_page_is_run_by_a_test_or_listed(page):
         assert Path(page).name in (ROOT / test).read_text("utf-8")
 
 
+@pytest.mark.slow
+def test_example_calls_the_python_that_runs_it(monkeypatch):
+    """A program `fprc` may be another one, or none."""
+    called = []
+
+    def run(command, **more):
+        called.append(command[:3])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(subprocess, "run", run)
+    example = ROOT / "docs/examples/plot_03_own_recording.py"
+    with pytest.raises(KeyboardInterrupt):
+        exec(compile(example.read_text("utf-8"), str(example), "exec"), {})
+    assert called == [[sys.executable, "-m", "fprc"]]
+
+
 OPEN, CLOSED, FORWARD = "Open loop [deg]", "Closed loop [deg]", "Forward test [kPa]"
 LOWPASS = "FPRC on low-passed theta_d"
 BEYOND, DETAILS = "docs/beyond.md", "docs/beyond-details.md"

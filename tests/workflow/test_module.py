@@ -103,7 +103,10 @@ def test_report_is_made_from_another_folder(smoked_copy, in_folder, tmp_path):
 
 
 def test_folder_without_a_configuration_takes_the_defaults(in_folder, tmp_path):
-    asked = ["--snakefile", STUDIES, "--directory", "mine", "--dry-run", "report", "check"]
+    (tmp_path / "mine/docs/images").mkdir(parents=True)  # which makes it no checkout
+    asked = ["--snakefile", STUDIES, "--directory", "mine", "--dry-run", "check", "families"]
     done = in_folder(tmp_path).snakemake(*asked)
     assert done.returncode == 0, done.stdout
-    assert re.search(r"^replicate +10$", done.stdout, re.MULTILINE)
+    jobs = dict(re.findall(r"^(\w+) +(\d+)$", done.stdout, re.MULTILINE))
+    assert (jobs["replicate"], jobs["replicate_on_rig"]) == ("10", "20")
+    assert "readout_table" not in jobs  # of README.md, which only a checkout has

@@ -63,7 +63,7 @@ rule beyond_world:
         workers=workers_over(units_of),
         checkpoint=placed(PATHS.below("beyond/{world}.partial.jsonl")),
     message:
-        "Beyond the paper: the models and their competitors, world {wildcards.world}"
+        "Beyond the paper: the models and their competitors, world {wildcards.world}, workers: {params.workers}"
     script:
         "../scripts/stage.py"
 

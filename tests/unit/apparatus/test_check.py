@@ -1,10 +1,12 @@
 import logging
 import re
+from types import SimpleNamespace
 
 import pytest
 
-from fprc.apparatus.check import check_rig
+from fprc.apparatus.check import _read_at_rest, check_rig
 from fprc.apparatus.guardian import ARMED, SAFE
+from fprc.channels import Readings
 from fprc.errors import DeviceError
 
 
@@ -128,3 +130,17 @@ def test_check_that_is_stopped_says_so_and_shows_what_it_saw(look):
     assert trouble == "stopped: run stopped at sample 300: stopped by SIGTERM"
     assert [line.split("  ")[0] for line in look.said[1:3]] == ["rest", "actuator filled"]
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
+
+
+def test_stall_at_rest_is_given_up_once():
+    asked = []
+
+    def wait_for(tick):
+        asked.append(tick)
+        return 13 if tick == 10 else tick
+
+    device = SimpleNamespace(read=lambda: Readings(*[0.0] * 6))
+    clock = SimpleNamespace(wait_for=wait_for)
+    channels = _read_at_rest(device, clock, samples=20, stop=lambda: "")
+    assert asked == [*range(11), *range(14, 20)]
+    assert len(channels["time_s"]) == len(asked)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from fprc.errors import OutputError
+from fprc.evaluation import cells
 from fprc.evaluation.cells import judged_cells, judging
 
 CELLS = [{"model": "fprc", "n_c": n_c} for n_c in (4, 1, 3, 2)]
@@ -30,7 +31,7 @@ def make_judge(folder, fails_at=()):
 def sweep(tmp_path):
     """Run cells and return what was found, and which n_c were judged; the checkpoint stays."""
 
-    def go(cells=CELLS, *, key="k", workers=1, fails_at=(), **options):
+    def go(asked=CELLS, *, key="k", workers=1, fails_at=(), **options):
         trace = tmp_path / uuid.uuid4().hex
         trace.mkdir()
         go.trace = trace
@@ -39,7 +40,7 @@ def sweep(tmp_path):
             suppress(InterruptedError),
             judging(workers=workers, checkpoint=go.checkpoint, key=key, **options) as run,
         ):
-            found = run(judge, cells)
+            found = run(judge, asked)
             raise InterruptedError
         return found, judged_in(trace)
 
@@ -60,9 +61,9 @@ def entries(path):
     return [json.loads(line)[1] for line in lines(path)]
 
 
-def expected(cells=CELLS):
+def expected(asked=CELLS):
     return [
-        {**cell, "rmse": 0.1 * cell["n_c"], "folds": [cell["n_c"], 1e-17 / 3.0]} for cell in cells
+        {**cell, "rmse": 0.1 * cell["n_c"], "folds": [cell["n_c"], 1e-17 / 3.0]} for cell in asked
     ]
 
 
@@ -146,6 +147,14 @@ def test_cell_is_known_by_its_content_not_by_its_place(sweep):
     found, judged = sweep([*turned, {"model": "fprc", "n_c": 9}])
     assert judged == [9]
     assert found == expected([*turned, {"model": "fprc", "n_c": 9}])
+
+
+def test_work_of_the_checkpoint_is_in_proportion_to_the_cells(tmp_path, monkeypatch):
+    named, name = [], cells._name
+    monkeypatch.setattr(cells, "_name", lambda cell: named.append(cell) or name(cell))
+    with judging(workers=1, checkpoint=tmp_path / "sweep.jsonl", key="k") as run:
+        run(lambda cell: {}, [{"n_c": n_c} for n_c in range(50)])
+    assert len(named) <= 3 * 50
 
 
 @pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
