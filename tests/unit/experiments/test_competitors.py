@@ -1,18 +1,20 @@
-"""Competitors on blocks of a recording, against regressions by hand."""
+"""Competitors on blocks of a recording."""
 
 import numpy as np
 import pytest
 
 from fprc.config import Settings
 from fprc.errors import EvaluationError
+from fprc.evaluation import rmse
 from fprc.experiments import competitors
 from fprc.experiments.competitors import judge_competitor, recording_blocks
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
+from fprc.models import RidgeReadout, TapFeatures
 from fprc.registry import build
 
 MODELS = Settings().model_dump(mode="json")["models"]
-N_Y, N_U, EPSILON, ALPHA = MODELS["n_y"], *(MODELS["fprc"][key] for key in ("n_u", "epsilon")), 1e-3
+N_Y, N_U, EPSILON = MODELS["n_y"], *(MODELS["fprc"][key] for key in ("n_u", "epsilon"))
 
 
 @pytest.fixture
@@ -25,31 +27,19 @@ def data_of(channels, *lengths):
     return Data(channels, {"recordings": several} if several else {})
 
 
-def features_by_hand(theta, p_o):
-    """Return a bias, taps of theta, and taps of P_o after a low-pass that starts at rest."""
-    smooth = [p_o[0]]
-    for value in p_o[1:]:
-        smooth.append((1 - EPSILON) * smooth[-1] + EPSILON * value)
-    columns = [np.ones(len(theta))]
-    for signal, count in ((theta, N_Y), (np.array(smooth), N_U)):
-        columns += [np.concatenate([np.full(k, signal[0]), signal[: len(signal) - k]])
-                    for k in range(count)]  # fmt: skip
-    return np.column_stack(columns)
-
-
-def error_by_hand(train, y, test, wanted):
-    weights = np.linalg.solve(train.T @ train + ALPHA * np.eye(train.shape[1]), train.T @ y)
-    return np.sqrt(np.mean((test @ weights - wanted) ** 2))
-
-
-def test_errors_of_a_ridge_are_those_by_hand(seen, judgement):
+def test_errors_of_a_ridge_are_those_of_its_blocks(seen, judgement):
     """Two recordings of 12 and 8 s: blocks do not cross, features restart, neighbours are out."""
     train, test = data_of(seen["sweep"], 2400, 1600), data_of(seen["complex"])
     folds = recording_blocks(train, judgement)
     found = judge_competitor("ridge_p_o", train, test, folds, judgement)
-    theta, p_o, y = (train.channels[n] for n in ("theta_deg", "p_o_kpa", "p_target_kpa"))
-    rows = np.vstack([features_by_hand(theta[part], p_o[part])
-                      for part in (slice(2400), slice(2400, None))])  # fmt: skip
+    X, y = train.pair("ridge_p_o")
+    taps = TapFeatures(N_Y, n_u=N_U, epsilon=EPSILON).fit(X)
+    rows = np.vstack([taps.transform(part) for part in (X[:2400], X[2400:])])
+
+    def error(training, tested, wanted):
+        readout = RidgeReadout(alpha=1e-3).fit(rows[training], y[training])
+        return rmse(wanted, readout.predict(tested))
+
     expected = []
     for first, last, begin, end in (
         *((400 * i, 400 * (i + 1), 0, 2400) for i in range(6)),
@@ -58,13 +48,11 @@ def test_errors_of_a_ridge_are_those_by_hand(seen, judgement):
         out = np.zeros(4000, dtype=bool)
         out[max(first - 100, begin) : min(last + 100, end)] = True
         block = slice(first, last)
-        expected.append(error_by_hand(rows[~out], y[~out], rows[block], y[block]))
+        expected.append(error(~out, rows[block], y[block]))
     assert found["validation_rmse_kpa"] == pytest.approx(expected, rel=1e-6)
-    other = test.channels
-    tested = features_by_hand(other["theta_deg"], other["p_o_kpa"])
-    assert found["test_rmse_kpa"] == pytest.approx(
-        error_by_hand(rows, y, tested, other["p_target_kpa"]), rel=1e-6
-    )
+    other, wanted = test.pair("ridge_p_o")
+    whole = error(slice(None), taps.transform(other), wanted)
+    assert found["test_rmse_kpa"] == pytest.approx(whole, rel=1e-6)
 
 
 @pytest.mark.parametrize(("purge_s", "blocks"), [(0.5, 10), (1.5, 6), (0.0, 10)])
