@@ -8,23 +8,9 @@ from numpy.testing import assert_allclose
 from sklearn import config_context
 from sklearn.base import clone
 
-from fprc.models import ESN, FPRC, EchoStates, FuzzyLinear, TapFeatures, kernels, taps
+from fprc.models import ESN, FPRC, EchoStates, FuzzyLinear, TapFeatures, kernels
 
 epsilons = st.floats(1e-4, 1.0)
-
-
-def series(limit=1e4, least=1):
-    numbers = st.floats(-limit, limit, allow_subnormal=False)
-    return st.integers(least, 40).flatmap(lambda size: arrays(float, size, elements=numbers))
-
-
-@given(series(), st.integers(1, 12))
-def test_column_j_of_the_taps_holds_the_sample_j_steps_ago(x, size):
-    rows = taps(x, size)
-    assert rows.shape == (len(x), size)
-    for k in range(len(x)):
-        for j in range(size):
-            assert rows[k, j] == x[max(k - j, 0)]
 
 
 @st.composite

@@ -174,41 +174,54 @@ def put(*keys, value):
 
 
 PART = ("learned", "readout_")
-TEXTS = {
-    "no description": (lambda described: [1], "model: must be class, parameters and learned"),
-    "no class": (put("class", value={}), "class .* is unknown"),
-    "other class": (put("class", value="FuzzyLinear"), "FuzzyLinear.*epsilon"),
-    "parameter": (put("parameters", "n_layers", value=3), "FPRC: .*n_layers.*another version"),
-    "number": (put("parameters", "n_c", value=4), "readout_: its parameters are not"),
-    "unknown name": (put("learned", "more_", value=3), "more_: FPRC learns no such"),
-    "no part": (lambda d: d["learned"].pop("readout_") and None, "readout_.* is no part of"),
-    "array twice": (put(*PART, "learned", "centers_", value={"array": "readout_.W_out_"}),
-                    "readout_.centers_: is not in the file"),
-    "columns": (put("learned", "n_features_in_", value=10**9), "n_features_in_ = 1000000000"),
-    "columns of a part": (put(*PART, "learned", "n_features_in_", value=5),
-                          "readout_: is trained on 5 columns, but gets 8"),
-    "names": (put("learned", "feature_names_in_", value=["a"]), "feature_names_in_: must be"),
-}  # fmt: skip
 
 
-@pytest.mark.parametrize(("change", "problem"), TEXTS.values(), ids=TEXTS)
-def test_wrong_description_is_named(change, problem, saved, path):
-    rewrite(path, change)
-    with pytest.raises(FprcError, match=rf"model\.h5: .*{problem}"):
-        load_model(path)
+def setting(name, value):
+    """Return a change of a parameter in the description of the model and of its readout."""
 
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("n_c", 10**9), ("n_c", "3"), ("sigma", True), ("clustering", ["fprc"]), ("alpha", -1.0)],
-)
-def test_parameter_outside_its_limits_is_named(name, value, saved, path):
     def change(described):
         for part in (described, described["learned"]["readout_"]):
             part["parameters"][name] = value
 
+    return change
+
+
+FUZZY, TAPS = FPRC(n_c=3, random_state=1), TapFeatures()
+#: Model, change of its description, and what is said about it.
+DESCRIPTIONS = {
+    "no description": (FUZZY, lambda described: [1], "model: must be class, parameters and"),
+    "no class": (FUZZY, put("class", value={}), "class .* is unknown"),
+    "other class": (FUZZY, put("class", value="FuzzyLinear"), "FuzzyLinear.*epsilon"),
+    "parameter": (FUZZY, put("parameters", "n_layers", value=3), "FPRC: .*n_layers.*another"),
+    "number": (FUZZY, put("parameters", "n_c", value=4), "readout_: its parameters are not"),
+    "unknown name": (FUZZY, put("learned", "more_", value=3), "more_: FPRC learns no such"),
+    "no part": (FUZZY, lambda d: d["learned"].pop("readout_") and None, "readout_.* is no part"),
+    "array twice": (FUZZY, put(*PART, "learned", "centers_", value={"array": "readout_.W_out_"}),
+                    "readout_.centers_: is not in the file"),
+    "columns": (FUZZY, put("learned", "n_features_in_", value=10**9), "n_features_in_ = 1000000"),
+    "columns of a part": (FUZZY, put(*PART, "learned", "n_features_in_", value=5),
+                          "readout_: is trained on 5 columns, but gets 8"),
+    "names": (FUZZY, put("learned", "feature_names_in_", value=["a"]), "feature_names_in_: must"),
+    **{
+        f"{name} = {value}": (FUZZY, setting(name, value), rf"readout_.*{name} = .*; must be")
+        for name, value in (("n_c", 10**9), ("n_c", "3"), ("sigma", True), ("alpha", -1.0),
+                            ("clustering", ["fprc"]))
+    },
+    "maps": (BANK, put("learned", "maps_", value=[]), "maps_: must be 2 parts"),
+    "columns of a map": (BANK, put("learned", "maps_", 0, "learned", "n_features_in_", value=1),
+                         "maps_.0: is trained on 1 columns, but gets 2"),
+    "column of a map": (BANK, put("parameters", "maps", 0, 2, value=[7]), "'taps' needs column 7"),
+    "no map": (BANK, put("parameters", "maps", value=[7]), "maps = .*must be a list of"),
+    "references": (TAPS, put("parameters", "n_references", value=7), "n_references = 7"),
+    "factors": (LowpassBank(), put("parameters", "epsilons", value="0.1"), "epsilons = '0.1'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("model", "change", "problem"), DESCRIPTIONS.values(), ids=DESCRIPTIONS)
+def test_wrong_description_is_named(model, change, problem, path):
+    save_model(clone(model).fit(log(), pressure()), path)
     rewrite(path, change)
-    with pytest.raises(FprcError, match=rf"model\.h5: readout_.*{name} = .*; must be"):
+    with pytest.raises(FprcError, match=rf"model\.h5: .*{problem}"):
         load_model(path)
 
 
@@ -271,25 +284,6 @@ def test_array_outside_its_limits_is_named(features, name, value, path):
         file[name][...] = value
     reseal(path)
     with pytest.raises(FprcError, match=rf"{name}: holds .*; each must be"):
-        load_model(path)
-
-
-@pytest.mark.parametrize(
-    ("features", "change", "problem"),
-    [
-        (BANK, put("learned", "maps_", value=[]), "maps_: must be 2 parts"),
-        (BANK, put("learned", "maps_", 0, "learned", "n_features_in_", value=1),
-         "maps_.0: is trained on 1 columns, but gets 2"),
-        (BANK, put("parameters", "maps", 0, 2, value=[7]), "'taps' needs column 7"),
-        (BANK, put("parameters", "maps", value=[7]), "maps = .*must be a list of"),
-        (TapFeatures(), put("parameters", "n_references", value=7), "n_references = 7"),
-        (LowpassBank(), put("parameters", "epsilons", value="0.1"), "epsilons = '0.1'"),
-    ],
-)  # fmt: skip
-def test_wrong_map_is_named(features, change, problem, path):
-    save_model(clone(features).fit(log()), path)
-    rewrite(path, change)
-    with pytest.raises(FprcError, match=rf"model\.h5: .*{problem}"):
         load_model(path)
 
 
