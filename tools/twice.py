@@ -80,7 +80,7 @@ KINDS = {
     "fitted weights": r"(models|weights)/",
     "grids, readout": r"grids/.*json|readout/cells",
     "further seeds, models": r"replicates/.*/(models|grids)_",
-    "Tables II, III": r"tables/(table[23]|orders).*csv",
+    "Tables II, III": r"tables/table[23].*csv",
     "closed loop, samples": r"raw/track_",
     "closed loop, errors": r"replicates/.*/control_",
     "Table IV": r"tables/table4.*csv",

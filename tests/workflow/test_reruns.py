@@ -14,7 +14,6 @@ pytestmark = pytest.mark.slow
 SEEDS = {
     "replicate": 2,
     "seeds_table": 2,
-    "orders_table": 1,
     "tracking_seeds_table": 1,
     "draw_fig10": 1,
     "draw_fig11": 1,

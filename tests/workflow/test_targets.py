@@ -77,7 +77,7 @@ PLANNED = [
         {"record"},
     ),
     (["table2", "table3"], {"comparison_table", "judge"}, {"measure_times", "replicate"}),
-    (["seeds"], {"seeds_table", "orders_table", "replicate"}, {"judge", "record"}),
+    (["seeds"], {"seeds_table", "replicate"}, {"judge", "record"}),
     (
         ["timing", "fig1", "fig4", "fig5", "fig9", "fig11", "readout"],
         {"timing_table", "draw_fig1", "draw_fig4", "draw_fig5", "draw_fig9", "draw_fig11"}

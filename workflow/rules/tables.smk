@@ -55,21 +55,6 @@ rule seeds_table:
         "../scripts/stage.py"
 
 
-rule orders_table:
-    input:
-        replicates=PLAN.replicates("models"),
-    output:
-        csv=PATHS.below("tables/orders.csv"),
-    log:
-        PATHS.messages("orders"),
-    params:
-        **stage("tabulate.tabulate_orders"),
-    message:
-        "Order of the models in Tables II and III on every seed"
-    script:
-        "../scripts/stage.py"
-
-
 rule timing_table:
     input:
         published=PUBLISHED,

@@ -37,7 +37,6 @@ if "readme" not in PLAN.unavailable:
     rule readme:
         input:
             **OF_README,
-            orders=PATHS.below("tables/orders.csv"),
             figures=[
                 *expand(PATHS.below("figures/moving.{kind}"), kind=("gif", "png")),
                 *IN_DOCS.values(),

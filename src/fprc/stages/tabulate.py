@@ -15,7 +15,7 @@ from fprc.logs.quality import implausible
 from fprc.paper import SOURCES
 from fprc.registry import title_of
 from fprc.tables import readout, timing, tracking
-from fprc.tables.models import comparison, comparison_page, configuration, orders, over_seeds
+from fprc.tables.models import comparison, comparison_page, configuration, over_seeds
 from fprc.tables.text import markdown, write_table
 from fprc.yaml_file import read_yaml
 
@@ -83,11 +83,6 @@ def _over_starts(reports: Sequence[Mapping[str, Any]], trained_on: str) -> str:
         f"within a seed) are due to where its clustering began, among {errors.shape[1]} starts on "
         f"the same rows; on one seed the best and the worst start are {widest:.2g} kPa apart."
     )
-
-
-def tabulate_orders(replicates: Sequence[str], csv: str) -> None:
-    """Write, for each further seed, whether the orders of Tables II and III hold."""
-    write_csv(csv, orders([read_json(path) for path in replicates]))
 
 
 def tabulate_tracking(

@@ -110,41 +110,6 @@ def with_interval(table: pd.DataFrame, count: str = "seeds") -> pd.DataFrame:
     return table.assign(low=table["mean"] - half, high=table["mean"] + half)
 
 
-def orders(replicates: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Whether the orders of Tables II and III hold, seed by seed."""
-    rows = []
-    for replicate in replicates:
-        error = {
-            (report["trained_on"], report["model"], metric): float(np.mean(report[f"{metric}_kpa"]))
-            for report in replicate["models"]
-            for metric in ERRORS
-        }
-        ratio = error["sweep", "esn", "train_rmse"] / error["sweep", "fprc", "train_rmse"]
-        tests = {key[:2]: value for key, value in error.items() if key[2] == "test_rmse"}
-        rows.append(
-            {
-                "seed": replicate["seed"],
-                "fprc_lowest_test": _lowest(tests, "sweep") == "fprc",
-                "fprc_below_fuzzy_linear": all(
-                    error["sweep", "fprc", metric] < error["sweep", "fuzzy_linear", metric]
-                    for metric in ERRORS
-                ),
-                "esn_over_fprc_training": ratio,
-                "training_within_30_percent": max(ratio, 1.0 / ratio) <= 1.3,
-                "fprc_lowest_reversed_test": _lowest(tests, "complex") == "fprc",
-                "reversed_tests_worse": all(
-                    tests["complex", model] > tests["sweep", model] for model in MODELS
-                ),
-                "source": replicate["source"],
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-def _lowest(tests: Mapping[tuple[str, str], float], trained_on: str) -> str:
-    return min(MODELS, key=lambda model: tests[trained_on, model])
-
-
 def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
     """Table II as the paper prints it, ours beside the published numbers."""
     page = {f"Performance [{table['unit'].iloc[0]}]": list(ERRORS.values())}

@@ -16,7 +16,7 @@ from fprc.logs import Columns
 from fprc.registry import MODELS
 from fprc.stages import tabulate
 from fprc.tables import timing
-from fprc.tables.models import comparison, comparison_page, configuration, orders, over_seeds
+from fprc.tables.models import comparison, comparison_page, configuration, over_seeds
 from fprc.tables.text import latex, markdown, read_markdown, spread
 from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
 
@@ -132,44 +132,6 @@ def test_table_over_seeds_has_mean_deviation_and_range():
     assert row[["mean", "min", "max", "seeds"]].tolist() == [13.5, 12.0, 15.0, 2]
     assert row["std"] == pytest.approx(np.std([12.0, 15.0], ddof=1))
     assert row[["unit", "published_mean", "source"]].tolist() == ["kPa", 11.0, "sim"]
-
-
-def test_orders_say_seed_by_seed_what_holds():
-    table = orders(REPLICATES)
-    assert table["seed"].tolist() == [101, 102]
-    assert table["fprc_lowest_test"].tolist() == [True, False]
-    assert table["fprc_below_fuzzy_linear"].tolist() == [False, False]  # equal in training
-    assert table["esn_over_fprc_training"].tolist() == [1.0, 1.0]
-    assert table["training_within_30_percent"].tolist() == [True, True]
-    assert table["fprc_lowest_reversed_test"].tolist() == [True, False]
-    assert table["reversed_tests_worse"].tolist() == [True, True]
-
-
-@pytest.mark.parametrize(
-    ("train", "reversed_test", "ratio", "close", "worse"),
-    [
-        (13.0, 30.0, 1.3, True, True),
-        (13.1, 30.0, 1.31, False, True),
-        (7.6, 30.0, 0.76, False, True),
-        (13.0, 12.0, 1.3, True, False),
-    ],
-)
-def test_orders_compare_training_in_both_directions_and_each_test_with_its_reverse(
-    train, reversed_test, ratio, close, worse
-):
-    models = [
-        report("esn", 16.0, train=(train, train)),
-        report("fprc", 12.0, train=(10.0, 10.0)),
-        report("fuzzy_linear", 18.0, train=(15.0, 15.0), validation=(16.0, 16.0)),
-        report("esn", 30.0, trained_on="complex"),
-        report("fprc", reversed_test, trained_on="complex"),
-        report("fuzzy_linear", 40.0, trained_on="complex"),
-    ]
-    row = orders([{"seed": 1, "source": "sim", "models": models}]).iloc[0]
-    assert row["esn_over_fprc_training"] == pytest.approx(ratio)
-    assert bool(row["training_within_30_percent"]) is close
-    assert bool(row["fprc_below_fuzzy_linear"]) is True
-    assert bool(row["reversed_tests_worse"]) is worse
 
 
 def test_table_3_carries_its_own_published_numbers():
@@ -329,9 +291,7 @@ def written(tmp_path_factory):
     tabulate.tabulate_comparison(published, errors, **files("two"), left_out={})
     lacking = {"left_out": {"fprc": "needs p_o_kpa"}}
     tabulate.tabulate_comparison(published, errors[:1], **files("lacking"), **lacking)
-    orders = str(folder / "orders.csv")
     tabulate.tabulate_seeds(published, seeds, **files("seeds"), trained_on="sweep")
-    tabulate.tabulate_orders(seeds, orders)
     tabulate.tabulate_times(published, str(folder / "times.json"), **files("times"), left_out={})
     write_json(folder / "steps.json", steps())
     tabulate.tabulate_steps(str(folder / "steps.json"), **files("steps"), left_out={})
@@ -344,7 +304,7 @@ def written(tmp_path_factory):
 
 def test_no_file_of_a_table_says_nan_or_none(written):
     pages = {name: text for name, text in written.items() if not name.endswith("json")}
-    assert len(pages) == 7 * 3 + 1
+    assert len(pages) == 7 * 3
     for name, text in pages.items():
         assert "nan" not in text.lower().replace("fuzzy-linear", ""), name
         assert "None" not in text, name

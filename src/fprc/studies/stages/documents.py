@@ -17,7 +17,6 @@ log = logging.getLogger(__name__)
 
 def update_readme(
     pages: Sequence[str],
-    orders: str,
     seeds: Sequence[str],
     ledger: str,
     figures: Sequence[str],
@@ -32,8 +31,6 @@ def update_readme(
     ----------
     pages : sequence of str
         Tables; a block is named after its page.
-    orders : str
-        Order of the models on each further seed, CSV.
     seeds : sequence of str
         Tables II to IV over further seeds, CSV.
     ledger : str
@@ -45,7 +42,6 @@ def update_readme(
     """
     judged = read_json(ledger)
     blocks = {Path(path).stem: _read(path) for path in pages} | {
-        "orders": _orders(pd.read_csv(orders)),
         "deviations": of_pages.deviations_sentence(seeds[:2]),
         "verdicts": _verdicts(judged),
     }
@@ -157,19 +153,3 @@ def _verdicts(judged: Mapping[str, Any]) -> str:
         for claim in judged["claims"]
     ]
     return f"{_markdown(pd.DataFrame(rows))}\n\n{judged['note']}"
-
-
-def _orders(orders: pd.DataFrame) -> str:
-    """Return a list of the orders of Tables II and III, and on how many seeds each holds."""
-    ratio = orders["esn_over_fprc_training"]
-    columns = {
-        "FPRC has the lowest test RMSE": "fprc_lowest_test",
-        "FPRC is below Fuzzy-linear in training, validation and test": "fprc_below_fuzzy_linear",
-        "ESN and FPRC are within 30 % of each other in training": "training_within_30_percent",
-        "with the logs reversed, FPRC has the lowest test RMSE": "fprc_lowest_reversed_test",
-        "with the logs reversed, every test RMSE is worse": "reversed_tests_worse",
-    }
-    lines = [f"- {what}: on {orders[key].sum()} of {len(orders)}" for what, key in columns.items()]
-    span = f"{ratio.min():.2f} to {ratio.max():.2f}"
-    lines.append(f"- the ESN's training RMSE over FPRC's: {span} (paper: 0.99)")
-    return "\n".join(lines)

@@ -6,15 +6,6 @@ from fprc.errors import FprcError
 from fprc.studies.blocks import different_blocks, replace_block
 from fprc.studies.stages.documents import update_readme, update_tables
 
-ORDERS = """\
-seed,fprc_lowest_test,fprc_below_fuzzy_linear,esn_over_fprc_training,training_within_30_percent,\
-fprc_lowest_reversed_test,reversed_tests_worse
-101,True,True,0.952,True,True,True
-102,False,True,1.118,True,False,True
-103,True,True,1.0,True,False,True
-"""
-
-
 DEVIATIONS = """\
 model,metric,mean,published_mean
 fprc,train_rmse,{},10.0
@@ -55,7 +46,6 @@ RESULTS = "\n".join(
         block("table2_seeds", "old"),
         block("table3_seeds", "old"),
         block("table4_seeds", "old"),
-        block("orders", "old"),
         block("deviations", "old"),
         block("verdicts", "old"),
         block("table2_timing", "old"),
@@ -76,7 +66,6 @@ def project(tmp_path):
         "table2_seeds.md": "Over seeds.\n",
         "table3_seeds.md": "Reversed.\n",
         "table4_seeds.md": "Followed.\n",
-        "orders.csv": ORDERS,
         "ii.csv": DEVIATIONS.format(12.0, 11.0, 16.5),
         "iii.csv": DEVIATIONS.format(9.0, 26.2, 20.0),
         "iv.csv": TRACKING,
@@ -100,7 +89,6 @@ def update(project):
     )
     update_readme(
         [str(project / name) for name in pages],
-        str(project / "orders.csv"),
         [str(project / name) for name in ("ii.csv", "iii.csv", "iv.csv")],
         str(project / "claims.json"),
         [str(project / "figure.png")],
@@ -121,19 +109,11 @@ def test_blocks_are_replaced_and_everything_else_is_kept(project):
         ("table2_timing", "Times."),
     ):
         expected = expected.replace(block(name, "old"), block(name, new))
-    head, tail = expected.split(block("orders", "old"))
+    head, tail = expected.split(block("deviations", "old"))
     text = update(project)
     assert text.startswith(head)
     assert text.endswith(tail.split(block("verdicts", "old"))[1])
     assert "\nold\n" not in text
-
-
-def test_sentence_counts_the_seeds_on_which_the_order_holds(project):
-    text = update(project)
-    assert "- FPRC has the lowest test RMSE: on 2 of 3" in text
-    assert "training, validation and test: on 3 of 3" in text
-    assert "with the logs reversed, FPRC has the lowest test RMSE: on 1 of 3" in text
-    assert "0.95 to 1.12" in text
 
 
 def test_deviations_from_print_are_counted_over_both_tables(project):
