@@ -5,6 +5,7 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from statistics import median
 
 import pytest
 
@@ -133,9 +134,25 @@ def test_example_calls_the_python_that_runs_it(monkeypatch):
     assert called == [[sys.executable, "-m", "fprc"]]
 
 
+def text_of(page):
+    return " ".join((ROOT / page).read_text("utf-8").split())
+
+
+def rows_of(block):
+    """Return the rows of a generated table, each by the names of its columns."""
+    pages = " ".join((ROOT / name).read_text("utf-8") for name in (BEYOND, DETAILS, RESULTS))
+    table = pages.partition(f"<!-- {block}: generated -->")[2].partition(f"<!-- {block}: end")[0]
+    heads, _, *rows = [
+        [cell.strip() for cell in line.split("|")[1:-1]]
+        for line in table.splitlines()
+        if line.startswith("|")
+    ]
+    return [dict(zip(heads, row, strict=True)) for row in rows]
+
+
 OPEN, CLOSED, FORWARD = "Open loop [deg]", "Closed loop [deg]", "Forward test [kPa]"
 LOWPASS = "FPRC on low-passed theta_d"
-BEYOND, DETAILS = "docs/beyond.md", "docs/beyond-details.md"
+BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/results.md"
 
 
 @pytest.mark.parametrize(
@@ -189,8 +206,17 @@ BEYOND, DETAILS = "docs/beyond.md", "docs/beyond-details.md"
             "beyond_lengths",
             [(LOWPASS, "120 s"), (LOWPASS, "two logs"), ("FPRC", "120 s"), ("FPRC", "two logs")],
         ),
+        *(
+            (
+                page,
+                r"Table III, ESN, Test RMSE: (\S+) against (\S+) kPa",
+                "table3_seeds",
+                [("Test RMSE", "ESN, ours"), ("Test RMSE", "ESN, paper")],
+            )
+            for page in ("README.md", RESULTS)
+        ),
         (
-            "docs/results.md",
+            RESULTS,
             r"error in the sweep is (\S+) deg",
             "verdicts",
             [("C15", "Ours, 95 % interval")],
@@ -199,20 +225,66 @@ BEYOND, DETAILS = "docs/beyond.md", "docs/beyond-details.md"
 )
 def test_numbers_of_a_sentence_are_those_of_the_generated_table(page, sentence, block, cells):
     """A cell is a row, a column and, if not the first, which decimal; a sentence may round it."""
-    tables = " ".join(
-        (ROOT / name).read_text("utf-8") for name in (BEYOND, DETAILS, "docs/results.md")
-    )
-    table = tables.partition(f"<!-- {block}: generated -->")[2].partition(f"<!-- {block}: end")[0]
-    rows = [
-        [cell.strip() for cell in line.split("|")[1:-1]]
-        for line in table.splitlines()
-        if line.startswith("|")
-    ]
     # of several rows of a model the first counts
-    by_name = {row[0]: dict(zip(rows[0], row, strict=True)) for row in reversed(rows)}
+    by_name = {next(iter(row.values())): row for row in reversed(rows_of(block))}
     printed = [
         re.findall(r"\d+\.\d+", by_name[row][column])[sum(which)] for row, column, *which in cells
     ]
-    text = " ".join((ROOT / page).read_text("utf-8").split())
+    text = text_of(page)
     for written, mean in zip(re.search(sentence, text).groups(), printed, strict=True):
         assert written == f"{float(mean):.{len(written.partition('.')[2])}f}"
+
+
+@pytest.mark.parametrize(
+    ("words", "kinds"),
+    [
+        ("that the simulated rig was not fitted to", ["predicted"]),
+        ("that the rig was fitted to at least in part", ["fitted", "half fitted"]),
+        ("that the rig assumes", ["assumed"]),
+    ],
+)
+def test_readme_counts_the_claims_as_the_table_of_verdicts(words, kinds):
+    verdicts = [row["Verdict"] for row in rows_of("verdicts") if row["Fitted?"] in kinds]
+    told = re.search(
+        rf"(\d+) of (\d+) (?:claims of the paper )?{words}(?: \((\d+) not reproduced\))?",
+        text_of("README.md"),
+    )
+    counts = [verdicts.count("reproduced"), len(verdicts), verdicts.count("not reproduced")]
+    assert [int(number or 0) for number in told.groups()] == counts
+    assert "undecided" not in verdicts
+
+
+@pytest.mark.parametrize("page", ["README.md", RESULTS])
+def test_deviations_of_errors_from_print_are_those_of_the_tables(page):
+    off = sorted(
+        100 * abs(float(row[ours].split()[0]) / float(row[ours.replace("ours", "paper")]) - 1)
+        for block in ("table2_seeds", "table3_seeds")
+        for row in rows_of(block)
+        for ours in row
+        if ours.endswith(", ours")
+    )
+    told = re.search(
+        r"The (\d+) means of Tables II and III deviate from the printed numbers by (\d+) % in the "
+        r"median and by (\d+) % at most",
+        text_of(page),
+    )
+    count, *shown = map(int, told.groups())
+    assert count == len(off)
+    # the table's own digits are rounded
+    assert shown == pytest.approx([median(off), off[-1]], abs=0.6)
+
+
+def test_deviations_of_tracking_from_print_are_those_of_the_table():
+    rows = {(row.pop("RMSE [deg]"), row.pop("Whose")): row for row in rows_of("table4_seeds")}
+    told = re.search(
+        r"Table IV deviate by up to (\d+) % in open loop, and by up to (\d+) % in closed loop",
+        text_of("README.md"),
+    )
+    for controller, shown in zip(("FPRC", "FPRC+PD"), told.groups(), strict=True):
+        ours, paper = rows[controller, "ours"], rows[controller, "paper"]
+        off = [
+            100 * abs(float(ours[name].split()[0]) / float(paper[name]) - 1)
+            for name in paper
+            if paper[name]
+        ]
+        assert int(shown) == pytest.approx(max(off), abs=0.6)

@@ -3,11 +3,7 @@
 
 #: The documentation shows the results of the paper's settings, in the checkout.
 SHOWN = RESULTS == "results" and IN_CHECKOUT
-OF_README = {
-    "pages": PLAN.pages[1:],
-    "seeds": [path.replace(".md", ".csv") for path in PLAN.seeds_tables],
-    "ledger": PATHS.below("claims.json"),
-}
+OF_README = {"pages": PLAN.pages[1:], "ledger": PATHS.below("claims.json")}
 #: Figures of the paper in docs/idea.md, by their pictures.
 IN_DOCS = {
     f"docs/images/fig{number:02}.png": PATHS.below(
@@ -140,7 +136,7 @@ if "check" not in PLAN.unavailable:
 
     rule check:
         input:
-            **{**OF_README, **({} if SHOWN else {"pages": [], "seeds": []})},
+            **{**OF_README, **({} if SHOWN else {"pages": []})},
             verdicts=file_of_workflow("../../config/verdicts.yaml"),
         log:
             PATHS.messages("check"),

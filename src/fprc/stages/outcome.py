@@ -6,7 +6,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json
 from fprc.claims.paper import TIMED
-from fprc.tables.models import deviations
+from fprc.tables.against_paper import against_paper
 
 
 def outcome(results: str) -> str:
@@ -18,9 +18,9 @@ def outcome(results: str) -> str:
         Folder of the results.
     """
     parts = [f"open {Path(results, 'report.html')}"]
-    tables = {n: Path(results, f"tables/table{i}_seeds.csv") for n, i in (("II", 2), ("III", 3))}
-    if all(path.exists() for path in tables.values()):
-        off = deviations({name: pd.read_csv(path) for name, path in tables.items()})["deviation"]
+    tables = [Path(results, f"tables/table{number}_seeds.csv") for number in (2, 3)]
+    if all(path.exists() for path in tables):
+        off = against_paper({path.stem: pd.read_csv(path) for path in tables})["ratio"] - 1.0
         parts.insert(0, f"median deviation of Tables II and III {100 * off.abs().median():.0f} %")
     ledger = Path(results, "claims.json")
     if ledger.exists():

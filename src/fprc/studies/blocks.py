@@ -1,4 +1,4 @@
-"""Blocks of pages that are made from results: their markers, and the sentences of the README."""
+"""Blocks of pages that are made from results: their markers, and those of the README."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -6,30 +6,17 @@ from decimal import Decimal
 from itertools import zip_longest
 from pathlib import Path
 
-import pandas as pd
-
-from fprc.artifacts import read_json
-from fprc.claims.paper import TIMED
 from fprc.errors import FprcError
 from fprc.escape import typeset
-from fprc.paper import ERRORS
-from fprc.registry import title_of
-from fprc.tables.found import found
-from fprc.tables.models import deviations
+
+#: Tables of the README.
+README_TABLES = ("table2_seeds", "table4_seeds")
 
 
-def readme_blocks(pages: Sequence[str], seeds: Sequence[str], ledger: str) -> dict[str, str]:
-    """Return the blocks of the README that the paper's workflow makes; see ``update_readme``."""
-    # without those on execution times, which vary from run to run
-    claims = [claim for claim in read_json(ledger)["claims"] if claim["rig"] != TIMED]
-    (sentence,) = found(claims, {}, simulated=True) or ("No claim is judged.",)
-    shown = {path.stem: path.read_text(encoding="utf-8") for path in map(Path, pages)}
-    blocks = {
-        **{name: shown[name] for name in ("table2_seeds", "table4_seeds")},
-        "outcome": f"- **{sentence.removesuffix('.')}** ([each of them](docs/results.md)).\n"
-        f"- {deviations_sentence(seeds[:2])} {_tracking(seeds[2])}",
-    }
-    return {name: typeset(block) for name, block in blocks.items()}
+def readme_blocks(pages: Sequence[str]) -> dict[str, str]:
+    """Return the generated blocks of the README from the tables of the report."""
+    shown = {path.stem: path for path in map(Path, pages)}
+    return {name: typeset(shown[name].read_text(encoding="utf-8")) for name in README_TABLES}
 
 
 def replace_block(text: str, name: str, block: str, path: str = "README.md") -> str:
@@ -83,28 +70,3 @@ def _markers(text: str, name: str, path: str) -> tuple[str, str]:
     if not (text.count(begin) == text.count(end) == 1 and text.index(begin) < text.index(end)):
         raise FprcError(f"{path}: needs the lines {begin} and {end} once each; put them back")
     return begin, end
-
-
-def deviations_sentence(seeds: Sequence[str]) -> str:
-    """Return a sentence on how far the means over seeds deviate from the printed numbers."""
-    table = deviations(dict(zip(("II", "III"), map(pd.read_csv, seeds), strict=True)))
-    worst = table.iloc[0]
-    return (
-        f"The {len(table)} means of Tables II and III deviate from the printed numbers by "
-        f"{100 * table['deviation'].abs().median():.0f} % in the median and by "
-        f"{100 * abs(worst['deviation']):.0f} % at most (Table {worst['table']}, "
-        f"{title_of(worst['model'])}, {ERRORS[worst['metric']]}: {worst['mean']:.3g} against "
-        f"{worst['published_mean']:.3g} kPa)."
-    )
-
-
-def _tracking(seeds: str) -> str:
-    """Return a sentence on how far the means of Table IV deviate from the printed numbers."""
-    table = pd.read_csv(seeds).dropna(subset="published_rmse_deg")
-    table["off"] = (table["rmse_deg"] / table["published_rmse_deg"] - 1.0).abs()
-    runs = table.groupby("controller")["off"].max()
-    open_loop, closed_loop = runs["fprc"], runs["fprc_pd"]
-    return (
-        f"Those of Table IV deviate by up to {100 * open_loop:.0f} % in open loop, and by up to "
-        f"{100 * closed_loop:.0f} % in closed loop, which was predicted."
-    )

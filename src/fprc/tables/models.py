@@ -126,27 +126,3 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
             for metric in ERRORS
         ]
     return pd.DataFrame(page)
-
-
-def deviations(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return the relative deviation from print of every mean of Tables II and III, largest first.
-
-    Parameters
-    ----------
-    tables : Mapping
-        Tables over seeds by their number, II and III.
-    """
-    rows = [
-        {
-            "table": number,
-            "model": row.model,
-            "metric": row.metric,
-            "mean": row.mean,
-            "published_mean": row.published_mean,
-            "deviation": row.mean / row.published_mean - 1.0,
-        }
-        for number, table in tables.items()
-        for row in table.itertuples()
-    ]
-    table = pd.DataFrame(rows).dropna(subset="published_mean")
-    return table.iloc[np.argsort(-table["deviation"].abs(), kind="stable")]

@@ -29,7 +29,6 @@ def check_results(
     ledger: str,
     verdicts: str,
     pages: Sequence[str] = (),
-    seeds: Sequence[str] = (),
     *,
     folders: Mapping[str, str],
     made: Sequence[str],
@@ -44,8 +43,8 @@ def check_results(
     ----------
     ledger, verdicts : str
         Files of the judged claims and of the declared verdicts.
-    pages, seeds : sequence of str
-        As for ``documents.readme_blocks``; without them README.md is not checked.
+    pages : sequence of str
+        Tables of the report; without them README.md is not checked.
     folders : Mapping
         Folders ``results`` and ``raw``; files in ``raw`` are not checked.
     made : sequence of str
@@ -80,7 +79,7 @@ def check_results(
             f"{picture} differs from {figure}" for picture, figure in outdated(pictures)
         ],
         "numbers differ from those that were built; `make docs` puts these there": [
-            *(different_blocks("README.md", readme_blocks(pages, seeds, ledger)) if pages else ())
+            *(different_blocks("README.md", readme_blocks(pages)) if pages else ())
         ],
     }
     problems = [

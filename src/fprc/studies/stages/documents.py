@@ -17,7 +17,6 @@ log = logging.getLogger(__name__)
 
 def update_readme(
     pages: Sequence[str],
-    seeds: Sequence[str],
     ledger: str,
     figures: Sequence[str],
     *,
@@ -31,8 +30,6 @@ def update_readme(
     ----------
     pages : sequence of str
         Tables; a block is named after its page.
-    seeds : sequence of str
-        Tables II to IV over further seeds, CSV.
     ledger : str
         Claims, JSON.
     figures, pictures : sequence of str
@@ -40,12 +37,10 @@ def update_readme(
     readme, results : str
         The README, and docs/results.md.
     """
-    judged = read_json(ledger)
     blocks = {Path(path).stem: _read(path) for path in pages} | {
-        "deviations": of_pages.deviations_sentence(seeds[:2]),
-        "verdicts": _verdicts(judged),
+        "verdicts": _verdicts(read_json(ledger))
     }
-    first = of_pages.readme_blocks(pages, seeds, ledger)
+    first = of_pages.readme_blocks(pages)
     texts = {path: _updated(path, new) for path, new in ((readme, first), (results, blocks))}
     for path, text in texts.items():
         write_text(path, text)
