@@ -11,6 +11,7 @@ import pytest
 
 from fprc.commands.parser import parser
 from fprc.config import Settings
+from fprc.escape import in_words
 
 ROOT = Path(__file__).parents[2]
 PAGES = ["README.md", "CONTRIBUTING.md", "data/raw/README.md",
@@ -159,6 +160,12 @@ BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/res
     ("page", "sentence", "block", "cells"),
     [
         (
+            "README.md",
+            r"FPRC\+PD is (\S+) deg off, Fuzzy-linear\+PD (\d+\.\d+)\.",
+            "beyond_models",
+            [("FPRC", CLOSED), ("Fuzzy-linear", CLOSED)],
+        ),
+        (
             BEYOND,
             r"FPRC\+PD is (\S+) deg off and Fuzzy-linear\+PD (\S+) on the default rig",
             "beyond_models",
@@ -288,3 +295,15 @@ def test_deviations_of_tracking_from_print_are_those_of_the_table():
             if paper[name]
         ]
         assert int(shown) == pytest.approx(max(off), abs=0.6)
+
+
+def test_readme_has_what_p_o_is_worth_on_every_rig():
+    text = text_of("README.md")
+    (worth,) = (row for row in rows_of("beyond_claims") if row["Id"] == "B1")
+    rigs = [name for name in worth if name not in ("Id", "Claim")]
+    for rig in rigs:
+        verdict, mean = worth[rig].rsplit(" ", 1)
+        assert f"{mean} on *{rig}* ({verdict})" in text
+    beside = rows_of("beyond_beside")[0]
+    means = in_words([beside[rig].split()[0] for rig in rigs])
+    assert f"Against a ridge regression on low-passes of θ<sub>d</sub>: {means}." in text

@@ -41,7 +41,6 @@ if "readme" not in PLAN.unavailable:
         log:
             PATHS.messages("readme"),
         localrule: True
-        threads: workflow.cores  # alone: beyond_page writes README.md too
         params:
             **stage("studies.documents.update_readme"),
             readme="README.md",
@@ -99,10 +98,8 @@ rule beyond_page:
     log:
         PATHS.messages("beyond_page"),
     localrule: True
-    threads: workflow.cores  # alone: readme writes README.md too
     params:
         **stage("studies.documents.update_beyond_page"),
-        readme="README.md",
         page="docs/beyond.md",
         details="docs/beyond-details.md",
         board="docs/benchmark.md",

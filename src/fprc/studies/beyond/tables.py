@@ -6,17 +6,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.escape import in_words
 from fprc.paper import SOURCES
 from fprc.registry import choice_of, competitor_title
 from fprc.signals import LEVEL, interval_of_mean
-from fprc.studies.beyond.verdicts import (
-    claims_page,
-    details_page,
-    fitted_page,
-    means_of,
-    verdict_of,
-)
+from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 from fprc.studies.beyond.worlds import (
     LOOPS,
     MEASURES,
@@ -291,9 +284,7 @@ def blocks(
     tables: Mapping[str, pd.DataFrame],
     world: str,
 ) -> dict[str, str]:
-    """Return the generated blocks of docs/beyond.md and docs/beyond-details.md, and two others.
-
-    They are the ``leaderboard`` of docs/benchmark.md and ``worth`` of README.md.
+    """Return the generated blocks of docs/beyond.md, of its details, and of docs/benchmark.md.
 
     Parameters
     ----------
@@ -320,34 +311,7 @@ def blocks(
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
     notes = {"beyond_offsets": f"{note} {_widest(tables['offsets'], world)}"}
-    texts = {name: markdown(page, notes.get(name, note)) for name, page in pages.items()}
-    return texts | {"worth": _worth_sentences(verdicts, tables["models"], world)}
-
-
-def _worth_sentences(verdicts: Mapping[str, Any], models: pd.DataFrame, world: str) -> str:
-    """Return what P_o is worth forward, in every world, and in closed loop in one, for README."""
-    judged = [next(row for row in ledger if row["id"] == "B1") for ledger in verdicts["ledgers"]]
-    ratios = [
-        f"{means_of(row)} on *{row['title']}* ({verdict_of(row)})" for row in judged if row["parts"]
-    ]
-    lines = [
-        "- **Whether the second actuator pays depends on the rig.** FPRC's test error is that of "
-        f"the same model on low-passed θ_d times {in_words(ratios)}. *{judged[0]['title']}* is the "
-        "default rig; † and ‡: its fit favoured FPRC, P_o ([docs/beyond.md](docs/beyond.md))."
-    ]
-    beside = [rows[0] for rows in verdicts["beside"] if rows[0]["mean"] is not None]
-    if beside:
-        means = [three_digits(row["mean"]) for row in beside]
-        lines.append(f"  Against a ridge regression on low-passes of θ_d: {in_words(means)}.")
-    closed_loop = models[(models["world"] == world) & (models["measure"] == "closed_loop")]
-    closed = closed_loop.set_index("model")["mean"].reindex(["fprc", "fuzzy_linear"]).dropna()
-    if len(closed) == 2:
-        fprc, linear = map(three_digits, closed)
-        lines.append(
-            f"- **With feedback the feedforward matters little**: on the default rig FPRC+PD is "
-            f"{fprc} deg off, Fuzzy-linear+PD {linear}."
-        )
-    return "\n".join(lines)
+    return {name: markdown(page, notes.get(name, note)) for name, page in pages.items()}
 
 
 def _beside_page(verdicts: Mapping[str, Any]) -> pd.DataFrame:

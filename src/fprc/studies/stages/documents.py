@@ -8,7 +8,6 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
-from fprc.escape import typeset
 from fprc.studies import blocks as of_pages
 from fprc.studies.beyond import tables as beyond
 
@@ -74,7 +73,6 @@ def update_beyond_page(
     verdicts: str,
     figures: Sequence[str],
     *,
-    readme: str,
     page: str,
     details: str,
     board: str,
@@ -83,8 +81,6 @@ def update_beyond_page(
     **csv: str,
 ) -> None:
     """Replace the generated blocks of docs/beyond.md and its details, and the pictures.
-
-    The README gets the verdicts on what the reservoir is worth.
 
     Parameters
     ----------
@@ -104,7 +100,6 @@ def update_beyond_page(
     found = {name: pd.read_csv(path) for name, path in csv.items()}
     judged = read_json(verdicts)
     blocks = beyond.blocks(judged, found, world)
-    _update(readme, {"worth": typeset(blocks.pop("worth"))})
     _update(board, {"leaderboard": blocks.pop("leaderboard")})
     _update(page, {"beyond_claims": blocks.pop("beyond_claims")})
     _update(details, blocks)
