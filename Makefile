@@ -108,7 +108,7 @@ MEASURE = PYTHONPATH=".venv/benchmark:$$PYTHONPATH" env -u OPENBLAS_CORETYPE -u 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
 	$(STUDIES) readme calibration_page beyond_page
 
-check: .venv/.ready  ## compare verdicts, results, files and pictures with what is declared
+check: .venv/.ready  ## compare verdicts, results and pictures with what is declared
 	$(STUDIES) check
 
 layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports

@@ -66,7 +66,7 @@ def replacing_all(*paths: Path | str) -> Iterator[list[Path]]:
     with explaining(targets[-1]):
         for path in targets:
             path.parent.mkdir(parents=True, exist_ok=True)
-            for leftover in leftovers(path.parent, path.name):
+            for leftover in leftovers(path):
                 leftover.unlink(missing_ok=True)
         try:
             yield temporaries
@@ -201,12 +201,10 @@ def _entry(line: bytes) -> Any:
     return json.loads(match[2]) if match and int(match[1]) == crc32(match[2]) else None
 
 
-def leftovers(folder: Path, name: str | None = None) -> list[Path]:
-    """Return temporary files of ended processes in a folder: of one file, or of all."""
-    pattern = ".*.part*"
-    if name is not None:
-        pattern = f".{glob.escape(Path(name).stem)}.*.part{glob.escape(Path(name).suffix)}"
-    return sorted(path for path in folder.glob(pattern) if not _in_use(path))
+def leftovers(path: Path) -> list[Path]:
+    """Return temporary files that ended processes left beside a file."""
+    pattern = f".{glob.escape(path.stem)}.*.part{glob.escape(path.suffix)}"
+    return sorted(beside for beside in path.parent.glob(pattern) if not _in_use(beside))
 
 
 def _owner(path: Path) -> int | None:

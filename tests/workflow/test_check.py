@@ -1,4 +1,4 @@
-"""`make check` on the results of a run, with and without files that no rule makes."""
+"""`make check` on the results of a run, some of them damaged."""
 
 import os
 
@@ -9,32 +9,6 @@ pytestmark = pytest.mark.slow
 
 def lines(printed):
     return [line for line in printed.splitlines() if line.startswith("  results/")]
-
-
-def test_file_that_no_rule_makes_is_reported_and_nothing_else(smoked_copy):
-    results = smoked_copy.folder / "results/smoke"
-    # what a killed run, a search with a new checkpoint and other settings leave
-    for name in ("grids/taps.partial.jsonl", "calibration/search.partial.jsonl.old",
-                 "calibration/search.partial.jsonl.1", "blocked/logs/record_sweep.log",
-                 "blocked/tables/table2.md"):  # fmt: skip
-        (results / name).parent.mkdir(parents=True, exist_ok=True)
-        (results / name).write_text("x")
-    # the verdicts of so small a run are not the paper's
-    done = smoked_copy.studies("check")
-    assert "verdicts differ from config/verdicts.yaml" in done.stdout
-    assert lines(done.stdout) == []
-    (results / "tables/table9.md").write_text("x")
-    (results / "grids/.taps.4194305.part.json").write_text("half")
-    (results / "families").mkdir(exist_ok=True)
-    (results / "families/drawn_1.json").write_text("of a chunk of another size")
-    done = smoked_copy.studies("check")
-    assert done.returncode != 0
-    assert "files that no rule makes" in done.stdout
-    assert sorted(lines(done.stdout)) == [
-        "  results/smoke/families/drawn_1.json",
-        "  results/smoke/grids/.taps.4194305.part.json",
-        "  results/smoke/tables/table9.md",
-    ]
 
 
 def damaged(path, content):

@@ -84,18 +84,6 @@ def workers_over(units):
     return workers
 
 
-def made_by_rules():
-    """Return regular expressions of all files of the rules: outputs, logs, checkpoints."""
-    checkpoints = [rule.params.get("checkpoint") for rule in workflow.rules]
-    kept = [
-        rf"{regex_from_filepattern(path).removesuffix('$')}(\.\d+)?(\.old)?"
-        for path in checkpoints
-        if path
-    ]
-    files = [path for rule in workflow.rules for path in (*rule.output, *rule.log)]
-    return sorted({path.regex().pattern for path in files}.union(kept))
-
-
 def pictures_of_docs():
     """Return the figure of the results that each picture of the documentation copies."""
     figures = {}

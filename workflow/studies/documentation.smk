@@ -140,10 +140,9 @@ if "check" not in PLAN.unavailable:
         localrule: True
         params:
             **stage("studies.check.check_results"),
-            folders=FOLDERS,
-            made=lambda wildcards: made_by_rules(),
+            results=RESULTS,
             pictures=lambda wildcards: pictures_of_docs() if SHOWN else {},
         message:
-            "Check of the verdicts in config/verdicts.yaml, of files, of pictures in docs, of README.md"
+            "Check of the verdicts in config/verdicts.yaml, of results, of pictures in docs, of README.md"
         script:
             "../scripts/stage.py"
