@@ -30,7 +30,7 @@ WORDS = {8: "eight", 10: "ten"}
 def quoted():
     """Return the settings and limits that pages give as numbers, in the words of each page."""
     settings = Settings()
-    seeds, grids, valves = settings.beyond, settings.grids, settings.hardware.valves
+    seeds, valves = settings.beyond, settings.hardware.valves
     times = f"{settings.control.sample_rate_hz:g} Hz"
     filter_s = 1 / settings.models.fprc.epsilon / settings.control.sample_rate_hz
     block_s = competitors.PURGES * settings.evaluation.purge_s
@@ -78,7 +78,6 @@ def quoted():
         ],
         "docs/results.md": [f"a time constant of {filter_s:g} s"],
         "docs/running.md": [
-            f"| `grids.chunks` | {grids.chunks} |",
             f"| `drawn.chunk` | {settings.drawn.chunk} |",
             f"| `evaluation.replicate_seeds` | {len(settings.evaluation.replicate_seeds)} seeds |",
         ],

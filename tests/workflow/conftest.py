@@ -162,16 +162,11 @@ class Project:
         }
 
     def untimed(self) -> dict[str, bytes]:
-        """Results that hold no times and are not made from them; logs name processes.
-
-        Without digests of files that Snakemake deleted, such as chunks of a grid.
-        """
-        found = self.files("results")
+        """Results that hold no times and are not made from them; logs name processes."""
         return {
             name: content
-            for name, content in found.items()
+            for name, content in self.files("results").items()
             if not any(part in name for part in TIMED)
-            and ("/digests/" not in name or name.replace("/digests", "")[:-7] in found)
         }
 
 
@@ -288,9 +283,6 @@ def calibrated(smoked, shared):
 
     def make(folder):
         copy = _copied(smoked[0], folder)
-        # and a grid again, in chunks this time
-        taps = "results/smoke/grids/taps.json"
-        (folder / taps).unlink()
         files = ("calibration/channels.pdf",)
         # on one core a job starts no workers, each of which would import the libraries
         one = ("--cores", "1")
@@ -302,9 +294,6 @@ def calibrated(smoked, shared):
             "online",
             "tuned",
             *(f"results/smoke/{name}" for name in files),
-            taps,
-            "--config",
-            "grids={chunks: 3}",
             cores=one,
         )
         done = copy.studies("sensitivity", "calibrate", "--config", FEW_FREE, cores=one)

@@ -1,7 +1,7 @@
 """The workflow gives the same bytes with and without Slurm.
 
 SLURM_TARGETS names the targets; `make test-slurm` runs the whole smoke run. By default there is one
-job of each kind: a group of logs and one of drawings, a grid in two chunks, and a model.
+job of each kind: a group of logs and one of drawings, a grid, and a model.
 """
 
 import os
@@ -57,7 +57,7 @@ def test_slurm_gives_the_same_bytes(project, request):
     before = daemons()
     # not Python's timeout, which kills: the daemons must be stopped
     command = ["timeout", "1500", sys.executable, ONE_NODE, sys.executable, "-c", SNAKEMAKE]
-    settings = ["--config", "grids={chunks: 2}", "--configfile", "config/smoke.yaml"]
+    settings = ["--configfile", "config/smoke.yaml"]
     path = os.pathsep.join(filter(None, [str(PLUGIN), os.environ.get("PYTHONPATH")]))
     done = project.run(*command, *HERE, *TARGETS, *settings, PYTHONPATH=path)
     assert done.returncode == 0, done.stdout

@@ -162,17 +162,6 @@ def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(ca
     assert set(tuned) == set(worlds)
 
 
-def test_sweep_in_chunks_gives_the_same_bytes(smoked, calibrated):
-    whole, joined = (
-        (run.folder / "results/smoke/grids/taps.json").read_bytes()
-        for run in (smoked[0], calibrated[0])
-    )
-    assert calibrated[1].count("(Rule: grid_chunk)") == 3
-    assert joined == whole
-    left = [path.name for path in (calibrated[0].folder / "results/smoke/grids").iterdir()]
-    assert sorted(left) == ["epsilon.json", "n_c.json", "taps.json"]
-
-
 @pytest.mark.parametrize("name", ["fig03_apparatus", "fig08_training", "fig16_loops"])
 def test_sidecar_says_where_its_figure_comes_from(smoked, name):
     folder = smoked[0].folder

@@ -43,9 +43,9 @@ def workers_for(cells):
 
 
 def workers_of(wildcards):
-    """Return the number of processes of a grid, or of a chunk of it."""
+    """Return the number of processes of a grid of Figs. 10 and 11."""
     sizes = [len(SETTINGS["grids"][name]) for name in GRID_SETTINGS[wildcards.grid]]
-    return workers_for(prod(sizes) * len(GRID_MODELS[wildcards.grid]) // GRID_CHUNKS)
+    return workers_for(prod(sizes) * len(GRID_MODELS[wildcards.grid]))
 
 
 def memory_of(wildcards, threads):

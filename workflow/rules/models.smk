@@ -91,78 +91,30 @@ rule weigh:
         "../scripts/stage.py"
 
 
-GRID = {
-    "stage": "grid.judge_grid",
-    "grid": "{grid}",
-    "values": lambda wildcards: pick(SETTINGS["grids"], *GRID_SETTINGS[wildcards.grid]),
-    "judgement": judgement(SETTINGS, "fprc"),
-    "workers": lambda wildcards, threads: threads,
-    "version": lambda wildcards: code_of("grid.judge_grid", *GRID_MODELS[wildcards.grid]),
-}
-
-
-if GRID_CHUNKS == 1:
-
-    rule grid:
-        input:
-            **TRAIN_AND_TEST,
-        output:
-            results=PATHS.grid("{grid}"),
-        log:
-            PATHS.messages("grid_{grid}"),
-        priority: LONG
-        threads: workers_of
-        resources:
-            mem_mb=memory_of,
-            runtime=60,
-        params:
-            **GRID,
-            checkpoint=placed(PATHS.below("grids/{grid}.partial.jsonl")),
-        message:
-            "Grid of {wildcards.grid}, workers: {threads}"
-        script:
-            "../scripts/stage.py"
-
-else:
-
-    rule grid_chunk:
-        input:
-            **TRAIN_AND_TEST,
-        output:
-            results=temp(PATHS.grid("{grid}_{chunk}")),
-        log:
-            PATHS.messages("grid_{grid}_{chunk}"),
-        wildcard_constraints:
-            chunk="|".join(map(str, range(GRID_CHUNKS))),
-        priority: LONG
-        threads: workers_of
-        resources:
-            mem_mb=memory_of,
-            runtime=60,
-        params:
-            **GRID,
-            chunk=lambda wildcards: int(wildcards.chunk),
-            chunks=GRID_CHUNKS,
-            checkpoint=placed(PATHS.below("grids/{grid}_{chunk}.partial.jsonl")),
-        message:
-            "Grid of {wildcards.grid}, chunk {wildcards.chunk}, workers: {threads}"
-        script:
-            "../scripts/stage.py"
-
-    rule grid_joined:
-        input:
-            chunks=[PATHS.grid(f"{{grid}}_{chunk}") for chunk in range(GRID_CHUNKS)],
-        output:
-            results=PATHS.grid("{grid}"),
-        log:
-            PATHS.messages("grid_{grid}"),
-        localrule: True
-        params:
-            **stage("grid.join_grid"),
-        message:
-            "Grid of {wildcards.grid}: all chunks"
-        script:
-            "../scripts/stage.py"
+rule grid:
+    input:
+        **TRAIN_AND_TEST,
+    output:
+        results=PATHS.grid("{grid}"),
+    log:
+        PATHS.messages("grid_{grid}"),
+    priority: LONG
+    threads: workers_of
+    resources:
+        mem_mb=memory_of,
+        runtime=60,
+    params:
+        stage="grid.judge_grid",
+        version=lambda wildcards: code_of("grid.judge_grid", *GRID_MODELS[wildcards.grid]),
+        grid="{grid}",
+        values=lambda wildcards: pick(SETTINGS["grids"], *GRID_SETTINGS[wildcards.grid]),
+        judgement=judgement(SETTINGS, "fprc"),
+        workers=lambda wildcards, threads: threads,
+        checkpoint=placed(PATHS.below("grids/{grid}.partial.jsonl")),
+    message:
+        "Grid of {wildcards.grid}, workers: {threads}"
+    script:
+        "../scripts/stage.py"
 
 
 rule measure_times_over_n_c:

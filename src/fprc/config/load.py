@@ -158,6 +158,7 @@ def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
 #: Keys and values of earlier versions, and what became of them.
 _OLD = {
     "sweeps": "is now called grids; rename it",
+    "grids.chunks": "was removed: each grid is one job; delete it",
     "grids.replicate_taps": "is now called grids.readout_taps; rename it",
     "source = hardware": "hardware is now called rig; rename it",
     "tracking.printed_gains": "is now called control.pd; rename it",

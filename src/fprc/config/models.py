@@ -132,7 +132,6 @@ class Grids(Section):
         (1, 3, 5, 8, 10), (1, 100), "taps of P_o in the controls of the readout", "assumed",
         unit="samples",
     )  # fmt: skip
-    chunks: int = quantity(1, (1, 100), "jobs per grid; useful up to its number of cells")
 
     @field_validator("n_u")
     @classmethod

@@ -25,12 +25,6 @@ def cells_of(grid: str, values: Mapping[str, Sequence[float]]) -> list[dict[str,
     ]
 
 
-def chunk_of(cells: Sequence[Any], chunk: int, chunks: int) -> list[Any]:
-    """Return one of ``chunks`` contiguous parts; their sizes differ by one cell at most."""
-    first, last = (len(cells) * edge // chunks for edge in (chunk, chunk + 1))
-    return list(cells[first:last])
-
-
 def judge_cell(
     cell: Mapping[str, Any],
     *,

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from fprc.artifacts import read_json, write_json
+from fprc.artifacts import write_json
 from fprc.evaluation.cells import judged_cells
 from fprc.experiments.data import models_for, read_data
-from fprc.experiments.grids import cells_of, chunk_of, judge_cell, weight_shares
+from fprc.experiments.grids import cells_of, judge_cell, weight_shares
 from fprc.experiments.settings import Judgement
 
 log = logging.getLogger(__name__)
@@ -22,18 +22,14 @@ def judge_grid(
     grid: str,
     values: Mapping[str, Sequence[float]],
     judgement: Mapping[str, Any],
-    chunk: int = 0,
-    chunks: int = 1,
     **run: Any,
 ) -> None:
-    """Cross-validate and test every cell of one grid, or of one chunk of it.
+    """Cross-validate and test every cell of one grid.
 
     Parameters
     ----------
     judgement : Mapping
         Arguments of ``fprc.experiments.settings.Judgement``.
-    chunk, chunks : int
-        Number of the chunk, from 0, and of all chunks; ``join_grid`` joins them.
     **run
         ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
     """
@@ -48,7 +44,7 @@ def judge_grid(
     }
     with judged_cells(
         partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
-        chunk_of(possible, chunk, chunks),
+        possible,
         settings=judgement,
         files=[train, test],
         **run,
@@ -61,12 +57,6 @@ def _judge_from_files(
 ) -> dict[str, Any]:
     # each worker process reads the logs itself: they would be large arguments
     return judge_cell(cell, train=read_data(train), test=read_data(test), judgement=judgement)
-
-
-def join_grid(chunks: Sequence[str], results: str) -> None:
-    """Join the chunks of a grid in order; the file is that of a single job."""
-    parts = [read_json(path) for path in chunks]
-    write_json(results, parts[0] | {"cells": [cell for part in parts for cell in part["cells"]]})
 
 
 def weigh(train: str, weights: str, *, judgement: Mapping[str, Any]) -> None:
