@@ -22,12 +22,16 @@ for target, files in TARGETS.items():
         input:
             files,
         localrule: True
+        message:
+            f"Target {target}"
 
 
 rule logs:
     input:
         [PATHS.log(experiment) for experiment in PLAN.experiments],
     localrule: True
+    message:
+        "Target logs"
 
 
 rule smoke:

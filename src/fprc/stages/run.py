@@ -25,14 +25,14 @@ _NOT_ARGUMENTS = ("stage", "code", "sidecar", "made_from")
 def run_stage(job: Any) -> None:
     """Call the stage of a rule with its named inputs, outputs and params as arguments.
 
-    The param ``stage`` names it, see ``module_of``. A stage that
-    draws returns the attributes of its data, and the provenance of the figure is written to the
-    output ``sidecar``. Inputs that were changed after their rule wrote them are refused: the
-    digest of each output is kept for that. Raw logs have checksums inside instead, since a
-    recording may replace a simulated one. Progress goes to the terminal and to the rule's log
-    file. An FprcError ends the process with exit code 1 and only its message; the traceback goes
-    to the log file. Numerical libraries run on one thread, so that results do not depend on the
-    number of cores and parallel jobs do not compete for them.
+    The param ``stage`` names it, see ``module_of``. A stage that draws returns the attributes of
+    its data, and the provenance of the figure is written to the output ``sidecar``. Inputs that
+    were changed after their rule wrote them are refused: the digest of each output is kept for
+    that. Raw logs have checksums inside instead, since a recording may replace a simulated one.
+    Progress goes to the rule's log file, and with FPRC_MESSAGES=all to the terminal too. An
+    FprcError ends the process with exit code 1 and only its message; the traceback goes to the log
+    file. Numerical libraries run on one thread, so that results do not depend on the number of
+    cores and parallel jobs do not compete for them.
 
     Parameters
     ----------
@@ -83,9 +83,8 @@ def _log_to(path: str, label: str) -> None:
     line = TerminalFormatter(f"[{label}] %(message)s")
     log.setLevel(logging.DEBUG)
     terminal = logging.StreamHandler()
-    # the workflow's logger plugin reads progress from the log file and shows it
-    has_plugin = os.environ.get("FPRC_MESSAGES") == "log"
-    terminal.setLevel(logging.WARNING if has_plugin else logging.INFO)
+    everything = os.environ.get("FPRC_MESSAGES") == "all"
+    terminal.setLevel(logging.INFO if everything else logging.WARNING)
     with explaining(path):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         file = logging.FileHandler(path, mode="w")
