@@ -72,6 +72,18 @@ def figure(number, statistics=False):
     )
 
 
+def of_figure(words, given=None, statistics=False, priority=0, **params):
+    """Return what is peculiar to a figure. With ``statistics`` its numbers are a file too."""
+    return SimpleNamespace(
+        words=words, given=given or {}, statistics=statistics, priority=priority, params=params
+    )
+
+
+def of_table(stem, words, given, **params):
+    """Return what is peculiar to a table; ``stem`` are its files without suffix."""
+    return SimpleNamespace(stem=stem, words=words, given=given, params=params)
+
+
 def refused(why):
     """Return an input function that ends the workflow with the reason."""
 
