@@ -56,7 +56,9 @@ class FirstSearch(Section):
         ("tables", "orders", "plausible", "C18", "open_loop", "closed_loop"),
         description="terms of its objective, of those in calibration.fit; none: no first search",
     )
-    generations: int = quantity(60, (1, 100000), "generations of eight rigs")
+    rounds: int = quantity(
+        10, (1, 1000), "rounds, each of a rig for each free parameter and 24 more"
+    )
 
 
 class Calibration(Section):
@@ -144,16 +146,12 @@ class Calibration(Section):
         (2, 4, 7, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
     )
     first: FirstSearch = FirstSearch()
-    generations: NotEmpty[int] = quantity(
-        (40, 40, 40), (1, 100000),
-        "generations of eight rigs of each search for calibration.fit; each begins at the end of "
-        "the one before",
+    rounds: NotEmpty[int] = quantity(
+        (4, 4, 4, 4, 4), (1, 1000),
+        "rounds of each search for calibration.fit, which begins at the end of the one before",
     )  # fmt: skip
-    step: float = quantity(
-        0.05, (1e-3, 1), "standard deviation of the first rigs, as a share of each range"
-    )
     minutes: float = quantity(
-        120, (0.01, 10000), "after this time each search begins its first generation only",
+        120, (0.01, 10000), "after this time each search judges the rig at its begin only",
         unit="min",
     )  # fmt: skip
     stride: int = quantity(5, (1, 1000), "the surrogate models fit every n-th row", unit="samples")

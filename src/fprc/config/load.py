@@ -161,6 +161,9 @@ _OLD = {
     "grids.chunks": "was removed: each grid is one job; delete it",
     "grids.replicate_taps": "is now called grids.readout_taps; rename it",
     "source = hardware": "hardware is now called rig; rename it",
+    "calibration.step": "was removed: the search draws no rigs; delete it",
+    "calibration.generations": "is now called rounds, each some eight times as long; rename it",
+    "calibration.first.generations": "is now called rounds; rename it",
     "tracking.printed_gains": "is now called control.pd; rename it",
     "evaluation.verdict_seeds": "was removed: verdicts are those of all replicate_seeds; delete it",
     "tracking.candidate_kp_kpa_per_deg": "was removed: the gains are the printed ones, control.pd, "

@@ -70,8 +70,8 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
             "calibration": {
                 "seeds": [5, 6],
                 "taps": [1, 3],
-                "generations": [1],
-                "first": {"generations": 1},
+                "rounds": [1],
+                "first": {"fit": [], "rounds": 1},
             }
         }
     ).model_dump(mode="json")

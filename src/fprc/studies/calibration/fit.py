@@ -51,8 +51,8 @@ def fit_rig(
 
     Values outside their range are first moved to its end. A first search asks for those terms of
     ``calibration.fit`` that ``calibration.first.fit`` names, if there are any. Then one search for
-    all of ``calibration.fit`` follows for each number in ``calibration.generations``; each begins
-    at the end of the one before. All use cheap surrogates of the models, whose errors are
+    all of ``calibration.fit`` follows for each number in ``calibration.rounds``; each begins at
+    the end of the one before. All use cheap surrogates of the models, whose errors are
     multiplied by the ratio of the full models' errors to their own, measured where each search
     begins: the ratio changes along the way. At the end the full models judge the fitted rig on
     the seeds of the objective.
@@ -70,14 +70,14 @@ def fit_rig(
     -------
     dict, dict
         The fitted rig, and a summary of the fit. Losses are those of the last search;
-        generations and rigs are those of all.
+        rounds and rigs are those of all.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
     seeds, check_seeds = calibration["seeds"], calibration["check_seeds"]
     first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
-    planned = [(calibration["fit"], generations) for generations in calibration["generations"]]
+    planned = [(calibration["fit"], rounds) for rounds in calibration["rounds"]]
     if first:
-        planned.insert(0, (first, calibration["first"]["generations"]))
+        planned.insert(0, (first, calibration["first"]["rounds"]))
     ends = time.monotonic() + 60.0 * calibration["minutes"]
     searched = partial(
         _searched, printed=printed, judgement=judgement, grids=grids, tracking=tracking,
@@ -86,10 +86,10 @@ def fit_rig(
     start = encode(on_rig.rig, free)
     start_rig = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
     done: list[Searched] = []
-    for number, (fit, generations) in enumerate(planned, start=1):
+    for number, (fit, rounds) in enumerate(planned, start=1):
         log.info("search %d of %d, for %s", number, len(planned), ", ".join(fit))
         at = done[-1].best if done else start_rig
-        changed = {**calibration, "fit": fit, "generations": generations}
+        changed = {**calibration, "fit": fit, "rounds": rounds}
         done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
     best, objective, estimate, result = done[-1]
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
@@ -105,10 +105,10 @@ def fit_rig(
         "check_loss": objective.loss(estimate(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
         "searches": [
-            {"fit": list(fit), "generations": end.result.generations}
+            {"fit": list(fit), "rounds": end.result.rounds}
             for (fit, _), end in zip(planned, done, strict=True)
         ],
-        "generations": sum(end.result.generations for end in done),
+        "rounds": sum(end.result.rounds for end in done),
         "evaluations": sum(end.result.evaluations for end in done),
         "finished": all(end.result.finished for end in done),
         "parameters": [
@@ -162,14 +162,12 @@ def _searched(
         partial(judge_point, on_rig=start_rig, free=free, seeds=seeds, estimate=estimate),
         lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),
         encode(start_rig.rig, free),
-        step=calibration["step"],
-        generations=calibration["generations"],
-        seed=seeds[0],
+        rounds=calibration["rounds"],
         workers=workers,
         checkpoint=checkpoint,
         key=hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest(),
         seconds=ends - time.monotonic(),
-        progress=partial(log.info, "generation %d of %d, least loss %.4f, %.0f s"),
+        progress=partial(log.info, "round %d of %d, least loss %.4f, %.0f s"),
     )
     best = replace(start_rig, rig=resolved(decode(result.point, start_rig.rig, free)))
     return Searched(best, objective, estimate, result)

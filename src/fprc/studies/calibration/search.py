@@ -1,10 +1,11 @@
-"""Search in the unit cube with linear models of everything that was measured.
+"""Search in the unit cube with a linear model of everything that was measured.
 
 Judging a point yields many numbers, and the loss is a known function of them. Near a point the
-numbers are almost linear in it; the loss, with its limits and squares, is not. The search
-therefore fits a linear model of the numbers to the judged points around the best one, minimises
-the loss over the model, and judges the points that this gives. It needs far fewer judgements
-than a search by the loss alone, and resumes from a checkpoint after a kill.
+numbers are almost linear in it; the loss, with its limits and squares, is not. Each round of the
+search therefore measures how all numbers change along each parameter, minimises the loss over this
+linear model within several distances, judges the points that this gives, goes on from the best of
+them, and corrects the model by what they showed: the method of Gauss and Newton, with Broyden's
+update. Nothing in it is random, and it resumes from a checkpoint after a kill.
 """
 
 import math
@@ -19,80 +20,37 @@ from scipy.optimize import least_squares
 
 from fprc.artifacts import resuming
 
-#: Points of a generation: minima of the model within these multiples of the radius around the best
-#: point, the minimum around another good point, and random points around these.
-_REACH = (0.4, 1.0, 2.0)
-_POPULATION = 8
+#: Step of the finite differences, in units of the cube's edge.
+_STEP = 0.03
 
-#: Radius of the first proposals, and its limits, in units of the cube; factors after a generation
-#: with and without a better point.
-_RADIUS, _LEAST, _MOST, _GROW, _SHRINK = 0.12, 0.02, 0.4, 1.15, 0.85
+#: Steps of a round, and the distances that each tries, as multiples of the radius.
+_STEPS, _REACH = 6, (0.2, 0.6, 1.5, 3.0)
 
-#: Weight of the step's length beside the deviations, and ridge of the linear model.
-_DAMPING, _RIDGE = 0.5, 0.15
+#: Radius of the first step and its limits, in units of the cube; the factor after a step that found
+#: nothing better, and the least with which a round begins.
+_RADIUS, _LEAST, _MOST, _SHRINK, _FRESH = 0.15, 0.01, 0.4, 0.4, 0.05
+
+#: Weight of the step's length beside the deviations, and share of a correction that the model takes
+#: over: numbers of one pair of points are noisy.
+_DAMPING, _CORRECTED = 0.3, 0.7
 
 
 class SearchResult(NamedTuple):
     """Result of a search."""
 
-    point: np.ndarray  #: the best point; the start if none was possible
-    loss: float  #: infinite if none was possible
-    generations: int
+    point: np.ndarray  #: the best point
+    loss: float  #: infinite if the start was impossible
+    rounds: int  #: those that were begun
     evaluations: int
     finished: bool  #: False if the time limit ended the search
-    numbers: list[np.ndarray]  #: those of every possible point
 
 
-class _Archive:
-    """Judged points with their numbers and losses."""
+class _Here(NamedTuple):
+    """A point that was judged."""
 
-    def __init__(self, deviations_of: Callable[[Sequence[float]], np.ndarray]):
-        self.deviations_of = deviations_of
-        self.points: list[np.ndarray] = []
-        self.numbers: list[np.ndarray] = []
-        self.losses: list[float] = []
-
-    def add(self, points: Sequence[np.ndarray], judged: Sequence[Sequence[float] | None]) -> None:
-        for point, numbers in zip(points, judged, strict=True):
-            if numbers is None:
-                continue
-            loss = float(np.sum(self.deviations_of(numbers) ** 2))
-            if math.isfinite(loss):
-                self.points.append(point)
-                self.numbers.append(np.asarray(numbers))
-                self.losses.append(loss)
-
-    @property
-    def least(self) -> float:
-        return min(self.losses, default=math.inf)
-
-    @property
-    def best(self) -> int:
-        return int(np.argmin(self.losses))
-
-    def minimum_near(self, center: np.ndarray, radius: float) -> np.ndarray:
-        """Return the point within ``radius`` at which the linear model's loss is least."""
-        away = np.array(self.points) - center
-        numbers = np.array(self.numbers)
-        distance2, size = np.sum(away**2, axis=1), center.size
-        nearest = np.sort(distance2)[min(len(away) - 1, int(2.2 * size))]
-        spread = max(nearest, 0.2 * size * radius**2)
-        weighted = away * np.exp(-0.5 * distance2 / spread)[:, None]
-        closest = int(np.argmin(distance2))
-        ridge = _RIDGE * spread / size * np.exp(-0.5 * distance2 / spread).sum()
-        slopes = np.linalg.solve(
-            weighted.T @ away + ridge * np.eye(size), weighted.T @ (numbers - numbers[closest])
-        )
-
-        def residuals(point: np.ndarray) -> np.ndarray:
-            step = point - center
-            deviations = self.deviations_of((numbers[closest] + step @ slopes).tolist())
-            return np.concatenate([deviations, _DAMPING * step / radius])
-
-        low, high = np.maximum(center - radius, 0.0), np.minimum(center + radius, 1.0)
-        inside = np.clip(center, low + 1e-9, high - 1e-9)
-        fit = least_squares(residuals, inside, bounds=(low, high), diff_step=1e-3, max_nfev=12)
-        return fit.x
+    point: np.ndarray
+    numbers: np.ndarray
+    loss: float
 
 
 def search(
@@ -100,19 +58,17 @@ def search(
     deviations_of: Callable[[Sequence[float]], np.ndarray],
     start: np.ndarray,
     *,
-    step: float,
-    generations: int,
-    seed: int,
+    rounds: int,
     workers: int,
     checkpoint: Path | str,
     key: str,
     seconds: float = np.inf,
-    progress: Callable[[int, int, float, float], None] = lambda done, total, best, elapsed: None,
+    progress: Callable[[int, int, float, float], None] = lambda begun, total, best, elapsed: None,
 ) -> SearchResult:
     """Minimise the sum of squares of ``deviations_of(judge(point))`` over the unit cube.
 
-    The points are a function of the seed and of what was judged, so the checkpoint holds only the
-    judgements of each generation; a resumed search replays them.
+    The points are a function of what was judged, so the checkpoint holds only the judgements; a
+    resumed search replays them.
 
     Parameters
     ----------
@@ -120,63 +76,114 @@ def search(
         Picklable; takes a point and returns its numbers, or None if it is impossible.
     start : ndarray of shape (n_parameters,)
         First point to judge.
-    step : float
-        Standard deviation of the first points around the start, as a share of the cube's edge.
-        There are twice as many of them as the cube has dimensions.
+    rounds : int
+        A round judges a point for each parameter, and up to 24 more.
     checkpoint : path
-        See ``artifacts.resuming``; the head is ``key`` with ``start``, ``step`` and ``seed``, the
-        entries are the judgements of each generation. A file with another head is kept.
+        See ``artifacts.resuming``; the head is ``key`` with ``start``, the entries are the
+        judgements of points that were judged together. A file with another head is kept.
     key : str
         Hash of everything that the judgements depend on.
     seconds : float
-        No generation but the first starts after this time, s.
+        After this time, s, nothing but the start is judged any more.
     progress : callable
-        Called after each generation with the generations done and planned, the
-        least loss, and the time, s.
+        Called after each step with the rounds begun and planned, the least loss, and the time, s.
     """
     start = np.asarray(start, dtype=float)
-    head = {"key": key, "start": start.tolist(), "step": step, "seed": seed}
-    archive, rng, radius = _Archive(deviations_of), np.random.default_rng(seed), _RADIUS
-    first = -(-2 * start.size // _POPULATION)
-    begin_s, done, judged = time.monotonic(), 0, 0
+    head = {"key": key, "start": start.tolist()}
+    begin_s, evaluations, begun, finished = time.monotonic(), 0, 0, True
+    here = _Here(start, np.empty(0), math.inf)
     with (
         resuming(checkpoint, head, keep=True) as (known, append),
         parallel_config("loky", inner_max_num_threads=1),
         Parallel(n_jobs=workers) as pool,
     ):
-        while done < generations and (
-            done < max(len(known), 1) or time.monotonic() - begin_s < seconds
-        ):
-            if done < first or not archive.points:
-                points = list(start + step * rng.standard_normal((_POPULATION, start.size)))
-                if done == 0:
-                    points[0] = start
-            else:
-                points = _proposed(archive, radius, rng)
-            points = [np.clip(point, 0.0, 1.0) for point in points]
-            before = archive.least
-            if done < len(known):
-                archive.add(points, known[done])
-            else:
-                new = pool(delayed(judge)(point) for point in points)
-                archive.add(points, new)
-                append(new)
-                progress(done + 1, generations, archive.least, time.monotonic() - begin_s)
-            if done >= first:
-                better = archive.least < 0.999 * before
-                radius = min(max(radius * (_GROW if better else _SHRINK), _LEAST), _MOST)
-            done += 1
-            judged += len(points)
-    best = archive.points[archive.best] if archive.points else start
-    return SearchResult(best, archive.least, done, judged, done >= generations, archive.numbers)
+        replayed = iter(known)
+
+        def judged(points: Sequence[np.ndarray]) -> list[_Here | None]:
+            nonlocal evaluations
+            found = next(replayed, None)
+            if found is None:
+                if evaluations and time.monotonic() - begin_s >= seconds:
+                    raise TimeoutError
+                found = pool(delayed(judge)(point) for point in points)
+                append(found)
+            evaluations += len(points)
+            return [_here(*pair, deviations_of) for pair in zip(points, found, strict=True)]
+
+        try:
+            (first,) = judged([start])
+            here, radius = first or here, _RADIUS
+            while begun < rounds and math.isfinite(here.loss):
+                begun += 1
+                slopes, radius = _slopes(here, judged), max(radius, _FRESH)
+                for _ in range(_STEPS):
+                    radii = [min(share * radius, _MOST) for share in _REACH]
+                    points = [_least_within(r, here, slopes, deviations_of) for r in radii]
+                    tried = [(new, r) for new, r in zip(judged(points), radii, strict=True) if new]
+                    for new, _ in sorted(tried, key=lambda pair: -pair[0].loss):
+                        slopes = _corrected(slopes, here, new)
+                    best, reached = min(tried, key=lambda pair: pair[0].loss, default=(here, 0.0))
+                    if best.loss < here.loss:
+                        here, radius = best, reached
+                    else:
+                        radius *= _SHRINK
+                    radius = max(radius, _LEAST)
+                    progress(begun, rounds, here.loss, time.monotonic() - begin_s)
+        except TimeoutError:
+            finished = False
+    return SearchResult(here.point, here.loss, begun, evaluations, finished)
 
 
-def _proposed(archive: _Archive, radius: float, rng: np.random.Generator) -> list[np.ndarray]:
-    best = archive.points[archive.best]
-    points = [archive.minimum_near(best, reach * radius) for reach in _REACH]
-    runner_up = archive.points[int(rng.choice(np.argsort(archive.losses)[:6]))]
-    points.append(archive.minimum_near(runner_up, radius))
-    around = [(points[1], 0.25), (points[1], 0.5), (best, 0.5), (best, 1.0)]
-    return points + [
-        center + share * radius * rng.standard_normal(best.size) for center, share in around
+def _here(
+    point: np.ndarray,
+    numbers: Sequence[float] | None,
+    deviations_of: Callable[[Sequence[float]], np.ndarray],
+) -> _Here | None:
+    """Return a judged point; None if it is impossible."""
+    if numbers is None:
+        return None
+    return _Here(point, np.asarray(numbers), float(np.sum(deviations_of(numbers) ** 2)))
+
+
+def _slopes(
+    here: _Here, judged: Callable[[Sequence[np.ndarray]], list[_Here | None]]
+) -> np.ndarray:
+    """Return how the numbers change along each parameter, of shape (n_numbers, n_parameters).
+
+    A parameter whose neighbour is impossible has the slope 0.
+    """
+    steps = np.where(here.point + _STEP <= 1.0, _STEP, -_STEP)
+    points = [
+        here.point + step * axis for step, axis in zip(steps, np.eye(len(steps)), strict=True)
     ]
+    return np.column_stack([
+        np.zeros(len(here.numbers)) if near is None else (near.numbers - here.numbers) / step
+        for near, step in zip(judged(points), steps, strict=True)
+    ])  # fmt: skip
+
+
+def _corrected(slopes: np.ndarray, here: _Here, new: _Here) -> np.ndarray:
+    """Return the slopes that explain more of what was found at a new point (Broyden)."""
+    step = new.point - here.point
+    if not step.any():
+        return slopes
+    unexplained = new.numbers - here.numbers - slopes @ step
+    return slopes + _CORRECTED * np.outer(unexplained, step) / (step @ step)
+
+
+def _least_within(
+    radius: float,
+    here: _Here,
+    slopes: np.ndarray,
+    deviations_of: Callable[[Sequence[float]], np.ndarray],
+) -> np.ndarray:
+    """Return the point within ``radius`` at which the linear model's loss is least."""
+
+    def residuals(step: np.ndarray) -> np.ndarray:
+        deviations = deviations_of((here.numbers + slopes @ step).tolist())
+        return np.concatenate([deviations, _DAMPING * step / radius])
+
+    low, high = np.maximum(-radius, -here.point), np.minimum(radius, 1.0 - here.point)
+    begin = np.clip(np.zeros(len(low)), low + 1e-9, high - 1e-9)
+    fit = least_squares(residuals, begin, bounds=(low, high), diff_step=1e-3, max_nfev=25)
+    return np.clip(here.point + fit.x, 0.0, 1.0)

@@ -23,8 +23,12 @@ from fprc.studies.stages.calibrate import calibrate
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
 SURROGATE = {"stride": 7, "esn_nodes": 8}
-POPULATION, GENERATIONS = 8, 2
-EVALUATIONS = POPULATION * GENERATIONS
+ROUNDS = 2
+
+
+def rigs(rounds):
+    """Return how many rigs a search judges: the start, and neighbours and steps of each round."""
+    return 1 + rounds * (3 + 24)
 
 
 # --- tiny configuration ---------------------------------------------------------------------------
@@ -44,9 +48,8 @@ def settings():
         "check_seeds": [41],
         "taps": [4, 1],
         "fit": list(TERMS),
-        "first": {"fit": [], "generations": 1},
-        "generations": [GENERATIONS],
-        "step": 0.3,
+        "first": {"fit": [], "rounds": 1},
+        "rounds": [ROUNDS],
         **SURROGATE,
     }
     signals = {name: signal | {"duration_s": 8.0} for name, signal in found["experiments"].items()}
@@ -201,7 +204,7 @@ def written(fitted):
 def test_fit_improves_the_loss(report):
     assert report["loss"] < report["loss_at_start"]
     assert report["finished"] is True
-    assert (report["generations"], report["evaluations"]) == (GENERATIONS, EVALUATIONS)
+    assert (report["rounds"], report["evaluations"]) == (ROUNDS, rigs(ROUNDS))
 
 
 def test_loss_of_the_report_is_that_of_its_terms_on_the_fitted_rig(report, remeasured, settings):
@@ -302,7 +305,7 @@ def quick(monkeypatch, settings):
 def test_grids_are_in_the_order_that_the_objective_compares(quick, tmp_path):
     """However the configuration orders them: epsilon falls, the others rise."""
     quick.fit(tmp_path)
-    assert len(quick.grids) > EVALUATIONS
+    assert len(quick.grids) > rigs(ROUNDS)
     for grids in quick.grids:
         assert grids == {"epsilon": [1.0, 0.1], "n_c": [1, 3], "n_u": [1, 4], "n_y": [1, 4]}
 
@@ -311,14 +314,15 @@ def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
     clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
     for module in (stage, importlib.import_module("fprc.studies.calibration.search")):
         monkeypatch.setattr(module, "time", clock)
-    first = {"fit": ["tables"], "generations": 100}
-    changes = with_calibration(quick.settings, first=first, generations=[100], minutes=0.3)
+    first = {"fit": ["tables"], "rounds": 100}
+    minutes = (rigs(2) + 1) / 60.0
+    changes = with_calibration(quick.settings, first=first, rounds=[100], minutes=minutes)
     found = quick.fit(tmp_path, **changes)
-    assert (found["finished"], found["generations"]) == (False, 3 + 1)
+    assert (found["finished"], found["rounds"]) == (False, 3 + 1)
     every = list(quick.settings["calibration"]["fit"])
     assert found["searches"] == [
-        {"fit": ["tables"], "generations": 3},
-        {"fit": every, "generations": 1},
+        {"fit": ["tables"], "rounds": 3},
+        {"fit": every, "rounds": 1},
     ]
 
 
@@ -349,21 +353,20 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
 
     monkeypatch.setattr(stage, "judge_seeds", noting)
     quick.deviation = lambda point, seeds: 1.0 + 0.3 * np.sum(point)
-    first = {"fit": ["tables"], "generations": 3}
+    first = {"fit": ["tables"], "rounds": 3}
     changes = with_calibration(
-        quick.settings, first=first, fit=["tables", "plausible"], generations=[2, 4],
+        quick.settings, first=first, fit=["tables", "plausible"], rounds=[2, 4],
         plausible={"angle_deg": [50.0, 70.0]},
     )  # fmt: skip
     found = quick.fit(tmp_path, **changes)
-    assert [each["generations"] for each in found["searches"]] == [3, 2, 4]
-    assert found["generations"] == 3 + 2 + 4
-    assert found["evaluations"] == len(judged.points) == POPULATION * (3 + 2 + 4)
-    judged_before = judged.points[: 3 * POPULATION]
-    for begin, end in ((3, 5), (5, 9)):
-        now = judged.points[begin * POPULATION : end * POPULATION]
+    assert [each["rounds"] for each in found["searches"]] == [3, 2, 4]
+    assert found["rounds"] == 3 + 2 + 4
+    counts = list(map(rigs, (3, 2, 4)))
+    assert found["evaluations"] == len(judged.points) == sum(counts)
+    first, second, third = np.split(np.array(judged.points), np.cumsum(counts)[:-1])
+    for before, after in ((first, second), (second, third)):
         # parameters of the rig between two searches are rounded to four digits
-        assert now[0] == pytest.approx(min(judged_before, key=sum), rel=1e-3)
-        judged_before = now
+        assert after[0] == pytest.approx(before[before.sum(axis=1).argmin()], rel=1e-3, abs=1e-4)
     assert found["fit"] == ["tables", "plausible"]
     assert found["loss_at_start"] == pytest.approx(
         12.0 * (1.0 + 0.3 * quick.start.sum()) ** 2, rel=1e-3
@@ -372,4 +375,4 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
     order = [fit for fit, before in zip(asked, [None, *asked], strict=False) if fit != before]
     assert order == [("tables",), ("tables", "plausible")]
     quick.fit(tmp_path, **changes)
-    assert len(judged.points) == POPULATION * (3 + 2 + 4)
+    assert len(judged.points) == sum(counts)
