@@ -6,7 +6,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help paper smoke quick types lint site tests faults test damage test-kill reproduce-twice processors \
+.PHONY: help paper smoke quick style fast types kernels lint site tests faults test damage test-kill reproduce-twice processors \
 	slurm slurm-programs test-slurm chromium docs check layers lowest newest fault-matrix fuzz loop-benchmark benchmark \
 	benchmark-all container test-container cut release release-tools test-release clean
 
@@ -19,10 +19,15 @@ paper: .venv/.ready  ## every table and figure of the paper, into results/
 smoke: .venv/.ready  ## the same rules with small settings, into results/smoke
 	snakemake --cores $(CORES) smoke
 
-quick: .venv/.ready  ## style, types and the fast unit tests, while you work
+quick: .venv/.ready  ## style, types and the fast unit tests, side by side, while you work
+	@$(MAKE) --no-print-directory --jobs 2 style fast
+
+style: .venv/.ready
 	ruff check --quiet .
 	ruff format --quiet --check .
 	mypy
+
+fast: .venv/.ready
 	FPRC_EXAMPLES=10 $(ONE_THREAD) pytest --quiet --numprocesses $(CORES) --dist loadfile \
 	  -m "not slow" tests/unit $(PYTEST)
 
@@ -38,7 +43,11 @@ lint: .venv/.ready  ## style, types, layers, workflow lint
 	snakemake --lint --snakefile workflow/studies/Snakefile
 	lint-imports
 
-site: .venv/.ready  ## build the documentation site into docs/_build/html, with its examples run
+# Else the processes of the tests and of the site, which begin together, would each compile them.
+kernels: .venv/.ready  ## compile the functions that numba compiles, for all that runs later
+	$(ONE_THREAD) python tools/kernels.py
+
+site: kernels  ## build the documentation site into docs/_build/html, with its examples run
 	sphinx-build -W --keep-going -q docs docs/_build/html
 
 test: lint site tests faults  ## everything that must pass
@@ -53,13 +62,13 @@ LATER = $(filter-out $(FIRST), $(wildcard tests/workflow/test_*.py tests/fuzz/te
 ONE_THREAD = OMP_NUM_THREADS=1
 
 # Four processes, because tests often wait for programs that they start, and for Slurm.
-tests: .venv/.ready  ## the tests, without those of faults
+tests: kernels  ## the tests, without those of faults
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared \
 	  $(ONE_THREAD) pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder $(FIRST) $(LATER) \
 	  tests/reference tests/unit $(PYTEST)
 
 # One process, because docs/faults.md is compared with what all of them found.
-faults: .venv/.ready  ## the tests of faults, most of them in real time: three minutes
+faults: kernels  ## the tests of faults, most of them in real time: three minutes
 	$(ONE_THREAD) pytest tests/faults $(PYTEST)
 
 test-kill: .venv/.ready  ## kill the workflow at twenty random moments: ten minutes or more

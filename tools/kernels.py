@@ -1,0 +1,35 @@
+"""Compile the kernels once: processes that begin together would each compile them."""
+
+from fprc.config import check
+from fprc.experiments.competitors import ON_RECORDINGS
+from fprc.experiments.data import Data
+from fprc.experiments.hysteresis import acquire
+from fprc.experiments.tracking import TRACKING_RUNS, Track
+from fprc.registry import build
+
+
+def main() -> None:
+    """Simulate a short experiment, train every model on it, and track a reference with one."""
+    settings = check({}).model_dump(mode="json")
+    control, rig, models = settings["control"], settings["rig"], settings["models"]
+    signal = settings["experiments"]["sweep"] | {"duration_s": 2.0}
+    log = acquire("sweep", signal, control, rig, seed=1)
+    data = Data(log | {"p_target_kpa": log["p_exp_kpa"]}, {})
+    for name in ON_RECORDINGS:
+        X, y = data.pair(name)
+        changed = {"r": 20} if name == "esn" else {}
+        model = build(name, models, 1, **changed).fit(X, y)
+        model.predict(X)
+        model.step(X[0])
+    fprc = build("fprc", models, 1).partial_fit(*data.pair("fprc"))
+    for adapt in (False, True):
+        feedforward = control["feedforward"] | {"adapt": adapt}
+        bench = Track(settings["tracking"], control | {"feedforward": feedforward}, rig, 1)
+        bench.follow("sine_0p5", "fprc_pd", fprc)
+        theta_d, number = bench.reference("sine_0p5"), TRACKING_RUNS["sine_0p5"]
+        fed = bench.feed(fprc, bench.inputs(theta_d, number))
+        bench.simulate(theta_d, fed, number, feedback=True)
+
+
+if __name__ == "__main__":
+    main()
