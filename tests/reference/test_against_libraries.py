@@ -7,17 +7,12 @@ from decimal import Decimal
 import numpy as np
 import pytest
 import scipy.linalg
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
 from fprc.models import ESN, FPRC, EchoStates, FuzzyLinear, RidgeReadout, TapFeatures, lowpass
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import with_bias
-
-examples = settings(max_examples=25, deadline=None, derandomize=True)
 
 
 def hysteresis(size):
@@ -72,16 +67,6 @@ def exact_memberships(x, centers, sigma):
 
 
 # sequential features
-
-
-@examples
-@given(arrays(float, st.integers(1, 60), elements=st.floats(-500, 500)), st.floats(1e-4, 1.0))
-def test_lowpass_equals_its_recursion(x, epsilon):
-    expected, before = [], x[0]
-    for value in x:
-        before = epsilon * value + (1.0 - epsilon) * before
-        expected.append(before)
-    assert_allclose(lowpass(x, epsilon), expected, rtol=1e-10, atol=1e-10)
 
 
 @pytest.mark.parametrize("inputs", [1, 2])

@@ -11,13 +11,6 @@ from fprc.apparatus.guardian import BEAT_S, _wait, _watch, vent_until_shown
 from fprc.devices import pneumatics
 
 
-def messages(*chunks):
-    told = queue.SimpleQueue()
-    for chunk in chunks:
-        told.put(chunk)
-    return told
-
-
 @pytest.fixture
 def heard():
     """Signals that the user sends to the guardian."""
@@ -38,34 +31,9 @@ def quick(monkeypatch):
     monkeypatch.setattr(guardian, "_RETRY_S", 0.005)
 
 
-@pytest.mark.parametrize(
-    ("chunks", "end"),
-    [
-        ([b""], "safe"),  # it ended before anything could move
-        ([b"O", b""], "gone"),
-        ([b"OS", b""], "safe"),  # a board cannot be opened
-        ([b"OA", b""], "gone"),
-        ([b"A..", b".", b""], "gone"),
-        ([b"A...", b".S", b""], "safe"),
-        ([b"A.SA..S", b""], "safe"),
-        ([b"OA.S", b"O", b"A..S", b""], "safe"),  # a check: two sessions
-        ([b"A.SA", b""], "gone"),
-        ([b"A.S", b"A.", b""], "gone"),
-        ([b"O"], "stuck"),
-        ([b"OA.SO", b"..."], "stuck"),
-        ([b"A"], "silent"),
-        ([b"OA"], "silent"),
-        ([b"A.SA", b"..."], "silent"),
-    ],
-)
-def test_end_of_the_loop_is_derived_from_its_messages(chunks, end):
-    limits = {"stalled_s": 0.01, "opening_s": 0.02}
-    assert _watch(messages(*chunks), lambda: None, limits) == end
-
-
 LIMITS = {"stalled_s": 0.5, "opening_s": 3.0}
-#: Waits after which a loop that drives the rig is silent.
-STALLED = round(LIMITS["stalled_s"] / BEAT_S)
+#: Timeouts after which one more is too many, of a loop that drives the rig or opens the boards.
+DRIVEN, OPENED = ([None] * (round(limit_s / BEAT_S) - 1) for limit_s in LIMITS.values())
 
 
 class Waits(queue.SimpleQueue):
@@ -80,29 +48,38 @@ class Waits(queue.SimpleQueue):
         return chunk
 
 
-def test_silence_of_a_rig_that_is_safe_is_waited_out_with_heartbeats_of_the_guardian():
-    beats = []
-    told = Waits(*[None] * 30, b"A", b".S", *[None] * 30, b"")
-    assert _watch(told, lambda: beats.append(1), LIMITS) == "safe"
-    assert len(beats) == 63
-
-
-def test_silence_is_counted_in_waits_so_that_a_guardian_that_was_stopped_hears_first():
-    nearly = [None] * (STALLED - 1)
-    assert _watch(Waits(b"A", *nearly, b".", *nearly, b"S", b""), lambda: None, LIMITS) == "safe"
-    assert _watch(Waits(b"A", *nearly, b".", *nearly, None), lambda: None, LIMITS) == "silent"
-
-
-def test_boards_that_take_long_to_open_are_waited_for_but_not_without_end():
-    nearly = [None] * (round(LIMITS["opening_s"] / BEAT_S) - 1)
-    assert len(nearly) > STALLED
-    for opened in (b"A.S", b"S"):
-        assert _watch(Waits(b"O", *nearly, opened, b""), lambda: None, LIMITS) == "safe"
-    assert _watch(Waits(b"O", *nearly, None), lambda: None, LIMITS) == "stuck"
-    # once they are open, silence is no longer tolerated
-    waits = Waits(b"O", *nearly, b"A", *[None] * STALLED, *nearly)
-    assert _watch(waits, lambda: None, LIMITS) == "silent"
-    assert waits.left == nearly
+@pytest.mark.parametrize(
+    ("chunks", "end"),
+    [
+        ([b""], "safe"),  # it ended before anything could move
+        ([b"O", b""], "gone"),
+        ([b"OS", b""], "safe"),  # a board cannot be opened
+        ([b"OA", b""], "gone"),
+        ([b"A..", b".", b""], "gone"),
+        ([b"A...", b".S", b""], "safe"),
+        ([b"A.SA..S", b""], "safe"),
+        ([b"OA.S", b"O", b"A..S", b""], "safe"),  # a check: two sessions
+        ([b"A.SA", b""], "gone"),
+        ([b"A.S", b"A.", b""], "gone"),
+        # silence is counted in waits, so that a guardian that was stopped hears first
+        ([b"A", *DRIVEN, b".", *DRIVEN, b"S", b""], "safe"),
+        ([b"A", *DRIVEN, b".", *DRIVEN, None], "silent"),
+        ([b"A.SA", b"...", *DRIVEN, None], "silent"),
+        # boards that take long to open are waited for, but not without end
+        ([b"O", *OPENED, b"A.S", b""], "safe"),
+        ([b"O", *OPENED, b"S", b""], "safe"),
+        ([b"OA.SO", b"...", *OPENED, None], "stuck"),
+        # and once they are open, silence is no longer tolerated
+        ([b"O", *OPENED, b"A", *DRIVEN, None], "silent"),
+        ([*4 * OPENED, b"A", b".S", *4 * OPENED, b""], "safe"),
+    ],
+)
+def test_end_of_the_loop_is_derived_from_its_messages(chunks, end):
+    waits, beats = Waits(*chunks), []
+    assert len(DRIVEN) < len(OPENED)
+    assert _watch(waits, lambda: beats.append(1), LIMITS) == end
+    assert waits.left == []
+    assert len(beats) == len(chunks)
 
 
 VENTED = "both chambers are vented, as their sensors show"

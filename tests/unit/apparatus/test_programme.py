@@ -6,7 +6,7 @@ from fprc.apparatus.record import record_on_rig
 from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, Readings
 from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
-from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, TapFeatures, save_model
+from fprc.models import FPRC, FuzzyLinear, TapFeatures, save_model
 
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)
 
@@ -78,10 +78,8 @@ def files(model, recorded, tmp_path_factory):
     inputs = np.column_stack([log["theta_deg"], log["p_o_kpa"], log["p_i_kpa"]])
     fitted = {
         "Fuzzy-linear": (FuzzyLinear(n_c=2, random_state=1), 1),
-        "ESN": (ESN(r=5, random_state=1), 1),
         "FPRC of three inputs": (FPRC(n_c=2, random_state=1), 3),
         "features": (TapFeatures(), 2),
-        "readout": (RidgeReadout(), 2),
     }
     for name, (each, count) in fitted.items():
         each.fit(inputs[:, :count], log["p_exp_command_kpa"])
@@ -93,9 +91,7 @@ def files(model, recorded, tmp_path_factory):
     ("file", "said"),
     [
         ("Fuzzy-linear", "is a FuzzyLinear, must be a FPRC; give --model a file of fprc"),
-        ("ESN", "is a ESN, must be a FPRC; give --model a file of fprc"),
         ("features", "is a TapFeatures, must be a FPRC; give --model a file of fprc"),
-        ("readout", "is a RidgeReadout, must be a FPRC; give --model a file of fprc"),
         ("FPRC of three inputs", "was fitted to 3 inputs, must have 2, theta_deg and p_o_kpa"),
     ],
 )

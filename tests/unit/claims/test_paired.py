@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.signal import lfilter
 from scipy.stats import ttest_1samp
 
-from fprc.claims import paired
 from fprc.claims.paired import ALPHA, Part, holm, judge_together
 
 MARGIN = math.log(1.05)
@@ -57,17 +55,6 @@ def test_superior_and_inferior_are_t_tests(values, level):
     assert part(values, ratio=False).verdict(level) == expected
 
 
-@given(SAMPLES, st.booleans())
-def test_lowest_level_is_where_the_verdict_turns(values, ratio):
-    sample = part(values, ratio=ratio)
-    least, inferior = sample.least_levels()
-    if least < 0.9:
-        assert sample.verdict(least * 1.0001) != "undecided"
-        assert sample.verdict(least * 0.9999) == "undecided"
-    if inferior < 0.9 and not ratio:
-        assert sample.verdict(inferior * 1.0001) == "inferior"
-
-
 # --- several claims -------------------------------------------------------------------------------
 
 
@@ -88,12 +75,6 @@ def test_holm_is_the_closure_of_bonferroni(p):
     assert adjusted == pytest.approx(closure)
     decided = np.array(p) <= levels
     assert (decided == (adjusted <= ALPHA)).all() or np.isclose(adjusted, ALPHA).any()
-
-
-def test_holm_of_a_textbook_example():
-    adjusted, levels = holm(np.array([0.01, 0.04, 0.03, 0.005]))
-    assert adjusted == pytest.approx([0.03, 0.06, 0.06, 0.02])
-    assert levels == pytest.approx([0.05 / 3, 0.05 / 2, 0.05 / 2, 0.05 / 4])
 
 
 def test_a_claim_that_is_not_judged_still_counts():
@@ -133,41 +114,6 @@ def test_p_of_two_parts_is_that_of_the_weaker():
     assert judge(normal(0.3, 0.01, 12), weak).p < judge(weak).p
 
 
-# --- errors and power -----------------------------------------------------------------------------
-
-
-def worlds(means, std, units=10, count=200):
-    random = np.random.default_rng(5)
-    for _ in range(count):
-        yield [[part(random.normal(mean, std, units))] for mean in means]
-
-
-@pytest.mark.parametrize("true", [[], [-5.0] * 4])
-def test_chance_of_any_wrong_verdict_is_five_percent(monkeypatch, true):
-    """Also where other claims are true."""
-    monkeypatch.setattr(paired, "AGREEING", 0.0)
-    monkeypatch.setattr(paired, "SUBSETS", 1)
-    # so wide that no sample is equivalent: every verdict is wrong
-    means = true + [0.0] * (8 - len(true))
-    wrong = [
-        any(outcome.verdict != "undecided" for outcome in judge_together(world)[len(true) :])
-        for world in worlds(means, 1.0, count=300)
-    ]
-    assert 0.02 < np.mean(wrong) < 0.08
-
-
-@pytest.mark.parametrize(
-    ("mean", "verdict"), [(-0.15, "superior"), (0.0, "equivalent"), (0.15, "inferior")]
-)
-def test_true_verdicts_are_found(mean, verdict):
-    found = [
-        outcome.verdict
-        for world in worlds([mean] * 8, 0.02, units=15, count=2)
-        for outcome in judge_together(world)
-    ]
-    assert set(found) == {verdict}
-
-
 # --- units that share training data ---------------------------------------------------------------
 
 
@@ -183,42 +129,15 @@ def test_interval_of_blocks_has_the_variance_of_nadeau_and_bengio():
     assert high - low == pytest.approx(2 * half, rel=1e-4)
 
 
-@given(SAMPLES, st.booleans(), st.floats(0.01, 1.0))
-def test_lowest_level_of_blocks_is_where_the_verdict_turns(values, ratio, overlap):
+@given(SAMPLES, st.booleans(), st.just(0.0) | st.floats(0.01, 1.0))
+def test_lowest_level_is_where_the_verdict_turns(values, ratio, overlap):
     sample = part(values, ratio=ratio, overlap=overlap)
-    least, _ = sample.least_levels()
+    least, inferior = sample.least_levels()
     if least < 0.9:
         assert sample.verdict(least * 1.0001) != "undecided"
         assert sample.verdict(least * 0.9999) == "undecided"
-
-
-def errors_on_blocks(samples=100, blocks=10, logs=600, slow=0.9):
-    """Return the errors of two regressions on the blocks of many logs; neither is the better.
-
-    A log is y = a + b + noise, all of them slow; one regression sees a, the other b.
-    """
-    random = np.random.default_rng(4)
-    shocks = random.standard_normal((3, logs, samples + 100)) * math.sqrt(1 - slow**2)
-    a, b, noise = lfilter([1.0], [1.0, -slow], shocks)[:, :, 100:].reshape(3, logs, blocks, -1)
-    y, errors = a + b + noise, []
-    for x in (a, b):
-        xx, xy = (x * x).sum(axis=2), (x * y).sum(axis=2)
-        others = [moment.sum(axis=1, keepdims=True) - moment for moment in (xy, xx)]
-        weight = others[0] / others[1]
-        errors.append(np.sqrt(((y - weight[..., None] * x) ** 2).mean(axis=2)))
-    return errors
-
-
-def test_equal_models_differ_on_blocks_of_one_log_in_one_of_twenty_logs_at_most():
-    ratios = np.log(np.divide(*errors_on_blocks()))
-
-    def wrong(**more):
-        verdicts = [part(log, **more).verdict(0.05) for log in ratios]
-        return np.mean([verdict in ("superior", "inferior") for verdict in verdicts])
-
-    assert wrong(overlap=1 / 9) < 0.05
-    # as if blocks were seeds
-    assert wrong() > 0.08
+    if inferior < 0.9 and not ratio:
+        assert sample.verdict(inferior * 1.0001) == "inferior"
 
 
 # --- other units ----------------------------------------------------------------------------------

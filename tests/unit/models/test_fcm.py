@@ -32,15 +32,6 @@ def unsettled(X, n_clusters, **options):
         return fuzzy_c_means(X, n_clusters, **options)
 
 
-@given(samples(), st.integers(1, 5), seeds)
-def test_memberships_of_a_sample_sum_to_one(X, n_clusters, seed):
-    clusters = unsettled(X, n_clusters, random_state=seed, max_iterations=30)
-    assert clusters.memberships.shape == (len(X), n_clusters)
-    assert np.all(clusters.memberships >= 0.0)
-    assert_allclose(clusters.memberships.sum(axis=1), 1.0, rtol=1e-12)
-    assert np.all(np.isfinite(clusters.centers))
-
-
 @given(samples(), st.integers(1, 4), seeds)
 def test_centers_lie_within_the_range_of_the_data(X, n_clusters, seed):
     centers = unsettled(X, n_clusters, random_state=seed, max_iterations=10).centers

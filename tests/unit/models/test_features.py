@@ -60,14 +60,6 @@ def test_weights_of_the_network_are_dense_and_normally_distributed():
         assert np.all(weights != 0.0)
 
 
-def test_washout_holds_the_first_sample():
-    X = log(30)
-    network = {"r": 10, "n_y": 1, "random_state": 0}
-    held = np.vstack([np.tile(X[0], (25, 1)), X])
-    washed = EchoStates(**network, washout=25).fit_transform(X)
-    assert_allclose(washed, EchoStates(**network, washout=0).fit_transform(held)[25:], rtol=1e-12)
-
-
 MAPS = pytest.mark.parametrize(
     "features",
     [TapFeatures(n_y=3, n_u=2), EchoStates(r=8, n_y=3, random_state=0)],

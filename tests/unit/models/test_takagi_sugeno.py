@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose
 from sklearn.utils import check_random_state
 
-from fprc.models import RidgeReadout, TakagiSugenoReadout
+from fprc.models import TakagiSugenoReadout
 
 
 @pytest.fixture
@@ -11,22 +11,6 @@ def regimes():
     """Two straight lines, each on a stretch of its own."""
     x = np.concatenate([np.linspace(-1.0, 1.0, 60), np.linspace(99.0, 101.0, 60)])
     return x[:, None], np.where(x < 50.0, 2.0 + 3.0 * x, 500.0 - 4.0 * x)
-
-
-def test_one_rule_is_the_plain_ridge(rows):
-    X, y = rows
-    one = TakagiSugenoReadout(n_c=1).fit(X, y)
-    assert_allclose(one.W_out_[0], RidgeReadout().fit(X, y).w_out_, rtol=1e-9)
-    assert_allclose(one.predict(X), RidgeReadout().fit(X, y).predict(X), rtol=1e-9)
-
-
-def test_each_rule_learns_the_line_of_its_own_cluster(regimes):
-    X, y = regimes
-    readout = TakagiSugenoReadout(n_c=2, alpha=1e-9, random_state=0).fit(X, y)
-    low, high = np.argsort(readout.centers_[:, 0])
-    assert_allclose(readout.centers_[[low, high], 0], [0.0, 100.0], atol=0.1)
-    assert_allclose(readout.W_out_[low], [2.0, 3.0], atol=0.1)
-    assert_allclose(readout.predict(X), y, atol=0.1)
 
 
 def test_far_sample_gets_the_line_of_the_nearest_rule(regimes):

@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -34,49 +36,34 @@ TABLE_4 = pd.DataFrame(
 
 
 @pytest.mark.parametrize(
-    ("claims", "tables", "simulated", "sentences"),
+    ("claims", "tables", "simulated", "numbers"),
     [
         ([], {}, True, []),
+        # of the claims that the rig was not fitted to, of the others, and of those on times
         (
             ledger(predicted=[GOOD, BAD, OPEN], fitted=[GOOD], half_fitted=[BAD], timed=[BAD]),
             {},
             True,
-            [
-                "We reproduce 1 of 3 claims of the paper that the simulated rig was not fitted to "
-                "(1 not reproduced, 1 undecided), 1 of 2 that the rig was fitted to at least in "
-                "part (1 not reproduced) and 0 of 1 on execution times (1 not reproduced)."
-            ],
+            ["1 3 1 1 1 2 1 0 1 1"],
         ),
-        (
-            ledger(predicted=[GOOD, GOOD], assumed=[GOOD], timed=[GOOD]),
-            {},
-            False,
-            [
-                "We reproduce 3 of 3 claims of the paper on accuracy and control and 1 of 1 on "
-                "execution times."
-            ],
-        ),
+        (ledger(predicted=[GOOD, GOOD], assumed=[GOOD], timed=[GOOD]), {}, False, ["3 3 1 1"]),
+        # ours, and in brackets the paper's
         (
             [],
             {"table2": TABLE_2, "table4": TABLE_4},
             True,
-            [
-                "The test RMSE in Table II is 11.3 kPa for FPRC (paper: 11.0) and 99.0 kPa for "
-                "Mine.",
-                "The RMSE of tracking in Table IV is 2.39 to 2.70 deg for FPRC (paper: 2.04 to "
-                "2.67) and 8.00 to 9.00 deg for PD.",
-            ],
+            ["11.3 11.0 99.0", "2.39 2.70 2.04 2.67 8.00 9.00"],
         ),
         (
             [],
             {"table2": TABLE_2, "table2_seeds": TABLE_2.assign(mean=20.0, seeds=10)},
             True,
-            [
-                "The test RMSE in Table II, mean over 10 seeds, is 20.0 kPa for FPRC (paper: 11.0) "
-                "and 20.0 kPa for Mine."
-            ],
+            ["10 20.0 11.0 20.0"],
         ),
     ],
 )
-def test_sentences_say_what_holds_and_what_does_not(claims, tables, simulated, sentences):
-    assert found(claims, tables, simulated=simulated) == sentences
+def test_sentences_have_the_numbers_of_what_holds_and_what_does_not(
+    claims, tables, simulated, numbers
+):
+    sentences = found(claims, tables, simulated=simulated)
+    assert [" ".join(re.findall(r"\d+(?:\.\d+)?", sentence)) for sentence in sentences] == numbers
