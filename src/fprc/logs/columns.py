@@ -13,6 +13,9 @@ from fprc.errors import LogError
 from fprc.logs.attributes import as_written, read_attributes
 from fprc.logs.hdf5 import channel_of, opened, refuse_never_written, too_large
 
+#: Largest magnitude of a sample, in any unit; its square does not overflow.
+LARGEST = 1e10
+
 #: A file in memory, without padding, in the oldest format in which everything but the samples has
 #: checksums. A file on a full disk would crash the process at exit.
 _IN_MEMORY: dict[str, Any] = {
@@ -70,7 +73,7 @@ def read_columns(
         Lists every problem, one per line: the file cannot be opened or is cut short; an
         attribute has the wrong type; a channel is missing, is stored in another file, is too
         large, has the wrong unit or shape, was changed on the disk, or holds a value that is
-        not finite (with its sample).
+        not finite or beyond ``LARGEST`` (with its sample).
     """
     columns, problems = gather_columns(path, names, optional)
     if problems:
@@ -164,18 +167,18 @@ def _read_all(file: h5py.File, names: tuple[str, ...]) -> tuple[dict[str, np.nda
                 "file, or, if it is of a real rig, `fprc log repair` reads the journal beside it"
             )
         else:
-            more += _not_finite(channels[name])
+            more += _unusable(channels[name])
         problems += [f"channel {name}: {problem}" for problem in more]
     return channels, problems + _wrong_lengths(channels)
 
 
-def _not_finite(values: np.ndarray) -> list[str]:
-    bad = np.flatnonzero(~np.isfinite(values))
+def _unusable(values: np.ndarray) -> list[str]:
+    bad = np.flatnonzero(~(np.abs(values) <= LARGEST))  # NaN is neither
     if not bad.size:
         return []
     return [
-        f"sample {bad[0]} is {values[bad[0]]}, and {bad.size - 1} more are not finite; cut "
-        "them out or record again"
+        f"sample {bad[0]} is {values[bad[0]]:g}, and {bad.size - 1} more are not finite or exceed "
+        f"{LARGEST:g}; cut them out or record again"
     ]
 
 

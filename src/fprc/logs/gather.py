@@ -8,12 +8,11 @@ import numpy as np
 from fprc.channels import CONVERTED
 from fprc.errors import LogError
 from fprc.logs.clock import Clock, Recording, even, read_clock
+from fprc.logs.columns import LARGEST
 from fprc.logs.variables import Source, pick
 
 #: Factor from each unit to that of a raw log; ``1``: another quantity, not converted.
 FACTORS = {"1": 1.0} | {name: by for units in CONVERTED.values() for name, by in units.items()}
-#: Largest magnitude of a converted sample, in any unit.
-LARGEST = 1e12
 
 
 def gather(

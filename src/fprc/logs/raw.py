@@ -8,7 +8,7 @@ import numpy as np
 
 from fprc.channels import RAW_CHANNELS, TARGETS, needed_by
 from fprc.errors import LogError
-from fprc.logs.columns import Columns, gather_columns, write_columns
+from fprc.logs.columns import LARGEST, Columns, gather_columns, write_columns
 
 #: Prefixes of the experiment names of closed-loop runs.
 RUNS = ("track_", "identify_")
@@ -22,9 +22,6 @@ SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 #: Required attributes of a raw log, and those that a closed-loop run needs too.
 RAW_ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
 RUN_ATTRIBUTES = ("controller", "reference", "settle_s")
-
-#: Largest plausible magnitude in any channel; its square does not overflow.
-_LARGEST = 1e10
 
 
 def write_raw(
@@ -112,10 +109,10 @@ def read_raw(
     Raises
     ------
     LogError
-        See ``read_columns``; also, an attribute is missing, time does not increase, a
-        value is impossibly large, or the rate is not the expected one. An imported log requires
-        time, angle and one of the two P_exp; a log of the real rig all channels but
-        ``phi_deg``; a closed-loop run also ``TRACKING_CHANNELS`` and ``RUN_ATTRIBUTES``.
+        See ``read_columns``; also, an attribute is missing, time does not increase, or the rate
+        is not the expected one. An imported log requires time, angle and one of the two P_exp; a
+        log of the real rig all channels but ``phi_deg``; a closed-loop run also
+        ``TRACKING_CHANNELS`` and ``RUN_ATTRIBUTES``.
     """
     log, problems = _gather(path)
     attributes = log.attributes
@@ -180,9 +177,9 @@ def _gather(
         f"{path}: channel {target}: missing; import one of them"
         for target in _missing_target(attributes, log.channels)
     ]
-    more = [*_contradictions(attributes), *_too_large(log.channels)]
+    more = _contradictions(attributes)
     time_s = log.channels.get("time_s", np.empty(0))
-    if time_s.size and (np.abs(time_s) <= _LARGEST).all():
+    if time_s.size and (np.abs(time_s) <= LARGEST).all():
         more += _wrong_times(time_s, attributes.get("settle_s"))
     return log, problems + [f"{path}: {problem}" for problem in more]
 
@@ -200,19 +197,6 @@ def _contradictions(attributes: Mapping[str, Any]) -> list[str]:
         )
     if not rate_hz > 0.0:
         problems.append(f"attribute sample_rate_hz = {rate_hz}; must be above 0")
-    return problems
-
-
-def _too_large(channels: Mapping[str, np.ndarray]) -> list[str]:
-    problems = []
-    for name, values in channels.items():
-        beyond = np.flatnonzero(np.isfinite(values) & (np.abs(values) > _LARGEST))
-        if beyond.size:
-            problems.append(
-                f"channel {name}: sample {beyond[0]} is {values[beyond[0]]:g}; it and "
-                f"{beyond.size - 1} more exceed {_LARGEST:g}, far more than any sensor reads; "
-                "restore the file or record again"
-            )
     return problems
 
 

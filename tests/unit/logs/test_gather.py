@@ -9,7 +9,8 @@ from hypothesis.extra.numpy import arrays
 
 from fprc.errors import LogError
 from fprc.logs.arrays import read_arrays
-from fprc.logs.gather import LARGEST, gather
+from fprc.logs.columns import LARGEST
+from fprc.logs.gather import gather
 from fprc.logs.sources import read_source
 
 PLAIN = {"scale": 1.0, "offset": 0.0}
