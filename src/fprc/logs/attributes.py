@@ -50,20 +50,21 @@ _WORDS = {
 }
 
 
-def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], dict[str, str]]:
+def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], list[str]]:
     """Return the valid attributes of a file or dataset, and an error text for each invalid one.
 
     Values are Python numbers and text; JSON is parsed. Attributes that are not in ``KINDS``
     and are neither a number nor text are skipped.
     """
-    valid, wrong = {}, {}
+    valid, problems = {}, []
     for name in filter(is_text, holder):
         try:
             valid[name] = read_attribute(holder, name)
         except (LogError, TypeError) as error:  # TypeError: no Python equivalent of its type
             if name in KINDS:
-                wrong[name] = str(error)
-    return valid, wrong
+                why = str(error)
+                problems.append(f"attribute {name}{' ' if why.startswith('=') else ': '}{why}")
+    return valid, problems
 
 
 def read_attribute(holder: h5py.AttributeManager, name: str) -> Any:

@@ -101,13 +101,12 @@ def gather_columns(
     """
     path = Path(path)
     with opened(path) as file:
-        values, wrong = read_attributes(file.attrs)
-        wrong |= {
-            name: "missing; see data/raw/README.md"
+        values, problems = read_attributes(file.attrs)
+        problems += [
+            f"attribute {name}: missing; see data/raw/README.md"
             for name in attributes
-            if name not in values and name not in wrong
-        }
-        problems = _attribute_problems(wrong)
+            if name not in file.attrs
+        ]
         present = frozenset(file)  # `name in file` would follow a link
         names = (*names, *(name for name in optional if name in present))
         channels, more = _read_all(file, names)
@@ -125,16 +124,10 @@ def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
     """
     with opened(Path(path)) as file:
         names = frozenset(file)
-        attributes, wrong = read_attributes(file.attrs)
-    if problems := _attribute_problems(wrong):
+        attributes, problems = read_attributes(file.attrs)
+    if problems:
         raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
     return names, attributes
-
-
-def _attribute_problems(wrong: Mapping[str, str]) -> list[str]:
-    return [
-        f"attribute {name}{'' if why.startswith('=') else ':'} {why}" for name, why in wrong.items()
-    ]
 
 
 def _read_all(file: h5py.File, names: tuple[str, ...]) -> tuple[dict[str, np.ndarray], list[str]]:
@@ -152,7 +145,7 @@ def _read_all(file: h5py.File, names: tuple[str, ...]) -> tuple[dict[str, np.nda
     channels = {}
     for name, dataset in datasets.items():
         attributes, wrong = read_attributes(dataset.attrs)
-        more = _attribute_problems({key: why for key, why in wrong.items() if key == "units"})
+        more = [problem for problem in wrong if problem.startswith("attribute units")]
         unit = attributes.get("units", "none")
         if unit != unit_of(name) and not more:
             more.append(
