@@ -25,7 +25,6 @@ def tracking_law(
     feedforward: Feedforward | None = None,
     feedback: PD | None = None,
     online: "Online | None" = None,
-    stale_samples: int = 40,
 ) -> Law:
     """Return the law P_d = P_ff + P_fb with P_i = K_in theta_d.
 
@@ -42,24 +41,18 @@ def tracking_law(
     online : Online, optional
         The model of ``feedforward``, if it learns in the run; the law then returns what it has
         learned too, as the channels of kind ``learning``.
-    stale_samples : int
-        Most samples in which the reference moves and the bend sensor does not;
-        after more it counts as frozen.
 
     Raises
     ------
     ControlError
-        Neither feedforward nor feedback is given. The law raises it if an output is not finite or
-        the bend sensor froze.
+        Neither feedforward nor feedback is given. The law raises it if an output is not finite.
     """
     if feedforward is None and feedback is None:
         raise ControlError("a control law needs feedforward, feedback, or both; both are missing")
     references = np.asarray(theta_d_deg, dtype=float).tolist()
-    watch = _Watch(stale_samples)
 
     def law(k: int, now: Readings) -> Sequence[float]:
         theta_d = references[k]
-        watch.check(theta_d, now)
         if online is not None:
             online.learn(theta_d - now.theta_deg, now.theta_deg)
         p_ff = 0.0 if feedforward is None else feedforward(theta_d, now)
@@ -126,25 +119,3 @@ def feedforward(model: "SequenceModel | Online", p_o_shift_kpa: float = 0.0) -> 
     if model.n_features_in_ == 1:
         return lambda theta_d, now: model.step((theta_d,))
     return lambda theta_d, now: model.step((theta_d, now.p_o_kpa + p_o_shift_kpa))
-
-
-class _Watch:
-    """Detects a frozen bend sensor: its value is constant while the reference moves."""
-
-    def __init__(self, stale_samples: int):
-        self.limit = stale_samples
-        self.reading = math.nan
-        self.still = 0  # samples at which the reference moved and the reading did not
-        self.first = self.last = math.nan  # references at the last new reading, and one sample ago
-
-    def check(self, theta_d: float, now: Readings) -> None:
-        if now.theta_deg != self.reading:
-            self.reading, self.still, self.first = now.theta_deg, 0, theta_d
-        elif theta_d != self.last:
-            self.still += 1
-        self.last = theta_d
-        if self.still > self.limit and abs(theta_d - self.first) > 2.0:
-            raise ControlError(
-                f"theta_deg has been {now.theta_deg} for {self.still} samples in which the "
-                "reference moved; the bend sensor is frozen, check its cable"
-            )
