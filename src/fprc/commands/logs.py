@@ -3,10 +3,8 @@
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
-from fprc.artifacts import refuse_output
 from fprc.config import Settings
 from fprc.errors import LogError
 from fprc.escape import visible
@@ -117,12 +115,6 @@ def repair(source: str, *, out: str) -> int:
     OutputError
         ``out`` exists, does not end in ``.h5``, or cannot be written.
     """
-    refuse_output(out, ".h5")
-    if Path(source).suffix != ".journal":
-        raise LogError(
-            f"{source}: only a journal, FILE.journal, can be repaired; the one of a recorded log "
-            f"is beside the log, {Path(source).stem}.*.journal"
-        )
     findings = recover(source, out)
     messages = _losses(findings)
     whole = findings.closed and not findings.lost

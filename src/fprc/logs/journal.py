@@ -97,7 +97,6 @@ class Journal:
         self._record = struct.Struct(f"<Q{len(names)}d")
         self._buffer = bytearray(self._record.size + UINT32.size)
         self._checked = memoryview(self._buffer)[: self._record.size]
-        self._last_tick = -1
         self._problem = ""
         self._closing = threading.Event()
         self._syncing = threading.Thread(target=self._sync, args=(sync_s,), daemon=True)
@@ -118,17 +117,10 @@ class Journal:
         LogError
             It cannot be written, earlier samples could not be synced, or the file was lost.
             Samples already written stay readable unless it was.
-        ValueError
-            The tick does not increase, or the row has the wrong length.
         """
         if self._problem:
             raise LogError(self._problem)
-        if tick <= self._last_tick:
-            raise ValueError(f"tick {tick} does not come after tick {self._last_tick}")
-        try:
-            self._record.pack_into(self._buffer, 0, tick, *row)
-        except struct.error as error:
-            raise ValueError(f"row of tick {tick}: {error}") from error
+        self._record.pack_into(self._buffer, 0, tick, *row)
         UINT32.pack_into(self._buffer, self._record.size, zlib.crc32(self._checked, self._seed))
         try:
             _write(self._file, self._buffer)
@@ -139,7 +131,6 @@ class Journal:
                 "run again"
             )
             raise LogError(self._problem) from error
-        self._last_tick = tick
         self.samples += 1
 
     def close(self, complete: bool = True, reason: str = "", **statistics: Any) -> None:

@@ -49,11 +49,6 @@ def write_raw(
         Configuration of rig and control, stored as JSON.
     **more
         Further attributes of the run.
-
-    Raises
-    ------
-    LogError
-        A channel that a log of this source and experiment requires is missing.
     """
     attributes = {
         "experiment": experiment,
@@ -70,9 +65,6 @@ def write_raw(
         for name, values in channels.items()
         if not (len(values) and np.isnan(values).all())
     }
-    missing = [name for name in _required_channels(attributes) if name not in measured]
-    if missing := missing + _missing_target(attributes, measured):
-        raise LogError(f"{path}: not written, channels {', '.join(missing)} are missing")
     write_columns(path, measured, attributes)
 
 

@@ -62,8 +62,8 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     header = _find_block(data, MAGIC, 0)
     if header is None:
         raise LogError(
-            f"{path}: not a journal of this version (data/raw/README.md describes it), or both "
-            "copies of its header are damaged or cut; restore the file, or run again"
+            f"{path}: not a journal of this version, or both copies of its header are damaged or "
+            "cut; give the file *.journal beside the raw log, restore it, or run again"
         )
     attributes = header.content
     names = attributes.pop("names")

@@ -4,7 +4,7 @@ import pytest
 
 from fprc.channels import needed_by
 from fprc.errors import LogError
-from fprc.logs import read_raw, read_run, write_raw
+from fprc.logs import read_raw, read_run
 
 RATE = {"experiment": None, "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
@@ -194,24 +194,6 @@ def test_imported_run_may_lack_the_optional_channels_of_an_import(write_run, abs
     assert list(read_run(path, ("theta_d_deg",)).channels) == ["theta_d_deg"]
     with pytest.raises(LogError, match=f"channel {absent}: missing"):
         read_run(path, (absent,))
-
-
-@pytest.mark.parametrize(
-    ("experiment", "absent"),
-    [
-        ("track_sweep_fprc", ["theta_d_deg", "p_ff_kpa", "p_fb_kpa"]),
-        ("sweep", ["p_o_kpa", "phi_deg"]),
-    ],
-)
-def test_log_without_the_channels_of_its_kind_is_not_written(
-    channels, tmp_path, experiment, absent
-):
-    path = tmp_path / "log.h5"
-    there = {name: values for name, values in channels.items() if name not in absent}
-    told = {"experiment": experiment, "source": "sim", "sample_rate_hz": 200.0, "seed": 1}
-    with pytest.raises(LogError, match=", ".join(absent)):
-        write_raw(path, there, **told, software="fprc test", rig={})
-    assert not path.exists()
 
 
 def test_problems_of_channels_time_and_attributes_are_reported_together(with_attributes):
