@@ -4,8 +4,6 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
 
 from fprc.config import check
 from fprc.config.folders import PROJECT_FOLDERS, RESULT_FOLDERS
@@ -126,36 +124,6 @@ def test_raw_logs_and_results_that_would_mix_are_refused(project, raw, results, 
 def test_folders_that_do_no_harm_are_taken_as_they_are(project, raw, results):
     folders = check({"folders": {"raw": raw, "results": results}}).folders
     assert (folders.raw, folders.results) == (raw, results)
-
-
-NAMES = st.text(max_size=6) | st.sampled_from([".", "..", "src", ".git", "results", "data", "~"])
-PATHS = st.builds(lambda root, names: root + "/".join(names), st.sampled_from(["", "/", "./"]),
-                  st.lists(NAMES, max_size=5))  # fmt: skip
-
-
-@given(raw=PATHS, results=PATHS)
-def test_folders_are_refused_or_can_be_made_apart_from_the_project(tmp_path_factory, raw, results):
-    """Where they would come to lie, by the file system's own rules."""
-    assume("\ud800" not in raw + results)
-    project = tmp_path_factory.getbasetemp() / "any/project"
-    project.mkdir(parents=True, exist_ok=True)
-    before = os.getcwd()
-    os.chdir(project)
-    try:
-        folders = check({"folders": {"raw": raw, "results": results}}).folders
-        places = [Path(folder).resolve() for folder in (folders.raw, folders.results)]
-    except ConfigError as error:
-        assert " in the configuration:\n  folders" in str(error)  # noqa: PT017
-        return
-    finally:
-        os.chdir(before)
-    assert places[0] != places[1]
-    assert not places[1].is_relative_to(places[0])
-    for place in places:
-        assert not project.is_relative_to(place)
-        inside = place.relative_to(project).parts if place.is_relative_to(project) else ("..",)
-        assert inside[0] == ".." or not inside[0].startswith(".")
-        assert inside[0] not in ("src", "config")
 
 
 def test_own_folders_are_those_of_the_repository():
