@@ -196,11 +196,11 @@ def _content_of(thing: Any) -> Any:
     if thing.size == 0:
         return _EMPTY
     if thing.dtype.names:
-        return {field: elements(thing[field]) for field in thing.dtype.names}
-    return elements(thing) if thing.dtype == object else thing
+        return {field: _elements(thing[field]) for field in thing.dtype.names}
+    return _elements(thing) if thing.dtype == object else thing
 
 
-def elements(array: np.ndarray) -> list[tuple[str, Any]]:
+def _elements(array: np.ndarray) -> list[tuple[str, Any]]:
     """Return the elements of an array, column by column, each with its index as in MATLAB.
 
     MATLAB counts from 1; a vector has one index.
@@ -223,7 +223,7 @@ def _targets(dataset: h5py.Dataset) -> list[tuple[str, Any]]:
     """Return the objects that a dataset refers to, each with its index as in MATLAB."""
     if dataset.size > MOST_ARRAYS:
         raise _too_many(dataset.file.filename)
-    references = elements(np.asarray(dataset[()] if dataset.size else []).T)
+    references = _elements(np.asarray(dataset[()] if dataset.size else []).T)
     return [
         (text, dataset.file[reference] if reference else _EMPTY) for text, reference in references
     ]

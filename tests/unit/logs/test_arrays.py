@@ -2,12 +2,10 @@ import h5py
 import numpy as np
 import pytest
 import scipy.io
-from hypothesis import given
-from hypothesis import strategies as st
 
 from fprc.errors import LogError
 from fprc.logs import arrays
-from fprc.logs.arrays import elements, read_arrays
+from fprc.logs.arrays import read_arrays
 from fprc.logs.variables import columns_of, pick
 
 Y = np.arange(50.0).reshape(-1, 1)
@@ -124,18 +122,6 @@ def test_wrong_column_is_refused_with_the_right_ones(read, text, said):
     with pytest.raises(LogError) as caught:
         pick(source, text)
     assert said in str(caught.value)
-
-
-@given(shape=st.lists(st.integers(1, 4), min_size=2, max_size=3).map(tuple))
-def test_elements_are_counted_down_the_columns_from_one(shape):
-    counted = np.arange(np.prod(shape)).reshape(shape, order="F")
-    found = elements(counted)
-    assert [element for _, element in found] == list(range(counted.size))
-    if sum(n > 1 for n in shape) < 2:
-        assert [text for text, _ in found] == [str(k + 1) for k in range(counted.size)]
-    else:
-        last = ",".join(map(str, shape))
-        assert (found[0][0], found[-1][0]) == (",".join("1" * len(shape)), last)
 
 
 def test_cell_that_holds_itself_is_refused(tmp_path, matlab_files):

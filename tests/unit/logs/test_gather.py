@@ -87,14 +87,6 @@ def asked(name, **more):
 # --- every format ---------------------------------------------------------------------------
 
 
-def test_channels_come_back_from_every_format(source):
-    content, name = source
-    recording = gather(content, **asked(name))
-    assert recording.time_s.tolist() == T.tolist()
-    assert recording.channels["theta_deg"].tolist() == COLUMNS["angle"].tolist()
-    assert recording.channels["p_exp_kpa"].tolist() == COLUMNS["force"].tolist()
-
-
 @pytest.mark.parametrize("kind", WRITERS)
 @given(values=arrays(np.float64, st.integers(2, 30), elements=numbers))
 def test_any_numbers_come_back_bit_for_bit(kind, values, tmp_path_factory):

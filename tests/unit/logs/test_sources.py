@@ -48,13 +48,9 @@ def test_arrays_come_out_of_the_other_process_as_they_were(tmp_path, kind):
 
 @pytest.mark.parametrize("name", ["log.h5", "log.mat"])
 def test_arrays_are_read_in_another_process(tmp_path, monkeypatch, name):
-    asked = []
-    monkeypatch.setattr(
-        sources, "isolated_each", lambda *call, **more: asked.append((call, more)) or [None]
-    )
-    (tmp_path / name).write_bytes(b"x")
-    read_source(tmp_path / name)
-    assert asked == [((sources.read_arrays, [tmp_path / name]), {"matlab": name.endswith("mat")})]
+    monkeypatch.setattr(sources, "isolated_each", lambda *call, **more: ["read there"])
+    (tmp_path / name).touch()
+    assert read_source(tmp_path / name) == "read there"
 
 
 READ_DAMAGED = """
