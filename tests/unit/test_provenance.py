@@ -3,8 +3,6 @@ import shutil
 import subprocess
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from fprc.provenance import checkout, describe, hash_of
 
@@ -84,24 +82,10 @@ def test_without_git_there_is_no_commit(tmp_path, monkeypatch):
     assert checkout() == (None, None)
 
 
-VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
-    max_leaves=8,
-)
-
-
-def turned(value):
-    """Return the same settings with the keys of every mapping the other way round."""
-    if isinstance(value, dict):
-        return {key: turned(value[key]) for key in reversed(value)}
-    return [turned(item) for item in value] if isinstance(value, list) else value
-
-
-@given(st.dictionaries(st.text(max_size=5), VALUES))
-def test_hash_of_settings_does_not_depend_on_the_order_of_keys(settings):
-    assert hash_of(turned(settings)) == hash_of(settings)
-    assert len(hash_of(settings)) == 64
+def test_hash_of_settings_does_not_depend_on_the_order_of_keys():
+    settings = {"seed": 1, "rig": {"drift": [{"x": 0.1, "y": "a"}], "valve": None}}
+    turned = {"rig": {"valve": None, "drift": [{"y": "a", "x": 0.1}]}, "seed": 1}
+    assert hash_of(turned) == hash_of(settings) != hash_of(settings | {"seed": 2})
 
 
 @pytest.fixture
