@@ -5,8 +5,6 @@ from pathlib import Path
 
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
 from fprc.config import Settings, check, from_files, local_files, rig_files
 from fprc.config.reference import RIG
@@ -134,37 +132,6 @@ def test_wrong_value_is_one_error(key, value, place):
     for name in reversed(key.split(".")):
         config = {name: config}
     assert told(message(config)) == [key + place]
-
-
-def keys_of(values, prefix=()):
-    for name, value in values.items():
-        yield (*prefix, name)
-        if isinstance(value, dict):
-            yield from keys_of(value, (*prefix, name))
-
-
-KEYS = list(keys_of(Settings().model_dump()))
-VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
-    max_leaves=4,
-)
-
-
-@given(st.lists(st.tuples(st.sampled_from(KEYS), VALUES), min_size=1, max_size=4))
-def test_any_configuration_is_either_valid_or_explained(changes):
-    config = Settings().model_dump()
-    for (*way, last), value in changes:
-        section = config
-        for name in way:
-            section = section[name] if isinstance(section.get(name), dict) else {}
-        section[last] = copy.deepcopy(value)
-    try:
-        settings = check(config)
-    except ConfigError as error:
-        assert " in the configuration:\n  " in str(error)  # noqa: PT017
-    else:
-        assert check(settings.model_dump()) == settings
 
 
 # --- files --------------------------------------------------------------------------------------
