@@ -50,11 +50,7 @@ def isolated_each(
 
 
 def attempt_each(
-    function: Callable[..., Any],
-    paths: Sequence[Path | str],
-    *,
-    limit_s: float | None = None,
-    **keywords: Any,
+    function: Callable[..., Any], paths: Sequence[Path | str], **keywords: Any
 ) -> list[Any]:
     """Call a function on each of several files; return its result or ``LogError`` for each.
 
@@ -66,8 +62,6 @@ def attempt_each(
     function : callable
         Takes a path, and ``keywords``. At module level: it is pickled, and so are its arguments
         and result.
-    limit_s : float, optional
-        Limit on a process's processor time; by default it follows from the files' sizes.
 
     Raises
     ------
@@ -76,8 +70,8 @@ def attempt_each(
     """
     results: list[Any] = []
     while left := paths[len(results) :]:
-        cpu_s = limit_s or time_limit_s(left)
-        answers, ended = _ask(pickle.dumps((function, left, keywords)), cpu_s)
+        request = pickle.dumps((function, left, keywords))
+        answers, ended = _ask(request, time_limit_s(left))
         answered = list(_answers(answers))
         for path, (result, error) in zip(left, answered, strict=False):
             if isinstance(error, MemoryError):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fprc.errors import LogError
+from fprc.logs import isolated
 from fprc.logs.columns import read_columns
 from fprc.logs.isolated import attempt_each, isolated_each, time_limit_s
 
@@ -31,13 +32,15 @@ def test_prints_do_not_enter_the_results_which_are_in_the_order_of_the_files():
     assert isolated_each(len, []) == []
 
 
-def test_function_that_is_blocked_is_ended_and_the_file_named():
+def test_function_that_is_blocked_is_ended_and_the_file_named(monkeypatch):
+    monkeypatch.setattr(isolated, "time_limit_s", lambda paths: 0.2)
     blocked = "__import__('time').sleep(60.0)"
-    (found,) = attempt_each(eval, [blocked], limit_s=0.2)
+    (found,) = attempt_each(eval, [blocked])
     assert str(found).startswith(f"{blocked}: not read within 0.2 s")
 
 
-def test_file_that_ends_the_process_is_named_and_the_others_are_read():
+def test_file_that_ends_the_process_is_named_and_the_others_are_read(monkeypatch):
+    monkeypatch.setattr(isolated, "time_limit_s", lambda paths: 2.0)
     code = {
         "fine": "3",
         "crash": "__import__('ctypes').string_at(0)",
@@ -45,7 +48,7 @@ def test_file_that_ends_the_process_is_named_and_the_others_are_read():
         "too much": "__import__('numpy').ones(1 << 32)",
         "last": "5",
     }
-    found = dict(zip(code, attempt_each(eval, list(code.values()), limit_s=2.0), strict=True))
+    found = dict(zip(code, attempt_each(eval, list(code.values())), strict=True))
     assert (found.pop("fine"), found.pop("last")) == (3, 5)
     assert {name: type(error) for name, error in found.items()} == dict.fromkeys(found, LogError)
     for name, words in (("crash", "crashed"), ("hang", "within 2 s"), ("too much", "MB")):
@@ -80,7 +83,7 @@ def test_child_ends_with_its_parent(tmp_path, number):
     pid = tmp_path / "pid"
     wait = f"(open({str(pid)!r}, 'w').write(str(os.getpid())), time.sleep(600))"
     code = f"import os, time; {wait}"
-    call = f"attempt_each(exec, [{code!r}], limit_s=100.0)"
+    call = f"attempt_each(exec, [{code!r}])"
     parent = subprocess.Popen([sys.executable, "-c", f"from {MODULE} import attempt_each; {call}"])
     try:
         wait_for(lambda: pid.exists() and pid.read_text())
