@@ -10,7 +10,7 @@ import yaml
 
 from fprc.artifacts import read_json
 from fprc.cli import main
-from fprc.commands.import_recording import import_recording
+from fprc.commands.import_recording import import_or_list
 from fprc.logs import read_raw
 from fprc.models import RidgeReadout, lowpass, taps
 
@@ -69,7 +69,7 @@ def imported(tmp_path_factory):
         if source not in done:
             folder = tmp_path_factory.mktemp(source.stem)
             (folder / "map.yaml").write_text(yaml.safe_dump(MAPS[source]))
-            import_recording(str(source), str(folder / "map.yaml"), str(folder / "log.h5"))
+            import_or_list(str(source), map_=str(folder / "map.yaml"), out=str(folder / "log.h5"))
             log = read_raw(
                 folder / "log.h5", experiment=None, sample_rate_hz=200.0, rate_tolerance=1e-6
             )

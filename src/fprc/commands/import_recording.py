@@ -73,40 +73,25 @@ def import_or_list(
     ------
     UsageError
         Neither ``list_`` nor ``draft`` nor both of ``map_`` and ``out`` are given.
+    ConfigError
+        The map is wrong; lists all errors.
+    LogError, OutputError
+        See ``import_mapped``.
     """
     if list_:
         list_source(source, map_)
     elif draft:
         print(draft_map(source, map_))
     elif map_ and out:
-        import_recording(source, map_, out)
+        mapping = read_map(map_)
+        if mapping.experiment is None:
+            raise ConfigError(
+                f"{map_}: test_from_s is for `fprc readout`; give experiment (sweep or complex) "
+                "instead, and start_s or end_s"
+            )
+        import_mapped(mapping, source, out)
     else:
         raise UsageError("give --list, --draft, or both --map and --out")
-
-
-def import_recording(source: str, map_file: str, raw: str) -> None:
-    """Convert a foreign file to a raw log, diagnose it, and draw it.
-
-    Writes ``*.diagnosis.json`` and ``*.diagnosis.png`` beside ``raw``: all three
-    or none. The diagnosis describes the recording before resampling.
-
-    Raises
-    ------
-    ConfigError
-        The map is wrong; lists all errors.
-    LogError
-        The file cannot be used with this map; lists all columns that it lacks.
-    OutputError
-        One of the three files exists and was not written by an import to ``raw``, or cannot be
-        written.
-    """
-    mapping = read_map(map_file)
-    if mapping.experiment is None:
-        raise ConfigError(
-            f"{map_file}: test_from_s is for `fprc readout`; give experiment (sweep or complex) "
-            "instead, and start_s or end_s"
-        )
-    import_mapped(mapping, source, raw)
 
 
 def own_rate(mapping: ImportMap, source: str) -> tuple[float, float]:
@@ -145,7 +130,19 @@ def _read(mapping: ImportMap, source: str) -> tuple[Source, Recording]:
 
 
 def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
-    """Do as ``import_recording``, with a map that has been read already."""
+    """Convert a foreign file to a raw log, diagnose it, and draw it.
+
+    Writes ``*.diagnosis.json`` and ``*.diagnosis.png`` beside ``raw``: all three
+    or none. The diagnosis describes the recording before resampling.
+
+    Raises
+    ------
+    LogError
+        The file cannot be used with this map; lists all columns that it lacks.
+    OutputError
+        One of the three files exists and was not written by an import to ``raw``, or cannot be
+        written.
+    """
     diagnosed, picture = _outputs_beside(raw)
     columns, rate_hz = mapping.channels.model_dump(exclude_none=True), mapping.rate_hz
     time = mapping.time.model_dump()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
-from fprc.commands.import_recording import _quoted, import_recording
+from fprc.commands.import_recording import _quoted, import_or_list
 from fprc.config import Settings
 from fprc.errors import LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
@@ -56,7 +56,7 @@ def bring(recorded, tmp_path):
         mapping = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
         raw = tmp_path / "sweep.h5"
-        import_recording(str(tmp_path / "log.csv"), str(tmp_path / "map.yaml"), str(raw))
+        import_or_list(str(tmp_path / "log.csv"), map_=str(tmp_path / "map.yaml"), out=str(raw))
         return raw
 
     return bring
@@ -254,7 +254,7 @@ def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypa
     snippet = first_block("own-data.md", "python")
     exec(compile(snippet, "docs/own-data.md", "exec"), {})
     Path("sweep.yaml").write_text(first_block("own-data.md", "yaml"))
-    import_recording("arm_sweep.csv", "sweep.yaml", "mylogs/sweep.h5")
+    import_or_list("arm_sweep.csv", map_="sweep.yaml", out="mylogs/sweep.h5")
     log = read_raw("mylogs/sweep.h5", **RATE)
     for name in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"):
         assert log.channels[name] == pytest.approx(recorded["sweep"][name], abs=1e-9)
