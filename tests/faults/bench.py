@@ -89,6 +89,11 @@ class Bench:
         """Simulate the rig for this time."""
         self.wait_for(self.tick + round(seconds / self.period_s))
 
+    def fail(self, count: int = 1, skip: int = 0, code: int = 777) -> None:
+        """Let calls of the driver fail after the next ``skip``."""
+        shared = self.shared
+        shared.fail_at, shared.fail_count, shared.fail_code = shared.calls + 1 + skip, count, code
+
     def statistics(self) -> dict:
         jitter = ("jitter_p50_s", "jitter_p99_s", "jitter_p99_9_s", "jitter_max_s")
         return {"ticks": self.tick + 1, "overruns": 0} | dict.fromkeys(jitter, 0.0)

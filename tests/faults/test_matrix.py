@@ -116,7 +116,7 @@ def samples_before(at):
 def test_call_of_the_driver_that_fails_once_ends_the_run_vented(bench, record, matrix, at):
     part, call, where = CALLS[at]
     shared = bench.shared
-    shared.fail_at, shared.fail_count, shared.fail_code = at + 1, 1, 777
+    bench.fail(skip=at)
     found = record()
     assert (shared.failures, shared.failed) == (1, call.encode())
     healed = part == "look"
@@ -147,7 +147,7 @@ def test_call_of_the_driver_that_fails_once_ends_the_run_vented(bench, record, m
 def test_board_that_fails_for_good_ends_the_run_without_the_message_safe(bench, record, matrix, at):
     part, call, where = CALLS[at]
     shared = bench.shared
-    shared.fail_at, shared.fail_count, shared.fail_code = at + 1, 1 << 40, 777
+    bench.fail(1 << 40, skip=at)
     found = record()
     assert shared.failures == shared.calls - at
     assert f"{call} failed with code 777" in str(found.error)
@@ -177,8 +177,7 @@ def test_board_that_fails_for_a_moment_is_vented_as_soon_as_it_answers(
     bench, record, matrix, failures
 ):
     shared = bench.shared
-    begin = len(_OPEN) + 4 * len(_TICK)
-    shared.fail_at, shared.fail_count, shared.fail_code = begin + 1, failures, 777
+    bench.fail(failures, skip=len(_OPEN) + 4 * len(_TICK))
     found = record()
     assert shared.failures == failures
     assert vented(bench)
@@ -395,7 +394,7 @@ def test_loop_whose_guardian_has_ended_vents_until_the_board_answers(
     def end_the_guardian(tick):
         monkeypatch.setattr(session, "notify", lambda message: False)
         if tick == 5:
-            shared.fail_at, shared.fail_count, shared.fail_code = shared.calls + 1, 120, 777
+            bench.fail(120)
 
     found = record(at=end_the_guardian)
     assert shared.failures == 120
@@ -405,8 +404,7 @@ def test_loop_whose_guardian_has_ended_vents_until_the_board_answers(
 
 
 def test_rig_that_cannot_be_closed_after_a_whole_run_costs_no_sample(bench, record):
-    shared = bench.shared
-    shared.fail_at, shared.fail_count, shared.fail_code = len(CALLS), 1, 777
+    bench.fail(skip=len(CALLS) - 1)
     found = record()
     assert "the samples are complete, but the rig was not closed: board AIO000" in str(found.error)
     assert f"{TICKS} samples are in " in str(found.error)

@@ -10,6 +10,7 @@ from hypothesis import settings
 from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import write_columns, write_raw
+from fprc.models import FPRC, save_model
 from fprc.paper import REFERENCES
 
 # `make quick` asks for fewer examples, .ci/weekly for more
@@ -72,6 +73,15 @@ def recorded(signals):
     for values in (array for log in channels.values() for array in log.values()):
         values.setflags(write=False)
     return channels
+
+
+@pytest.fixture(scope="session")
+def fprc_file(recorded, tmp_path_factory):
+    """File of a small FPRC that is fitted to the sweep."""
+    log, path = recorded["sweep"], str(tmp_path_factory.mktemp("model") / "fprc.h5")
+    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
+    save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]), path)
+    return path
 
 
 @pytest.fixture(scope="session")

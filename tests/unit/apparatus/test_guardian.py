@@ -85,11 +85,6 @@ def test_end_of_the_loop_is_derived_from_its_messages(chunks, end):
 VENTED = "both chambers are vented, as their sensors show"
 
 
-def fail(bench, count):
-    shared = bench.shared
-    shared.fail_at, shared.fail_count, shared.fail_code = 1, count, 777
-
-
 def fill(bench):
     """Fill both chambers and leave the valves open, as a loop that is killed does."""
     bench.shared.outputs[:2] = [9.0, 9.0]
@@ -118,7 +113,7 @@ def test_board_that_fails_and_recovers_is_tried_until_it_vents(
     alive, settings, heard, quick, failures
 ):
     fill(alive)
-    fail(alive, failures)
+    alive.fail(failures)
     assert vent_until_shown(settings["hardware"], heard) == VENTED
     assert alive.shared.failures == failures
     assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
@@ -140,7 +135,7 @@ def wait_for(true):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP, signal.SIGTERM])
 def test_venting_is_given_up_only_by_the_user(alive, settings, heard, quick, caplog, number):
-    fail(alive, 1 << 40)
+    alive.fail(1 << 40)
 
     def send():
         wait_for(lambda: len(caplog.messages) >= 5)
@@ -167,7 +162,7 @@ def test_terminal_that_takes_no_message_does_not_keep_from_venting(
     alive, settings, heard, quick, monkeypatch
 ):
     fill(alive)
-    fail(alive, 6)
+    alive.fail(6)
     held = threading.Event()
     monkeypatch.setattr(guardian.log, "error", lambda *arguments: held.wait(30.0))
 

@@ -16,18 +16,9 @@ def settings():
     return Settings().model_dump(mode="json")
 
 
-@pytest.fixture(scope="module")
-def model(recorded, tmp_path_factory):
-    log = recorded["sweep"]
-    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
-    path = str(tmp_path_factory.mktemp("model") / "fprc.h5")
-    save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]), path)
-    return path
-
-
-def test_every_name_can_be_planned(settings, model):
+def test_every_name_can_be_planned(settings, fprc_file):
     for name in names(settings):
-        experiment = plan(name, settings, model)
+        experiment = plan(name, settings, fprc_file)
         assert experiment.attributes["experiment"] == name
         assert experiment.attributes["source"] == "rig"
         assert experiment.attributes["rig"]["hardware"] == settings["hardware"]
@@ -52,8 +43,8 @@ def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feed
     assert p_fb == pytest.approx(2.0 * theta_d * (2 if feedback == "incremental" else 1))
 
 
-def test_only_the_disturbance_asks_the_person_to_push(settings, model):
-    said = {name: plan(name, settings, model).hint for name in names(settings)}
+def test_only_the_disturbance_asks_the_person_to_push(settings, fprc_file):
+    said = {name: plan(name, settings, fprc_file).hint for name in names(settings)}
     quiet_s = settings["tracking"]["pushes"]["quiet_s"]
     for name, hint in said.items():
         pushed = name.startswith("track_disturbance_")
@@ -72,7 +63,7 @@ def test_law_without_the_feedforward_of_its_name_does_not_start(
 
 
 @pytest.fixture(scope="module")
-def files(model, recorded, tmp_path_factory):
+def files(fprc_file, recorded, tmp_path_factory):
     """Files of models, and of what is none."""
     log, folder = recorded["sweep"], tmp_path_factory.mktemp("models")
     inputs = np.column_stack([log["theta_deg"], log["p_o_kpa"], log["p_i_kpa"]])
@@ -84,7 +75,7 @@ def files(model, recorded, tmp_path_factory):
     for name, (each, count) in fitted.items():
         each.fit(inputs[:, :count], log["p_exp_command_kpa"])
         save_model(each, folder / f"{name}.h5")
-    return {"FPRC": model} | {name: str(folder / f"{name}.h5") for name in fitted}
+    return {"FPRC": fprc_file} | {name: str(folder / f"{name}.h5") for name in fitted}
 
 
 @pytest.mark.parametrize(
@@ -124,7 +115,7 @@ def test_outside_model_is_compared_with_its_own_class(settings, files):
         plan("track_sine_0p2_mine", settings, files["FPRC"])
 
 
-def test_step_that_fails_is_refused_before_the_rig_moves(settings, model, monkeypatch):
+def test_step_that_fails_is_refused_before_the_rig_moves(settings, fprc_file, monkeypatch):
     monkeypatch.setattr(FPRC, "step", lambda self, x: x[7])
     with pytest.raises(FprcError, match=r"fprc\.h5: makes no step \(tuple index"):
-        plan("track_sine_0p2_fprc", settings, model)
+        plan("track_sine_0p2_fprc", settings, fprc_file)

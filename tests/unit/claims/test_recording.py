@@ -60,19 +60,6 @@ def test_ratio_and_interval_are_those_of_the_corrected_t_test_after_holm():
     assert math.log(row["high"] / row["ratio"]) == pytest.approx(half, rel=1e-4)
 
 
-@pytest.mark.parametrize(("blocks", "verdict"), [(7, "undecided"), (8, "superior")])
-def test_fewer_than_eight_blocks_decide_nothing(blocks, verdict):
-    told = report(blocks=blocks, fprc_lowpass=0.5)
-    assert verdicts(told)["B1"] == verdict
-
-
-def test_shared_training_data_leave_undecided_what_independent_blocks_would_decide():
-    told = {"fprc_lowpass": 0.93, "spread": 0.05}
-    assert verdicts(report(overlap=0.0, **told))["B1"] == "superior"
-    rows = judge_recording(report(**told))
-    assert rows[0]["verdict"] == "undecided"
-
-
 def test_model_without_errors_leaves_its_claim_unjudged():
     told = report(fprc_lowpass=0.7)
     told["cells"][2] = {"model": "ridge_p_o", "reason": "too long"}

@@ -14,13 +14,6 @@ def library(bench, driver):
     return load_library(str(driver))
 
 
-def fail(bench, code=12345, count=1, skip=0):
-    """Let the driver's calls fail after the next ``skip``."""
-    shared = bench.shared
-    shared.fail_at, shared.fail_count = shared.calls + 1 + skip, count
-    shared.fail_code = code
-
-
 def test_input_board_reads_the_channels_asked_for(bench, library):
     bench.shared.inputs[:4] = [1.25, -10.0, 9.5, 7.0]
     board = AnalogInput(library, "AIO000", 3)
@@ -47,7 +40,7 @@ def test_board_is_reset_unless_its_outputs_must_hold(bench, library):
 @pytest.mark.parametrize(("code", "words"), [(20000, "装置"), (20001, "no description")])
 def test_words_of_a_japanese_driver_are_readable_and_none_are_no_crash(bench, library, code, words):
     board = AnalogInput(library, "AIO000", 1)
-    fail(bench, code)
+    bench.fail(code=code)
     with pytest.raises(DeviceError, match=rf"failed with code {code} \({words}\)"):
         board.read()
 

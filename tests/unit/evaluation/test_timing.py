@@ -114,20 +114,17 @@ def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once(monkeypatc
     ]
 
 
-def test_sequential_training_trains_on_the_same_rows_as_batch_training():
-    time_model(fitted(), log(20), log(10), repeats=2)
+def test_every_repeat_begins_the_log_anew_and_leaves_the_model_as_it_is_fitted():
+    model, train, test = fitted(), log(20), log(10)
+    before = model.readout_.w_out_.copy()
+    time_model(model, train, test, repeats=2)
     whole, *trained = Readout.trained
     assert len(trained) == 2 * 2 * 2
     for rows in trained:
         assert_allclose(rows, whole, rtol=1e-12)
-
-
-def test_every_repeat_begins_the_log_anew():
-    train, test = log(20), log(10)
-    time_model(fitted(), train, test, repeats=2)
     whole = Features(n_y=2, n_u=2).fit(train[0]).transform(test[0])
-    assert_allclose(Features.stepped[-20:-10], whole, rtol=1e-12)
-    assert_allclose(Features.stepped[-10:], whole, rtol=1e-12)
+    assert_allclose(Features.stepped[-20:], np.vstack([whole, whole]), rtol=1e-12)
+    np.testing.assert_array_equal(model.readout_.w_out_, before)
 
 
 def test_models_take_turns_and_keep_their_own_times(clock, monkeypatch):
@@ -170,10 +167,3 @@ def log(size):
     time = np.arange(size) / 10.0
     X = np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.sin(time - 0.5)])
     return X, 175.0 + 120.0 * np.sin(time + 0.2)
-
-
-def test_given_model_stays_as_it_is_fitted():
-    model = fitted()
-    before = model.readout_.w_out_.copy()
-    time_model(model, [part[:10] for part in log(20)], log(10), repeats=1)
-    np.testing.assert_array_equal(model.readout_.w_out_, before)

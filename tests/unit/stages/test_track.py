@@ -11,7 +11,7 @@ from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.experiments.tracking import tracking_rmse
 from fprc.logs import assess, read_columns
-from fprc.models import FPRC, load_model, save_model
+from fprc.models import load_model
 from fprc.paper import CONTROLLERS
 from fprc.stages.track import track
 
@@ -28,15 +28,6 @@ def settings():
     return {name: found[name] for name in ("tracking", "control", "rig")}
 
 
-@pytest.fixture(scope="module")
-def model(recorded, tmp_path_factory):
-    log = recorded["sweep"]
-    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
-    path = str(tmp_path_factory.mktemp("model") / "fprc.npz")
-    save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]), path)
-    return path
-
-
 def follow(folder, model, settings, controllers=CONTROLLERS, reference="sine_0p5", **more):
     paths = [str(folder / f"{name}.h5") for name in controllers]
     chosen = {"reference": reference, "controllers": controllers, "seed": 1} | settings | more
@@ -45,9 +36,9 @@ def follow(folder, model, settings, controllers=CONTROLLERS, reference="sine_0p5
 
 
 @pytest.fixture(scope="module")
-def logs(model, settings, tmp_path_factory):
+def logs(fprc_file, settings, tmp_path_factory):
     """Logs of every controller on one reference."""
-    return follow(tmp_path_factory.mktemp("raw"), model, settings)
+    return follow(tmp_path_factory.mktemp("raw"), fprc_file, settings)
 
 
 def test_every_controller_has_its_raw_log_with_what_it_was(logs, settings):
@@ -61,14 +52,16 @@ def test_every_controller_has_its_raw_log_with_what_it_was(logs, settings):
         assert found["rig"]["control"] == json.loads(json.dumps(settings["control"]))
 
 
-def test_feedforward_is_the_model_on_reference_and_measured_reservoir_pressure(logs, model):
+def test_feedforward_is_the_model_on_reference_and_measured_reservoir_pressure(logs, fprc_file):
     for name in ("fprc", "fprc_pd"):
         log = logs[name].channels
-        expected = load_model(model).predict(np.column_stack([log["theta_d_deg"], log["p_o_kpa"]]))
+        expected = load_model(fprc_file).predict(
+            np.column_stack([log["theta_d_deg"], log["p_o_kpa"]])
+        )
         np.testing.assert_allclose(log["p_ff_kpa"], expected, atol=1e-9)
 
 
-def test_only_the_disturbance_is_pushed(tmp_path, model, settings):
+def test_only_the_disturbance_is_pushed(tmp_path, fprc_file, settings):
     strong = settings | {"tracking": settings["tracking"] | {"pushes": {
         "quiet_s": 1.0, "every_s": 0.2, "sigma_kpa": 150.0}}}  # fmt: skip
     none = settings | {"tracking": settings["tracking"] | {"pushes": {
@@ -76,14 +69,14 @@ def test_only_the_disturbance_is_pushed(tmp_path, model, settings):
     for reference, differs in (("disturbance", True), ("sine_0p2", False)):
         phi = []
         for chosen in (strong, none):
-            log = follow(tmp_path, model, chosen, ("fprc",), reference)["fprc"]
+            log = follow(tmp_path, fprc_file, chosen, ("fprc",), reference)["fprc"]
             phi.append(log.channels["phi_deg"])
         np.testing.assert_array_equal(phi[0][:200], phi[1][:200])
         assert (np.abs(phi[0] - phi[1]).max() > 1.0) == differs
 
 
 class Broken:
-    """The model, with an output that is not a number at one sample."""
+    """The fprc_file, with an output that is not a number at one sample."""
 
     n_features_in_ = 2
 
@@ -114,11 +107,11 @@ def made_safe(monkeypatch):
 
 @pytest.mark.parametrize("at", [0, 50])
 def test_aborted_run_keeps_its_rows_and_says_why(
-    at, tmp_path, model, settings, monkeypatch, made_safe
+    at, tmp_path, fprc_file, settings, monkeypatch, made_safe
 ):
     monkeypatch.setattr("fprc.stages.track.load_model", lambda path, classes: Broken(at))
     with pytest.raises(RunAbortedError, match=f"sample {at}: the controller gave P_ff = nan"):
-        follow(tmp_path, model, settings, ("pd", "fprc", "fprc_pd"))
+        follow(tmp_path, fprc_file, settings, ("pd", "fprc", "fprc_pd"))
     assert made_safe == [[0.0, 0.0]] * 2
     assert sorted(p.name for p in tmp_path.iterdir()) == ["fprc.aborted.h5", "pd.h5"]
     kept = read_columns(tmp_path / "fprc.aborted.h5", NAMES if at else ())
@@ -136,12 +129,12 @@ def test_aborted_run_keeps_its_rows_and_says_why(
 
 
 def test_impossible_reference_is_refused_before_the_rig_moves(
-    tmp_path, model, settings, monkeypatch
+    tmp_path, fprc_file, settings, monkeypatch
 ):
     monkeypatch.setattr("fprc.experiments.tracking.SimulatedRig", None)
     narrow = settings | {"tracking": settings["tracking"] | {"angle_range_deg": (0.0, 50.0)}}
     with pytest.raises(ControlError, match="leaves the actuator's range of 0 to 50 deg"):
-        follow(tmp_path, model, narrow)
+        follow(tmp_path, fprc_file, narrow)
     assert list(tmp_path.iterdir()) == []
 
 
