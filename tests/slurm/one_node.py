@@ -9,7 +9,6 @@ the machine already has that file, it has its own Slurm, and nothing is started.
 """
 
 import os
-import re
 import shutil
 import signal
 import socket
@@ -21,11 +20,9 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 CONF = Path("/etc/slurm/slurm.conf")
-MARK = "# written by tests/slurm/one_node.py, which removes it"
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "squeue", "sinfo", "scancel")
 
 CONFIGURATION = """\
-{mark}
 ClusterName=one
 SlurmctldHost={host}(127.0.0.1)
 SlurmctldPort={ports[0]}
@@ -61,8 +58,7 @@ def why_not() -> str:
     problems = [
         f"not installed: {', '.join(missing)}" if missing else "",
         "needs root" if os.geteuid() else "",
-        f"{CONF} is of another Slurm" if CONF.exists() and not _ours() else "",
-        _alive(),
+        f"{CONF} is there: of another Slurm, or of a run that was killed" if CONF.exists() else "",
     ]
     return "; ".join(filter(None, problems))
 
@@ -101,7 +97,6 @@ def _configure(folder: Path, stack: ExitStack) -> None:
     stack.callback(CONF.unlink, missing_ok=True)
     CONF.write_text(
         CONFIGURATION.format(
-            mark=MARK,
             host=socket.gethostname().split(".")[0],
             folder=folder,
             ports=ports,
@@ -151,22 +146,6 @@ def _until(what: str, true, folder: Path, seconds: float = 30) -> None:
 def _says(*command: str) -> str:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     return done.stdout.strip()
-
-
-def _ours() -> bool:
-    return CONF.read_text(errors="replace").startswith(MARK)
-
-
-def _alive() -> str:
-    """Say if the daemons of another run, which may have been killed, still live."""
-    text = CONF.read_text(errors="replace") if CONF.exists() else ""
-    for daemon in ("Slurmctld", "Slurmd"):
-        named = re.search(rf"^{daemon}PidFile=(.+)$", text, re.MULTILINE)
-        file = Path(named[1]) if named else None
-        pid = file.read_text().strip() if file and file.exists() else ""
-        if pid and Path("/proc", pid).exists():
-            return f"{daemon.lower()} of another run lives, process {pid}; wait, or kill it"
-    return ""
 
 
 def _end(number: int, frame: object) -> None:

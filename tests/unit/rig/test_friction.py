@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -16,21 +15,6 @@ def follow(path, z=None):
     """Forces along a path of positions that begins where ``z`` stands."""
     z = np.zeros(len(DELTA)) if z is None else z
     return np.array([slip(z, float(step), DELTA, WEIGHT) for step in np.diff(path)])
-
-
-def play_model(path):
-    """Same friction as stops that complete play operators: z = x - play(x)."""
-    play = np.zeros(len(DELTA))
-    forces = []
-    for x in np.asarray(path[1:]) - path[0]:
-        play = np.maximum(x - DELTA, np.minimum(x + DELTA, play))
-        forces.append(np.dot(WEIGHT, (x - play) / DELTA))
-    return np.array(forces)
-
-
-@given(positions)
-def test_force_agrees_with_play_operators(path):
-    np.testing.assert_allclose(follow(path), play_model(path), atol=1e-12)
 
 
 # --- Bouc-Wen -----------------------------------------------------------------------------------
