@@ -79,9 +79,11 @@ def of_figure(words, given=None, statistics=False, priority=0, **params):
     )
 
 
-def of_table(stem, words, given, **params):
-    """Return what is peculiar to a table; ``stem`` are its files without suffix."""
-    return SimpleNamespace(stem=stem, words=words, given=given, params=params)
+def of_result(stem, words, given, statistics=False, **params):
+    """Return what is peculiar to any other result; ``stem`` are its files without suffix."""
+    return SimpleNamespace(
+        stem=stem, words=words, given=given, statistics=statistics, params=params
+    )
 
 
 def refused(why):

@@ -5,34 +5,8 @@ TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 CONFIGURED_WORLD = SETTINGS["fitted"]["name"]
 WORLDS = [CONFIGURED_WORLD, *OTHER_RIGS, *SETS]
-#: Figures: their tables, stages and captions.
-FIGURES_BEYOND = {
-    "pairs": (
-        "claims",
-        stage("studies.show_beyond.draw_pairs") | {"worlds": WORLDS},
-        "error ratios of pairs of models",
-    ),
-    "tracking": (
-        "tracking",
-        stage("studies.show_beyond.draw_tracking") | {"world": CONFIGURED_WORLD},
-        "tracking errors against test errors",
-    ),
-    "offsets": (
-        "offsets",
-        stage("studies.show_beyond.draw_offsets") | {"world": CONFIGURED_WORLD},
-        "offset of P_o",
-    ),
-    "capacities": (
-        "capacities",
-        stage("studies.show_beyond.draw_capacities") | {"world": CONFIGURED_WORLD},
-        "capacities",
-    ),
-    "settings": (
-        "settings",
-        stage("studies.show_beyond.draw_settings"),
-        "what P_o is worth over epsilon and n_c",
-    ),
-}
+#: Names of the figures.
+FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities", "settings")
 CONTEST = {
     "models": paper_models(SETTINGS),
     "tracking": SETTINGS["tracking"],
@@ -41,31 +15,73 @@ CONTEST = {
 }
 
 
-rule beyond_world:
-    input:
-        near_print=NEAR_PRINT,
-        tuned=TUNED,
-    output:
-        judged=PATHS.below("beyond/{world}.json"),
-    log:
-        PATHS.messages("beyond_{world}"),
-    wildcard_constraints:
-        world="|".join(WORLDS),
-    threads: workflow.cores
-    resources:
-        mem_mb=memory_of,
-        runtime=120,
-    params:
-        **judging("beyond.contest.judge_models", *COMPETITORS),
-        families=lambda wildcards: [world_of(wildcards)],
-        units=lambda wildcards: list(range(units_of(wildcards))),
-        how={"contest": CONTEST, "slow": BEYOND["slow"]},
-        workers=workers_over(units_of),
-        checkpoint=placed(PATHS.below("beyond/{world}.partial.jsonl")),
-    message:
-        "Beyond the paper: the models and their competitors, world {wildcards.world}, workers: {params.workers}"
-    script:
-        "../scripts/stage.py"
+wildcard_constraints:
+    world="|".join(WORLDS),
+
+
+JUDGED["beyond_world"] = of_judgement(
+    "beyond/{world}",
+    "Beyond the paper: the models and their competitors, world {wildcards.world}",
+    "beyond.contest.judge_models",
+    *COMPETITORS,
+    given={"near_print": NEAR_PRINT, "tuned": TUNED},
+    families=lambda wildcards: [world_of(wildcards)],
+    units=lambda wildcards: list(range(units_of(wildcards))),
+    how={"contest": CONTEST, "slow": BEYOND["slow"]},
+)
+
+JUDGED["beyond_training"] = of_judgement(
+    "beyond/training_logs",
+    "Beyond the paper: length and number of the training logs",
+    "beyond.contest.judge_lengths",
+    *COMPETITORS,
+    given={"tuned": TUNED},
+    families=lambda wildcards: [family_named(CONFIGURED_WORLD)],
+    units=list(range(BEYOND["training"]["seeds"])),
+    how={
+        "contest": CONTEST,
+        "seconds": BEYOND["training"]["seconds"],
+        "second_log": {
+            **SETTINGS["experiments"]["complex"],
+            "f_hz": BEYOND["training"]["second_f_hz"],
+        },
+    },
+)
+
+JUDGED["beyond_steps"] = of_judgement(
+    "beyond/steps",
+    "Beyond the paper: time of a step",
+    "beyond.contest.judge_steps",
+    *COMPETITORS,
+    given={"tuned": TUNED},
+    priority=ALONE,
+    families=lambda wildcards: [family_named(CONFIGURED_WORLD)],
+    units=[0],
+    how={"contest": CONTEST},
+)
+
+JUDGED["beyond_capacity"] = of_judgement(
+    "beyond/capacity",
+    "Beyond the paper: memory and nonlinear capacity",
+    "beyond.driven_states.judge_capacity",
+    families=one_rig_each,
+    units=list(range(BEYOND["capacity"]["seeds"])),
+    how={
+        "models": pick(SETTINGS["models"], "n_y", "fprc", "esn"),
+        "capacity": {key: value for key, value in BEYOND["capacity"].items() if key != "seeds"},
+    },
+)
+
+JUDGED["beyond_settings"] = of_judgement(
+    "beyond/settings",
+    "Beyond the paper: FPRC with and without P_o over epsilon and n_c",
+    "beyond.contest.judge_settings",
+    *COMPETITORS,
+    given={"tuned": TUNED},
+    families=one_rig_each,
+    units=list(range(BEYOND["training"]["seeds"])),
+    how={"contest": CONTEST, "grids": pick(SETTINGS["grids"], "epsilon", "n_c")},
+)
 
 
 rule tune_world:
@@ -75,8 +91,6 @@ rule tune_world:
         tuning=PATHS.below("beyond/tuning_{world}.json"),
     log:
         PATHS.messages("tune_{world}"),
-    wildcard_constraints:
-        world="|".join(WORLDS),
     threads: workflow.cores
     resources:
         mem_mb=memory_of,
@@ -89,7 +103,7 @@ rule tune_world:
         seed=BEYOND["tuning"]["seed"],
         restarts=BEYOND["restarts"],
         judgement=judgement(SETTINGS, models=paper_models(SETTINGS), split="blocked"),
-        workers=workers_over(BEYOND["tuning"]["units"] * BEYOND["tuning"]["candidates"]),
+        workers=each_thread,
         checkpoint=placed(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
     message:
         "Beyond the paper: tuning of the competitors, world {wildcards.world}"
@@ -112,114 +126,10 @@ rule join_tuned:
         "../scripts/stage.py"
 
 
-rule beyond_training:
-    input:
-        tuned=TUNED,
-    output:
-        judged=PATHS.below("beyond/training_logs.json"),
-    log:
-        PATHS.messages("beyond_training"),
-    threads: workflow.cores
-    resources:
-        mem_mb=memory_of,
-        runtime=120,
-    params:
-        **judging("beyond.contest.judge_lengths", *COMPETITORS),
-        families=lambda wildcards: [family_named(CONFIGURED_WORLD)],
-        units=list(range(BEYOND["training"]["seeds"])),
-        how={
-            "contest": CONTEST,
-            "seconds": BEYOND["training"]["seconds"],
-            "second_log": {
-                **SETTINGS["experiments"]["complex"],
-                "f_hz": BEYOND["training"]["second_f_hz"],
-            },
-        },
-        workers=workers_over(BEYOND["training"]["seeds"]),
-        checkpoint=placed(PATHS.below("beyond/training_logs.partial.jsonl")),
-    message:
-        "Beyond the paper: length and number of the training logs"
-    script:
-        "../scripts/stage.py"
-
-
-rule beyond_steps:
-    input:
-        tuned=TUNED,
-    output:
-        judged=PATHS.below("beyond/steps.json"),
-    log:
-        PATHS.messages("beyond_steps"),
-    priority: ALONE
-    threads: workflow.cores
-    params:
-        **judging("beyond.contest.judge_steps", *COMPETITORS),
-        families=lambda wildcards: [family_named(CONFIGURED_WORLD)],
-        units=[0],
-        how={"contest": CONTEST},
-        workers=1,
-        checkpoint=placed(PATHS.below("beyond/steps.partial.jsonl")),
-    message:
-        "Beyond the paper: time of a step"
-    script:
-        "../scripts/stage.py"
-
-
 rule tuned:
     input:
         PATHS.below("beyond/tuned.yaml"),
     localrule: True
-
-
-rule beyond_capacity:
-    output:
-        judged=PATHS.below("beyond/capacity.json"),
-    log:
-        PATHS.messages("beyond_capacity"),
-    threads: workflow.cores
-    resources:
-        mem_mb=memory_of,
-        runtime=120,
-    params:
-        **judging("beyond.driven_states.judge_capacity"),
-        families=one_rig_each,
-        units=list(range(BEYOND["capacity"]["seeds"])),
-        how={
-            "models": pick(SETTINGS["models"], "n_y", "fprc", "esn"),
-            "capacity": {
-                key: value for key, value in BEYOND["capacity"].items() if key != "seeds"
-            },
-        },
-        workers=workers_over(BEYOND["capacity"]["seeds"] * (1 + len(OTHER_RIGS))),
-        checkpoint=placed(PATHS.below("beyond/capacity.partial.jsonl")),
-    message:
-        "Beyond the paper: memory and nonlinear capacity"
-    script:
-        "../scripts/stage.py"
-
-
-rule beyond_settings:
-    input:
-        tuned=TUNED,
-    output:
-        judged=PATHS.below("beyond/settings.json"),
-    log:
-        PATHS.messages("beyond_settings"),
-    threads: workflow.cores
-    resources:
-        mem_mb=memory_of,
-        runtime=120,
-    params:
-        **judging("beyond.contest.judge_settings", *COMPETITORS),
-        families=one_rig_each,
-        units=list(range(BEYOND["training"]["seeds"])),
-        how={"contest": CONTEST, "grids": pick(SETTINGS["grids"], "epsilon", "n_c")},
-        workers=workers_over(BEYOND["training"]["seeds"] * (1 + len(OTHER_RIGS))),
-        checkpoint=placed(PATHS.below("beyond/settings.partial.jsonl")),
-    message:
-        "Beyond the paper: FPRC with and without P_o over epsilon and n_c"
-    script:
-        "../scripts/stage.py"
 
 
 rule beyond_tables:
@@ -248,23 +158,42 @@ rule beyond_tables:
         "../scripts/stage.py"
 
 
-for figure_name, (table, shown, words) in FIGURES_BEYOND.items():
-
-    rule:
-        name:
-            f"draw_{figure_name}"
-        input:
-            **{table: PATHS.below(f"beyond/{table}.csv")},
-        output:
-            **drawn(PATHS.below(f"beyond/figure_{figure_name}")),
-        log:
-            PATHS.messages(f"draw_{figure_name}"),
-        params:
-            **shown,
-        message:
-            f"Beyond the paper: {words}, figure"
-        script:
-            "../scripts/stage.py"
+STUDY_FIGURES |= {
+    "draw_pairs": of_result(
+        "beyond/figure_pairs",
+        "Beyond the paper: error ratios of pairs of models",
+        {"claims": PATHS.below("beyond/claims.csv")},
+        **stage("studies.show_beyond.draw_pairs"),
+        worlds=WORLDS,
+    ),
+    "draw_tracking": of_result(
+        "beyond/figure_tracking",
+        "Beyond the paper: tracking errors against test errors",
+        {"tracking": PATHS.below("beyond/tracking.csv")},
+        **stage("studies.show_beyond.draw_tracking"),
+        world=CONFIGURED_WORLD,
+    ),
+    "draw_offsets": of_result(
+        "beyond/figure_offsets",
+        "Beyond the paper: offset of P_o",
+        {"offsets": PATHS.below("beyond/offsets.csv")},
+        **stage("studies.show_beyond.draw_offsets"),
+        world=CONFIGURED_WORLD,
+    ),
+    "draw_capacities": of_result(
+        "beyond/figure_capacities",
+        "Beyond the paper: capacities",
+        {"capacities": PATHS.below("beyond/capacities.csv")},
+        **stage("studies.show_beyond.draw_capacities"),
+        world=CONFIGURED_WORLD,
+    ),
+    "draw_settings": of_result(
+        "beyond/figure_settings",
+        "Beyond the paper: what P_o is worth over epsilon and n_c",
+        {"settings": PATHS.below("beyond/settings.csv")},
+        **stage("studies.show_beyond.draw_settings"),
+    ),
+}
 
 
 rule beyond:

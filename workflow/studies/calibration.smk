@@ -29,7 +29,7 @@ rule fit_rig:
         calibration=SETTINGS["calibration"],
         grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
         tracking=SETTINGS["tracking"],
-        workers=lambda wildcards, threads: threads,
+        workers=each_thread,
         checkpoint=placed(PATHS.below("calibration/search.partial.jsonl")),
     message:
         "Fit of the rig to Tables II and III"
@@ -57,7 +57,7 @@ rule measure_sensitivity:
             "tracking": SETTINGS["tracking"],
             "surrogate": SURROGATE,
         },
-        workers=lambda wildcards, threads: threads,
+        workers=each_thread,
         checkpoint=placed(PATHS.below("calibration/sensitivity.partial.jsonl")),
     message:
         "Sensitivity of all numbers to each parameter of the rig"
@@ -65,88 +65,57 @@ rule measure_sensitivity:
         "../scripts/stage.py"
 
 
-rule sensitivity_table:
-    input:
-        effects=PATHS.below("calibration/sensitivity.json"),
-    output:
-        **PATHS.table("calibration/sensitivity"),
-    log:
-        PATHS.messages("sensitivity_table"),
-    params:
-        **stage("studies.sensitivity.tabulate_sensitivity"),
-    message:
-        "Sensitivity: table"
-    script:
-        "../scripts/stage.py"
+STUDY_TABLES["sensitivity_table"] = of_result(
+    "calibration/sensitivity",
+    "Sensitivity",
+    {"effects": PATHS.below("calibration/sensitivity.json")},
+    **stage("studies.sensitivity.tabulate_sensitivity"),
+)
 
+STUDY_FIGURES["sensitivity_figure"] = of_result(
+    "calibration/sensitivity_figure",
+    "Sensitivity",
+    {"table": PATHS.below("calibration/sensitivity.csv")},
+    **stage("studies.sensitivity.draw_sensitivity"),
+)
 
-rule sensitivity_figure:
-    input:
-        table=PATHS.below("calibration/sensitivity.csv"),
-    output:
-        **drawn(PATHS.below("calibration/sensitivity_figure")),
-    log:
-        PATHS.messages("sensitivity_figure"),
-    params:
-        **stage("studies.sensitivity.draw_sensitivity"),
-    message:
-        "Sensitivity: figure"
-    script:
-        "../scripts/stage.py"
+JUDGED["measure_stop"] = of_judgement(
+    "calibration/stop",
+    "Errors at the stop of the actuator",
+    "families.stop.judge_stop",
+    *MODELS,
+    # its units are the seeds
+    families=lambda wildcards: [family_named(SETTINGS["fitted"]["name"]) | {"first_seed": 0}],
+    units=SETTINGS["evaluation"]["replicate_seeds"],
+    how={"judgement": EVERY_SEED["judgement"]},
+)
 
+STUDY_TABLES["stop_table"] = of_result(
+    "calibration/stop",
+    "Errors at the stop",
+    {"judged": PATHS.below("calibration/stop.json")},
+    **stage("studies.sensitivity.tabulate_stop"),
+)
 
-rule measure_stop:
-    output:
-        judged=PATHS.below("calibration/stop.json"),
-    log:
-        PATHS.messages("measure_stop"),
-    threads: workflow.cores
-    resources:
-        mem_mb=memory_of,
-        runtime=60,
-    params:
-        **stage("studies.sensitivity.measure_stop", *MODELS, key="version"),
-        **EVERY_SEED,
-        seeds=SETTINGS["evaluation"]["replicate_seeds"],
-        workers=lambda wildcards, threads: threads,
-        checkpoint=placed(PATHS.below("calibration/stop.partial.jsonl")),
-    message:
-        "Errors at the stop of the actuator"
-    script:
-        "../scripts/stage.py"
+STUDY_TABLES["targets_table"] = of_result(
+    "calibration/targets",
+    "Commanded compared with measured pressure as the models' target",
+    {
+        "published": PUBLISHED,
+        "replicates": PLAN.replicates("models", TARGET_NAMES),
+        "controls": PLAN.replicates("control", TARGET_NAMES),
+    },
+    **stage("studies.families.tabulate_targets"),
+    names=TARGET_NAMES,
+)
 
-
-rule stop_table:
-    input:
-        judged=PATHS.below("calibration/stop.json"),
-    output:
-        **PATHS.table("calibration/stop"),
-    log:
-        PATHS.messages("stop_table"),
-    params:
-        **stage("studies.sensitivity.tabulate_stop"),
-    message:
-        "Errors at the stop: table"
-    script:
-        "../scripts/stage.py"
-
-
-rule targets_table:
-    input:
-        published=PUBLISHED,
-        replicates=PLAN.replicates("models", TARGET_NAMES),
-        controls=PLAN.replicates("control", TARGET_NAMES),
-    output:
-        **PATHS.table("calibration/targets"),
-    log:
-        PATHS.messages("targets_table"),
-    params:
-        **stage("studies.families.tabulate_targets"),
-        names=TARGET_NAMES,
-    message:
-        "Commanded compared with measured pressure as the models' target"
-    script:
-        "../scripts/stage.py"
+STUDY_FIGURES["channels_figure"] = of_result(
+    "calibration/channels",
+    "C18: loops over the commanded and over the measured pressure",
+    {"sweep": PATHS.log("sweep")},
+    statistics=True,
+    **stage("draw.draw_channels"),
+)
 
 
 rule calibrate:
@@ -170,18 +139,3 @@ rule targets:
         PLAN.replicates("models", TARGET_NAMES),
         PLAN.replicates("control", TARGET_NAMES),
     localrule: True
-
-
-rule channels_figure:
-    input:
-        sweep=PATHS.log("sweep"),
-    output:
-        **drawn(PATHS.below("calibration/channels"), statistics=True),
-    log:
-        PATHS.messages("channels_figure"),
-    params:
-        **stage("draw.draw_channels"),
-    message:
-        "C18: loops over the commanded and over the measured pressure"
-    script:
-        "../scripts/stage.py"

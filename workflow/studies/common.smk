@@ -39,10 +39,28 @@ def family_named(name):
     }
 
 
-def judging(judge, *models):
-    """Return the params of a job that judges families of rigs.
+#: Jobs that judge families of rigs, tables and figures of the studies, by their rules; rows.smk has
+#: the rules.
+JUDGED, STUDY_TABLES, STUDY_FIGURES = {}, {}, {}
 
-    ``judge`` is the function below ``fprc.studies`` that does it, with ``models``.
+
+def of_judgement(stem, words, judge, *models, given=None, priority=0, threads=None, **params):
+    """Return what is peculiar to a job that judges families of rigs.
+
+    Parameters
+    ----------
+    stem : str
+        Its file below the results, without suffix.
+    words : str
+        What it judges.
+    judge : str
+        Function below ``fprc.studies`` that does it, with ``models``.
+    given : dict, optional
+        Its inputs.
+    threads : int, optional
+        Most processes; by default as many as there are cores.
+    **params
+        ``families``, ``units`` and ``how``, see ``fprc.studies.stages.judge``.
     """
     judged_by = f"fprc.studies.{judge.rpartition('.')[0]}"
     stage_version = stage("studies.judge.judge_families", key="version")["version"]
@@ -50,7 +68,19 @@ def judging(judge, *models):
     def version(wildcards):
         return f"{stage_version(wildcards)}-{fingerprint(judged_by, *map(class_module, models))}"
 
-    return {"stage": "studies.judge.judge_families", "judge": judge, "version": version}
+    return SimpleNamespace(
+        stem=stem,
+        words=words,
+        given=given or {},
+        priority=priority,
+        threads=threads or workflow.cores,
+        params={"judge": judge, "version": version, **params},
+    )
+
+
+def each_thread(wildcards, threads):
+    """Return the number of processes of a job: one for each of its threads."""
+    return threads
 
 
 def world_of(wildcards):
@@ -72,16 +102,6 @@ def units_of_tuning(wildcards):
     """Return the seeds or rigs of a world on which settings are chosen; they judge nothing else."""
     first = units_of(wildcards)
     return list(range(first, first + BEYOND["tuning"]["units"]))
-
-
-def workers_over(units):
-    """Return the param of the number of processes, for seeds or rigs that take seconds each."""
-
-    def workers(wildcards, threads):
-        number = units(wildcards) if callable(units) else units
-        return max(1, min(threads, number // 4))
-
-    return workers
 
 
 def pictures_of_docs():

@@ -61,34 +61,26 @@ rule replicate_on_rig:
         "../scripts/stage.py"
 
 
-rule judge_family:
-    input:
-        near_print=NEAR_PRINT,
-    output:
-        judged=PATHS.below("families/{family}_{chunk}.json"),
-    log:
-        PATHS.messages("family_{family}_{chunk}"),
-    # files of another chunk size are not outputs of this rule
-    wildcard_constraints:
-        family="|".join(SETS),
-        chunk="|".join(str(first) for chunks in CHUNKS.values() for first in chunks),
-    resources:
-        mem_mb=2000,
-        runtime=120,  # grows with drawn.chunk
-    params:
-        **judging("families.family.judge_tables", *MODELS),
-        families=lambda wildcards: [family_named(wildcards.family)],
-        units=lambda wildcards: CHUNKS[wildcards.family][int(wildcards.chunk)],
-        how={
-            "tracking": SETTINGS["tracking"],
-            "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
-        },
-        workers=1,
-        checkpoint=placed(PATHS.below("families/{family}_{chunk}.partial.jsonl")),
-    message:
-        "Rigs {wildcards.family}: Tables II to IV, from number {wildcards.chunk}"
-    script:
-        "../scripts/stage.py"
+wildcard_constraints:
+    family="|".join(SETS),
+    # files of another chunk size are no outputs
+    chunk="|".join(str(first) for chunks in CHUNKS.values() for first in chunks),
+
+
+JUDGED["judge_family"] = of_judgement(
+    "families/{family}_{chunk}",
+    "Rigs {wildcards.family}: Tables II to IV, from number {wildcards.chunk}",
+    "families.family.judge_tables",
+    *MODELS,
+    given={"near_print": NEAR_PRINT},
+    threads=1,  # the chunks run side by side
+    families=lambda wildcards: [family_named(wildcards.family)],
+    units=lambda wildcards: CHUNKS[wildcards.family][int(wildcards.chunk)],
+    how={
+        "tracking": SETTINGS["tracking"],
+        "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+    },
+)
 
 
 rule families_summary:
@@ -116,38 +108,20 @@ rule families_summary:
 
 
 for table in FAMILY_TABLES:
+    STUDY_TABLES[f"families_{table}"] = of_result(
+        f"families/{table}",
+        f"Families of rigs: {table}",
+        {"summary": PATHS.below("families/summary.json")},
+        **stage("studies.families.tabulate_families"),
+        table=table,
+    )
 
-    rule:
-        name:
-            f"families_{table}"
-        input:
-            summary=PATHS.below("families/summary.json"),
-        output:
-            **PATHS.table(f"families/{table}"),
-        log:
-            PATHS.messages(f"families_{table}"),
-        params:
-            **stage("studies.families.tabulate_families"),
-            table=table,
-        message:
-            f"Families of rigs: {table}, table"
-        script:
-            "../scripts/stage.py"
-
-
-rule families_figure:
-    input:
-        summary=PATHS.below("families/summary.json"),
-    output:
-        **drawn(PATHS.below("families/figure")),
-    log:
-        PATHS.messages("families_figure"),
-    params:
-        **stage("studies.families.draw_claims"),
-    message:
-        "Families of rigs: share of rigs on which each claim holds, figure"
-    script:
-        "../scripts/stage.py"
+STUDY_FIGURES["families_figure"] = of_result(
+    "families/figure",
+    "Families of rigs: share of rigs on which each claim holds",
+    {"summary": PATHS.below("families/summary.json")},
+    **stage("studies.families.draw_claims"),
+)
 
 
 rule find_near_print:
@@ -168,7 +142,7 @@ rule find_near_print:
         drawn=pick(DRAWN, "angle_deg", "p_o_swing_kpa", "seed"),
         free=FREE,
         surrogate=SURROGATE,
-        workers=lambda wildcards, threads: threads,
+        workers=each_thread,
         checkpoint=placed(PATHS.below("near_print/rigs.partial.jsonl")),
     message:
         "Search for rigs near Tables II and III"

@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.evaluation.crossval import prepare
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import Judgement, Unit
 from fprc.paper import MODELS
 from fprc.registry import build, title_of
 from fprc.tables.models import with_interval
@@ -18,22 +18,20 @@ from fprc.tables.text import format_mean
 STOP_DEG = 0.5
 
 
-def judge_stop(
-    cell: Mapping[str, int], *, on_rig: RigSettings, judgement: Mapping[str, Any]
-) -> dict[str, Any]:
+def judge_stop(unit: Unit, *, judgement: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Train the paper's models on the sweep of one seed, on all samples and on those off the stop.
 
     Returns
     -------
-    dict
-        ``at_stop``, the share of samples at the stop; and by model: ``share``, of the squared
-        training error there; training errors ``at``, ``off`` the stop and ``test`` error, kPa; and
-        the last two again after training ``without`` the samples at the stop.
+    list of one dict
+        ``seed``; ``at_stop``, the share of samples at the stop; and by model: ``share``, of the
+        squared training error there; training errors ``at``, ``off`` the stop and ``test`` error,
+        kPa; and the last two again after training ``without`` the samples at the stop.
     """
-    logs = simulate(on_rig, cell["seed"])
-    how = Judgement(**judgement, seed=cell["seed"])
+    on_rig, seed = unit.rigs[0]
+    logs, how = simulate(on_rig, seed), Judgement(**judgement, seed=seed)
     at_stop = logs["sweep"].channels["theta_deg"] < STOP_DEG
-    found: dict[str, Any] = {"at_stop": float(at_stop.mean())}
+    found: dict[str, Any] = {"seed": seed, "at_stop": float(at_stop.mean())}
     for name in MODELS:
         samples = {log: logs[log].samples(name) for log in ("sweep", "complex")}
         prepared = prepare(build(name, how.models, how.seed), samples)
@@ -47,7 +45,7 @@ def judge_stop(
             "without_off": prepared.error(off, "sweep", ~at_stop),
             "without_test": prepared.error(off, "complex"),
         }
-    return found
+    return [found]
 
 
 #: Columns of the page.

@@ -21,6 +21,7 @@ def judge_families(
     families: Sequence[Mapping[str, Any]],
     units: Sequence[int],
     how: Mapping[str, Any],
+    workers: int,
     **run: Any,
 ) -> None:
     """Judge some units of families of rigs with one function.
@@ -39,18 +40,23 @@ def judge_families(
         ``fprc.experiments.settings.Unit`` and ``how``, and returns a list of JSON mappings.
     families : sequence of Mapping
         See ``fprc.studies.families.family.unit_of``; also ``name`` and ``fitted``.
+    workers : int
+        Most processes.
     **run
-        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
+        ``checkpoint`` and ``version`` of ``judged_cells``.
     """
     by_name = {family["name"]: dict(family) for family in families}
     if tuned:
         for name, family in by_name.items():
             family["tuned"] = _tuned(tuned, name)
+    units_of_all = [{"family": name, "unit": unit} for name in by_name for unit in units]
     with judged_cells(
         partial(_judge, judge=judge, families=by_name, near_print=near_print, how=how),
-        [{"family": name, "unit": unit} for name in by_name for unit in units],
+        units_of_all,
         settings=[by_name, how],
         files=[near_print] if near_print else [],
+        # to start a process takes as long as several units
+        workers=max(1, min(workers, len(units_of_all) // 4)),
         **run,
     ) as cells:
         described = {

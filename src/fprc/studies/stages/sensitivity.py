@@ -79,34 +79,6 @@ def draw_sensitivity(table: str, pdf: str, png: str) -> Mapping[str, Any]:
     return style.save(fig, {"source": values["source"].iloc[0], "seeds": []}, pdf, png)
 
 
-def measure_stop(
-    judged: str,
-    *,
-    seeds: Sequence[int],
-    on_rig: Mapping[str, Any],
-    judgement: Mapping[str, Any],
-    **run: Any,
-) -> None:
-    """Measure the errors at the stop and off it, and after training without the stop.
-
-    Parameters
-    ----------
-    on_rig : Mapping
-        Arguments of ``RigSettings``.
-    judgement : Mapping
-        Arguments of ``Judgement`` without the seed.
-    **run
-        Those of ``measure_sensitivity``.
-    """
-    with judged_cells(
-        partial(stop.judge_stop, on_rig=RigSettings(**on_rig), judgement=judgement),
-        [{"seed": seed} for seed in seeds],
-        settings=[on_rig, judgement],
-        **run,
-    ) as cells:
-        write_json(judged, {"source": "sim", "cells": cells})
-
-
 def tabulate_stop(judged: str, **files: str) -> None:
     """Write the errors at the stop and off it."""
     cells = read_json(judged)["cells"]

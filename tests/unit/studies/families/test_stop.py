@@ -6,7 +6,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.settings import RigSettings, Unit
 from fprc.studies.families import stop
 from fprc.studies.stages import sensitivity as stage
 
@@ -21,7 +21,7 @@ def judged(signals):
     on_rig = {name: SETTINGS[name] for name in ("rig", "control")}
     on_rig = RigSettings(**on_rig, signals=signals, target="command")
     judgement = {"models": models, "folds": 2, "split": "shuffled"}
-    found = stop.judge_stop({"seed": 3}, on_rig=on_rig, judgement=judgement)
+    (found,) = stop.judge_stop(Unit(3, {}, [(on_rig, 3)]), judgement=judgement)
     return found, simulate(on_rig, 3)["sweep"].channels
 
 
@@ -43,7 +43,7 @@ def test_least_squares_without_the_stop_is_no_worse_off_it(judged):
 
 
 def test_table_has_a_row_per_model(judged, tmp_path):
-    cells = [{"seed": seed, **judged[0]} for seed in (1, 2, 3)]
+    cells = [{**judged[0], "seed": seed} for seed in (1, 2, 3)]
     (tmp_path / "stop.json").write_text(pd.Series({"source": "sim", "cells": cells}).to_json())
     files = {end: str(tmp_path / f"stop.{end}") for end in ("csv", "md", "tex")}
     stage.tabulate_stop(str(tmp_path / "stop.json"), **files)
