@@ -33,12 +33,6 @@ def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, wo
     assert f"Grid of taps, workers: {workers}" in planned.stdout
 
 
-def test_pool_of_a_world_has_a_process_for_four_of_its_rigs(project):
-    asked = ["results/beyond/near_print.json", "--cores", "8", "--dry-run", *STUDIES]
-    planned = project.snakemake(*asked, "--config", "beyond={rigs: 12, seeds: 40}")
-    assert "world near_print, workers: 3" in planned.stdout
-
-
 def test_studies_are_no_rules_of_the_paper_and_their_targets_answer_with_the_command(project):
     paper, both = (
         set(project.snakemake("--list-rules", *snakefile).stdout.split())
