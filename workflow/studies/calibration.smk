@@ -2,7 +2,7 @@
 
 DRAWN, BEYOND = SETTINGS["drawn"], SETTINGS["beyond"]
 TARGET_NAMES = ["command", "measured"]
-SURROGATE = pick(SETTINGS["calibration"], "stride", "esn_nodes")
+SURROGATE = pick(SETTINGS["calibration"], "stride", "esn_nodes", "restarts")
 #: The rig, and how the paper's models are judged on it, with any seed.
 EVERY_SEED = {
     "on_rig": on_rig(SETTINGS),

@@ -156,6 +156,11 @@ class Calibration(Section):
     )  # fmt: skip
     stride: int = quantity(5, (1, 1000), "the surrogate models fit every n-th row", unit="samples")
     esn_nodes: int = quantity(150, (1, 4000), "reservoir size of the surrogate ESN")
+    restarts: int = quantity(
+        5, (1, 1000),
+        "starts of the surrogate's clusterings; with one, errors jump where a clustering ends "
+        "elsewhere, and slopes are noise",
+    )  # fmt: skip
     plausible: Plausible = Plausible()
 
     @model_validator(mode="after")

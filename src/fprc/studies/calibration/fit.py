@@ -208,7 +208,7 @@ def judge_seeds(
 ) -> list[dict[str, Any]]:
     """Return the surrogate's measures of each seed; grids are judged on the first ones only."""
     wanted = {_NEEDS[term] for term in calibration["fit"] if term in _NEEDS}
-    surrogate = {key: calibration[key] for key in ("stride", "esn_nodes")}
+    surrogate = {key: calibration[key] for key in ("stride", "esn_nodes", "restarts")}
     return [
         judge_by_surrogate(
             on_rig, seed, models, surrogate, grids, tracking,

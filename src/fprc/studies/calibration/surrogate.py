@@ -45,7 +45,7 @@ def judge_by_surrogate(
     Parameters
     ----------
     surrogate : Mapping
-        ``stride`` and ``esn_nodes``.
+        ``stride``, ``esn_nodes`` and ``restarts``.
     grids : Mapping
         Values of ``epsilon``, falling, and of ``n_c``, ``n_u`` and ``n_y``, rising.
     tracking : Mapping
@@ -63,7 +63,7 @@ def judge_by_surrogate(
     """
     simulated = simulate(on_rig, seed)
     logs = {name: data.channels for name, data in simulated.items()}
-    thinned = _FuzzyModels(logs, models, seed, surrogate["stride"])
+    thinned = _FuzzyModels(logs, models, seed, surrogate)
     fuzzy = {
         (train, name): thinned.fit(train, name == "fprc") for train, _ in DIRECTIONS
         for name in ("fprc", "fuzzy_linear")
@@ -107,10 +107,12 @@ class _FuzzyModels:
         logs: Mapping[str, Mapping[str, np.ndarray]],
         models: Mapping[str, Any],
         seed: int,
-        stride: int,
+        surrogate: Mapping[str, int],
     ):
-        self.logs = logs
-        self.settings = {**models["fprc"], "n_y": models["n_y"]}
+        self.logs, stride = logs, surrogate["stride"]
+        self.settings = {
+            **models["fprc"], "n_y": models["n_y"], "restarts": surrogate["restarts"]
+        }  # fmt: skip
         self.alpha = models["alpha"] / (_TRAINED * stride)
         self.seed, self.stride = seed, stride
         self.y = {name: log["p_target_kpa"][::stride] for name, log in logs.items()}

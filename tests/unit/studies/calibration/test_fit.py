@@ -22,7 +22,7 @@ from fprc.studies.stages.calibrate import calibrate
 
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
-SURROGATE = {"stride": 7, "esn_nodes": 8}
+SURROGATE = {"stride": 7, "esn_nodes": 8, "restarts": 1}
 ROUNDS = 2
 
 

@@ -58,7 +58,7 @@ def models():
 @pytest.fixture(scope="module")
 def judge(on_rig, models, tracking):
     def call(seed=SEED, stride=STRIDE, nodes=NODES, measures=()):
-        surrogate = {"stride": stride, "esn_nodes": nodes}
+        surrogate = {"stride": stride, "esn_nodes": nodes, "restarts": 1}
         return judge_by_surrogate(on_rig, seed, models, surrogate, GRIDS, tracking, measures)
 
     return call

@@ -85,7 +85,7 @@ def test_rig_that_cannot_be_simulated_itself_is_an_error():
 @pytest.mark.slow
 def test_every_number_of_the_surrogate_is_there(on_rig, signals):
     settings = RigSettings(**on_rig | {"signals": signals})
-    how = {"stride": 5, "esn_nodes": 20}
+    how = {"stride": 5, "esn_nodes": 20, "restarts": 1}
     numbers = sensitivity.judge_moved(
         {"path": None, "share": None}, seeds=[1], surrogate=how, on_rig=settings,
         models=SETTINGS["models"], tracking=SETTINGS["tracking"],
