@@ -140,7 +140,7 @@ if "check" not in PLAN.unavailable:
         localrule: True
         params:
             **stage("studies.check.check_results"),
-            results=RESULTS,
+            results=lambda wildcards: RESULTS,
             pictures=lambda wildcards: pictures_of_docs() if SHOWN else {},
         message:
             "Check of the verdicts in config/verdicts.yaml, of results, of pictures in docs, of README.md"
