@@ -28,24 +28,6 @@ def names(folder):
     return sorted(path.name for path in folder.iterdir())
 
 
-@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
-@pytest.mark.parametrize("written", [True, False])
-def test_failure_leaves_the_old_file_and_no_litter(tmp_path, error, written):
-    target = tmp_path / "log.h5"
-    target.write_text("old")
-
-    def fail():
-        with replacing(target) as temporary:
-            if written:
-                temporary.write_text("half")
-            raise error
-
-    with pytest.raises(error):
-        fail()
-    assert target.read_text() == "old"
-    assert names(tmp_path) == ["log.h5"]
-
-
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, None])
 def test_several_files_are_all_replaced_or_none(tmp_path, error):
     paths = [tmp_path / "a.json", tmp_path / "a.b.png", tmp_path / "a.h5"]
