@@ -11,7 +11,7 @@ from fprc.artifacts import replacing
 from fprc.channels import unit_of
 from fprc.errors import LogError
 from fprc.logs.attributes import as_written, read_attributes
-from fprc.logs.hdf5 import channel_of, opened, refuse_never_written, too_large
+from fprc.logs.hdf5 import channel_of, opened, refuse_never_written
 
 #: Largest magnitude of a sample, in any unit; its square does not overflow.
 LARGEST = 1e10
@@ -71,9 +71,9 @@ def read_columns(
     ------
     LogError
         Lists every problem, one per line: the file cannot be opened or is cut short; an
-        attribute has the wrong type; a channel is missing, is stored in another file, is too
-        large, has the wrong unit or shape, was changed on the disk, or holds a value that is
-        not finite or beyond ``LARGEST`` (with its sample).
+        attribute has the wrong type; a channel is missing, is stored in another file, has the
+        wrong unit or shape, was changed on the disk, or holds a value that is not finite or beyond
+        ``LARGEST`` (with its sample).
     """
     columns, problems = gather_columns(path, names, optional)
     if problems:
@@ -132,37 +132,35 @@ def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
 
 def _read_all(file: h5py.File, names: tuple[str, ...]) -> tuple[dict[str, np.ndarray], list[str]]:
     """Return the channels that can be read, and the problems."""
-    datasets, problems = {}, []
+    channels, problems = {}, []
     for name in names:
         try:
-            dataset = channel_of(file, name)
-            refuse_never_written(dataset)
-            datasets[name] = dataset
+            channels[name], wrong = _read(file, name)
         except LogError as error:
-            problems.append(f"channel {name}: {error}")
-    if why := too_large(datasets.values()):
-        return {}, [*problems, why]
-    channels = {}
-    for name, dataset in datasets.items():
-        attributes, wrong = read_attributes(dataset.attrs)
-        more = [problem for problem in wrong if problem.startswith("attribute units")]
-        unit = attributes.get("units", "none")
-        if unit != unit_of(name) and not more:
-            more.append(
-                f"units are {unit}, must be {unit_of(name)}; convert the values and set the "
-                "attribute"
-            )
-        try:
-            channels[name] = dataset[:].astype(np.float64, copy=False)
-        except (OSError, RuntimeError) as error:
-            more.append(
-                f"cannot be read, its numbers have changed on the disk ({error}); restore the "
-                "file, or, if it is of a real rig, `fprc log repair` reads the journal beside it"
-            )
-        else:
-            more += _unusable(channels[name])
-        problems += [f"channel {name}: {problem}" for problem in more]
+            wrong = [str(error)]
+        problems += [f"channel {name}: {problem}" for problem in wrong]
     return channels, problems + _wrong_lengths(channels)
+
+
+def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:
+    """Return the samples of a channel, and what is wrong with them."""
+    dataset = channel_of(file, name)
+    refuse_never_written(dataset)
+    attributes, wrong = read_attributes(dataset.attrs)
+    problems = [problem for problem in wrong if problem.startswith("attribute units")]
+    unit = attributes.get("units", "none")
+    if unit != unit_of(name) and not problems:
+        problems.append(
+            f"units are {unit}, must be {unit_of(name)}; convert the values and set the attribute"
+        )
+    try:
+        values = dataset[:].astype(np.float64, copy=False)
+    except (OSError, RuntimeError) as error:
+        raise LogError(
+            f"cannot be read, its numbers have changed on the disk ({error}); restore the file, "
+            "or, if it is of a real rig, `fprc log repair` reads the journal beside it"
+        ) from error
+    return values, problems + _unusable(values)
 
 
 def _unusable(values: np.ndarray) -> list[str]:

@@ -12,9 +12,6 @@ from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.given import open_given
 
-#: Memory limit for the channels of one file, bytes: 7 h of ten channels at 200 Hz.
-MAX_BYTES = 384 << 20
-
 #: The first bytes of an HDF5 file.
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -93,23 +90,6 @@ def refuse_never_written(dataset: h5py.Dataset) -> None:
         problem = "" if written else "none was written"
     if dataset.size and problem:
         raise LogError(f"declares {dataset.size:,} numbers, but {problem}; record the file again")
-
-
-def too_large(datasets: Iterable[h5py.Dataset]) -> str:
-    """Return an error text if the channels together exceed the memory limit, else ''."""
-    sizes = {  # chunks are read whole
-        dataset: max(dataset.size, math.prod(dataset.chunks or ())) * max(dataset.dtype.itemsize, 8)
-        for dataset in datasets
-    }
-    total = sum(sizes.values())
-    if total <= MAX_BYTES:
-        return ""
-    largest = max(sizes, key=sizes.__getitem__)
-    return (
-        f"channel {largest.name.lstrip('/')}: declares {largest.size} samples; all channels "
-        f"need {total >> 20} MB, the limit is {MAX_BYTES >> 20} MB; the file is damaged, or too "
-        "large: split it"
-    )
 
 
 def _listed(names: Iterable[str | bytes]) -> str:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from fprc.errors import LogError
-from fprc.logs import hdf5, read_columns, write_columns
+from fprc.logs import read_columns, write_columns
 
 NAMES = ("time_s", "p_o_kpa")
 
@@ -64,7 +64,7 @@ def test_channel_that_is_elsewhere_is_refused(path, tmp_path, make):
         assert problem(read_columns, path, *asked).startswith(f"{path}: channel p_o_kpa: ")
 
 
-# --- too large --------------------------------------------------------------------------------
+# --- never written --------------------------------------------------------------------------------
 
 
 def huge(samples, **more):
@@ -101,25 +101,6 @@ def test_samples_that_were_never_written_are_refused_before_they_are_made_up(
     replace(path, make)
     message = problem(read_columns, path, NAMES)
     assert f"{path}: channel p_o_kpa: declares {samples:,} numbers, but {which}" in message
-
-
-@pytest.mark.parametrize("chunk", [10, 1000])
-def test_channels_together_have_a_limit_that_is_judged_before_reading(path, monkeypatch, chunk):
-    """300 samples, and a chunk is unpacked as a whole."""
-    replace(
-        path,
-        lambda file: file.create_dataset(
-            "p_o_kpa", data=np.zeros(300), chunks=(chunk,), maxshape=(None,), compression="gzip"
-        ),
-    )
-    whole = 8 * 300 + 8 * max(300, chunk)
-    monkeypatch.setattr(hdf5, "MAX_BYTES", whole)
-    assert len(read_columns(path, NAMES).channels["p_o_kpa"]) == 300
-    monkeypatch.setattr(hdf5, "MAX_BYTES", whole - 1)
-    monkeypatch.setattr(h5py.Dataset, "__getitem__", None)
-    largest = "p_o_kpa" if chunk == 1000 else "time_s"
-    message = problem(read_columns, path, NAMES)
-    assert message.startswith(f"{path}: channel {largest}: declares 300 samples; all channels")
 
 
 def test_thousands_of_channels_are_named_in_part(path):
