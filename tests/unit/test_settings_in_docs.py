@@ -16,6 +16,7 @@ from fprc.logs import (
     clock,
     delimited,
     diagnosis,
+    isolated,
     hdf5,
     recovery,
     resample,
@@ -65,7 +66,7 @@ def quoted():
             f"| text | {delimited.LARGEST_TEXT_BYTES >> 20} MB |",
             f"| any other file; a journal | {given.MOST_BYTES >> 30} GB; "
             f"{recovery.LARGEST_JOURNAL_BYTES >> 30} GB |",
-            f"| {arrays.MOST_NUMBERS / 1e6:g} million: ",
+            f"MATLAB or HDF5 file | {isolated._LIMIT_BYTES >> 30} GB |",
             f"MATLAB 7.3 file | {arrays.MOST_ARRAYS:,};",
             f"| {clock.LONGEST_S / 3600:g} h, and {clock.MOST_POINTS / 1e6:g} million samples",
             f"to {resample.PASS:g} of the new Nyquist frequency and at -{resample.STOP_DB:g} dB",

@@ -18,8 +18,6 @@ from fprc.logs.attributes import read_attribute
 from fprc.logs.hdf5 import SIGNATURE, refuse_never_written
 from fprc.logs.variables import Source
 
-#: Most numbers in a file, over all its arrays: 10 channels of 1 kHz for 33 min.
-MOST_NUMBERS = 20_000_000
 #: Most arrays in an HDF5 file, and most elements of a cell or struct array in it; the library takes
 #: 0.2 ms for each.
 MOST_ARRAYS = 10_000
@@ -34,7 +32,6 @@ _OBJECT = (
     "a MATLAB {}; save a table or timetable T as "
     "table2struct(timetable2table(T), 'ToScalar', true), and times in seconds"
 )
-_TOO_LARGE = f"declares {{:,}} numbers; a file may have {MOST_NUMBERS:,} in all, split it"
 
 #: Name of an array in a file; and the array, its dataset, or why it cannot be a channel.
 _Part = tuple[str, np.ndarray | h5py.Dataset | str]
@@ -61,16 +58,14 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
     else:
         kind, parts = "MATLAB 5", _parts_of_matlab5(path)
     variables, others = {}, {}
-    left = MOST_NUMBERS
     try:
         for count, (name, part) in enumerate(parts):
             if count == MOST_ARRAYS and kind != "MATLAB 5":
                 raise _too_many(path)
-            values = _numbers_of(part, left)
+            values = _numbers_of(part)
             if isinstance(values, str):
                 others[name] = values
                 continue
-            left -= values.size
             if kind == "MATLAB 7.3":  # MATLAB stores arrays by columns
                 values = values.T
             array = values.reshape([n for n in values.shape if n != 1])
@@ -158,8 +153,8 @@ def _field(name: str, field: str, by_index: list[tuple[str, Any]]) -> Iterator[_
         yield from _parts(f"{name}.{field}", by_index[0][1])
         return
     contents = (_content_of(element) for _, element in by_index)
-    parts = [_numbers_of(c, 1) for c in contents if isinstance(c, np.ndarray | h5py.Dataset)]
-    scalars = [part.item() for part in parts if isinstance(part, np.ndarray)]
+    single = [c for c in contents if isinstance(c, np.ndarray | h5py.Dataset) and c.size == 1]
+    scalars = [part.item() for part in map(_numbers_of, single) if isinstance(part, np.ndarray)]
     if len(scalars) == len(by_index) > 0:
         yield f"[{name}.{field}]", np.array(scalars)
         return
@@ -229,22 +224,20 @@ def _targets(dataset: h5py.Dataset) -> list[tuple[str, Any]]:
     ]
 
 
-def _numbers_of(part: np.ndarray | h5py.Dataset | str, left: int) -> np.ndarray | str:
-    """Return the numbers of a part, at most ``left``, or why it cannot be a channel."""
+def _numbers_of(part: np.ndarray | h5py.Dataset | str) -> np.ndarray | str:
+    """Return the numbers of a part, or why it cannot be a channel."""
     if isinstance(part, str):
         return part
     if isinstance(part, h5py.Dataset):
-        part = _read(part, left)
+        part = _read(part)
         if isinstance(part, str):
             return part
     if part.dtype.kind not in "fiub":
         return "text" if part.dtype.kind in "US" else f"numbers of type {part.dtype}"
-    if part.size > left:
-        return _TOO_LARGE.format(part.size)
     return part.astype(np.float64, copy=False)
 
 
-def _read(dataset: h5py.Dataset, left: int) -> np.ndarray | str:
+def _read(dataset: h5py.Dataset) -> np.ndarray | str:
     """Return the array in a dataset, or, mostly from its metadata, why it cannot be a channel."""
     kind = "double"
     if "MATLAB_class" in dataset.attrs:
@@ -257,9 +250,6 @@ def _read(dataset: h5py.Dataset, left: int) -> np.ndarray | str:
         return f"{dataset.dtype} of shape {dataset.shape}"
     if dataset.external or dataset.is_virtual:
         return "stored in another file; copy it into this one"
-    largest = max(dataset.size, int(np.prod(dataset.chunks or (1,), dtype=float)))
-    if largest > left:
-        return _TOO_LARGE.format(largest)
     try:
         refuse_never_written(dataset)
         return dataset[()]
