@@ -17,15 +17,10 @@ def test_every_row_validates_once_and_trains_in_all_other_folds(size, split, see
     assert len(pairs) == folds
     validated = np.concatenate([validation for _, validation in pairs])
     assert sorted(validated) == list(range(samples))
+    counts = {len(validation) for _, validation in pairs}
+    assert counts <= {samples // folds, -(-samples // folds)}
     for train, validation in pairs:
         assert sorted([*train, *validation]) == list(range(samples))
-
-
-@given(sizes, splits, st.integers(0, 2**32 - 1))
-def test_folds_are_equally_large_up_to_one_row(size, split, seed):
-    folds, samples = size
-    counts = {len(validation) for _, validation in split_rows(samples, folds, split, seed)}
-    assert counts <= {samples // folds, -(-samples // folds)}
 
 
 def test_blocked_folds_are_stretches_of_the_log_in_order():
@@ -44,22 +39,15 @@ def test_shuffled_folds_repeat_with_their_seed_only():
     assert not any(np.array_equal(a[1], b[1]) for a, b in zip(first, other, strict=True))
 
 
-@given(st.integers(2, 6), st.integers(40, 200), st.integers(1, 4))
-def test_purged_rows_neither_train_nor_neighbour_the_block(folds, samples, purge):
-    whole = split_rows(samples, folds, "blocked", 1)
+@given(st.integers(2, 6), st.integers(40, 200), st.integers(1, 4), splits)
+def test_purged_rows_neither_train_nor_neighbour_the_block(folds, samples, purge, split):
+    whole = split_rows(samples, folds, split, 1)
     for (train, block), (before, same) in zip(
-        split_rows(samples, folds, "blocked", 1, purge), whole, strict=True
+        split_rows(samples, folds, split, 1, purge), whole, strict=True
     ):
         np.testing.assert_array_equal(block, same)
         near = {row + shift for row in block for shift in range(-purge, purge + 1)}
-        assert set(train) == set(before) - near
-
-
-def test_shuffled_rows_are_not_purged():
-    for one, other in zip(
-        split_rows(50, 5, "shuffled", 1, 10), split_rows(50, 5, "shuffled", 1), strict=True
-    ):
-        np.testing.assert_array_equal(one[0], other[0])
+        assert set(train) == set(before) - (near if split == "blocked" else set())
 
 
 @given(st.lists(st.integers(1, 9), min_size=2, max_size=7), st.integers(2, 8))

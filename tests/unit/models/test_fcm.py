@@ -51,15 +51,6 @@ def test_more_iterations_never_raise_the_objective(X, n_clusters, seed):
     assert np.all(np.diff(objectives) <= slack)
 
 
-def test_coarse_start_ends_in_the_same_optimum():
-    X = hysteresis(2000)
-    fine, coarse = (
-        fuzzy_c_means(X, 4, random_state=0, tolerance=1e-9, coarse=coarse) for coarse in (1, 10)
-    )
-    assert_allclose(coarse.objective, fine.objective, rtol=1e-9)
-    assert_allclose(by_first_column(coarse.centers), by_first_column(fine.centers), atol=1e-4)
-
-
 @pytest.mark.parametrize(("n_clusters", "seed"), [(4, 0), (4, 1), (8, 0), (8, 1), (8, 2)])
 def test_extrapolation_ends_in_the_optimum_of_plain_alternation_in_a_third_of_its_iterations(
     n_clusters, seed
@@ -123,10 +114,6 @@ def alternated(X, centers, tolerance):
 def hysteresis(size):
     phase = 6.0 * np.pi * np.arange(size) / size
     return np.column_stack([np.sin(phase), np.sin(phase - 0.6), np.sin(phase) ** 3])
-
-
-def by_first_column(centers):
-    return centers[np.argsort(centers[:, 0])]
 
 
 def ends_of_starts(X, n_clusters, starts, **options):

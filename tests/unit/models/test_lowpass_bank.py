@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -36,9 +35,3 @@ def test_steps_have_every_digit_of_the_whole_log():
 def test_names_say_column_and_factor():
     names = LowpassBank((1.0, 0.003)).fit(np.ones((2, 1))).get_feature_names_out(["p_o_kpa"])
     assert names.tolist() == ["p_o_kpa_lowpass1", "p_o_kpa_lowpass0.003"]
-
-
-@pytest.mark.parametrize("epsilons", [[], [0.1, 0.0], [0.1, 1.1], [np.nan]])
-def test_factors_outside_their_limits_are_refused(epsilons):
-    with pytest.raises(ValueError, match=r"epsilons = .*; must be .* in \(0, 1\]"):
-        LowpassBank(epsilons).fit(np.ones((5, 1)))

@@ -181,7 +181,10 @@ def test_defaults_are_those_of_the_paper():
         (TapFeatures(epsilon=1.5), "epsilon"),
         (TapFeatures(n_y=True), "n_y"),
         (PlayOperators(n_plays=0), "n_plays"),
-        (LowpassBank(np.full(1001, 0.1)), "epsilons"),
+        *(
+            (LowpassBank(wrong), "epsilons")
+            for wrong in (np.full(1001, 0.1), [], [0.1, 0.0], [0.1, 1.1], [np.nan])
+        ),
         (NVAR(n_taps=100, degree=3), "n_taps"),
         (EchoStates(r=4000, washout=1000), "washout"),
         (EchoStates(r=5, random_state="1"), "random_state"),

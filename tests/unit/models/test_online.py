@@ -117,17 +117,6 @@ def test_information_that_no_training_has_is_refused_before_a_step(model, spoil)
 # --- the online model -------------------------------------------------------------------------
 
 
-def test_steps_that_learn_nothing_are_those_of_the_model(model):
-    found, X = model
-    online = Online(found, Learning(), PERIOD_S)
-    steps = []
-    for x in X[:500]:
-        online.learn(np.nan, 30.0)
-        steps.append(online.step(x))
-    np.testing.assert_allclose(steps, found.predict(X)[:500], rtol=1e-9)
-    assert not online.learned.any()
-
-
 def test_learning_is_plain_recursive_least_squares_with_a_prior(model):
     """Against the formulas of the class, with matrices written out."""
     found, X = model

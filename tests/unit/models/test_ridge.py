@@ -53,12 +53,6 @@ def test_part_that_is_large_costs_the_others_no_digits():
     assert_allclose(without_large.w_out_, plain.w_out_, rtol=1e-9)
 
 
-def test_bias_is_the_first_weight():
-    x = np.linspace(-1.0, 1.0, 20)
-    readout = RidgeReadout(alpha=0.0).fit(np.column_stack([x, x**2]), 7.0 + 3.0 * x - 2.0 * x**2)
-    assert_allclose(readout.w_out_, [7.0, 3.0, -2.0], rtol=1e-10)
-
-
 @pytest.mark.parametrize(
     "X",
     [
