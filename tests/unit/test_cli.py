@@ -105,34 +105,6 @@ def test_unreadable_log_is_named_and_the_next_one_still_judged(
     assert "channel theta_deg: sample 7" in printed.err
 
 
-# --- files that are not there -------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("command", "file"),
-    [
-        ("config check none.yaml", "none.yaml"),
-        ("calibrate none.yaml", "none.yaml"),
-        ("calibrate --published none.yaml", "none.yaml"),
-        ("import none.csv --list", "none.csv"),
-        ("import none.csv --map none.yaml --out x.h5", "none.yaml"),
-        ("readout none.csv --map none.yaml", "none.yaml"),
-        ("rig check --config none.yaml", "none.yaml"),
-        ("rig run track_sweep_fprc --model none.h5", "none.h5"),
-        ("export none.h5 --c none.h", "none.h5"),
-        ("log check none.h5", "none.h5"),
-        ("log repair none.journal --out x.h5", "none.journal"),
-    ],
-)
-def test_absent_file_is_named(command, file, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(command.split()) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"error: {file}: ")
-    assert "(No such file or directory)" in line
-    assert list(tmp_path.iterdir()) == []
-
-
 # --- interrupts, and output that cannot be written ----------------------------------------------
 
 

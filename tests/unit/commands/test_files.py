@@ -26,6 +26,8 @@ READING = (
     "simulate sweep --rig X.yaml --out out.h5",
     "calibrate --published X.yaml --out out.yaml",
     "rig run sweep --config X.yaml",
+    "rig run track_sweep_fprc --model X.h5",
+    "rig check --config X.yaml",
     "train X.h5 --out out.h5",
     "predict X.h5 X.h5 --out out.csv",
     "export X.h5 --c out.h",
@@ -78,12 +80,14 @@ def make(kind, name):
         os.mkfifo(name)
     elif kind == "a folder":
         os.mkdir(name)
-    else:
+    elif kind != "nothing":
         os.symlink({"a link to /dev/zero": "/dev/zero", "a link to itself": name}[kind], name)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["a pipe", "a link to /dev/zero", "a link to itself", "a folder"])
+@pytest.mark.parametrize(
+    "kind", ["nothing", "a pipe", "a link to /dev/zero", "a link to itself", "a folder"]
+)
 @pytest.mark.parametrize("command", READING)
 def test_what_is_no_file_is_refused_at_once(refusal, command, kind):
     for suffix in ("yaml", "csv", "mat", "h5", "journal"):
