@@ -458,20 +458,13 @@ def described(changed):
 
 
 def test_settings_that_are_not_the_papers_are_listed_and_announced(project):
+    taps = {"estimator": "my_models.Taps", "inputs": ["theta_deg"], "settings": {"n_y": 10}}
+    project.settings = SETTINGS | {"models": DEFAULTS["models"] | {"others": {"taps": taps}}}
     header, listed = described(project)
-    assert "2 settings are not the paper's (which); do not compare" in header
-    assert listed == [
+    assert "5 settings are not the paper's (which); do not compare" in header
+    assert sorted(listed) == [
         "evaluation.folds: 4 instead of 5",
         f"evaluation.replicate_seeds: [401, 402] instead of {EVALUATION['replicate_seeds']}",
-    ]
-
-
-def test_model_from_outside_is_listed_by_its_keys(project):
-    other = {"estimator": "my_models.Taps", "inputs": ["theta_deg"], "settings": {"n_y": 10}}
-    project.settings = DEFAULTS | {"models": DEFAULTS["models"] | {"others": {"taps": other}}}
-    header, listed = described(project)
-    assert "not the paper's" in header
-    assert listed == [
         "models.others.taps.estimator: my_models.Taps instead of none",
         "models.others.taps.inputs: ['theta_deg'] instead of none",
         "models.others.taps.settings.n_y: 10 instead of none",
@@ -561,37 +554,20 @@ def test_page_without_a_ledger_has_tables_and_figures_but_no_claims(project):
 EVIL = "<script>alert(1)</script><img src=x onerror=alert(1)>\" onload='x' & {{ 7 * 7 }} </td>"
 
 
-def spoil_claim(project):
-    project.claims[0] |= dict.fromkeys(("claim", "published", "ours", "test", "basis"), EVIL)
-
-
-def spoil_verdict(project):
-    project.claims[0]["verdict"] = EVIL
-
-
-def spoil_table(project):
-    project.add_table(f"{EVIL}: {EVIL}", **{EVIL: [EVIL], f"b {EVIL}": [EVIL]})
-
-
-def spoil_figure(project):
-    project.add_figure(1, EVIL, inputs={EVIL: EVIL}, commit=EVIL)
-
-
-def spoil_settings(project):
-    project.settings = SETTINGS | {"hardware": {"boards": {"library": EVIL}}}
-
-
-@pytest.mark.parametrize(
-    "spoil", [spoil_claim, spoil_verdict, spoil_table, spoil_figure, spoil_settings]
-)
-def test_no_text_becomes_markup(project, spoil):
+def test_no_text_becomes_markup(project):
     before = {element["tag"] for element in project.page().elements}
-    spoil(project)
-    text = project.write()
-    page = Page(text)
+    project.claims[0] |= dict.fromkeys(
+        ("claim", "published", "ours", "test", "basis", "verdict"), EVIL
+    )
+    project.add_table(f"{EVIL}: {EVIL}", **{EVIL: [EVIL], f"b {EVIL}": [EVIL]})
+    project.add_figure(1, EVIL, inputs={EVIL: EVIL}, commit=EVIL)
+    project.settings = SETTINGS | {"hardware": {"boards": {"library": EVIL}}}
+    page = project.page()
     assert {element["tag"] for element in page.elements} == before
     assert not [name for e in page.elements for name in e if name.startswith("on")]
-    assert "alert(1)" in page.text()
+    shown = [*page.texts("details"), *page.texts("table"), *page.texts("figure"),
+             *page.texts("pre")]  # fmt: skip
+    assert sum("alert(1)" in text for text in shown) >= 4
     assert "{{ 7 * 7 }}" in page.text()
     assert all(image["src"].startswith("data:image/png") for image in page.all("img"))
 
