@@ -22,7 +22,8 @@ class Structs(NamedTuple):
 
 
 def write_matlab5(path, content):
-    scipy.io.savemat(path, {name: _old(value) for name, value in content.items()})
+    old = {name: _old(value) for name, value in content.items()}
+    scipy.io.savemat(path, old, do_compression=True)
 
 
 def _old(value):

@@ -159,8 +159,3 @@ def test_byte_that_hangs_or_crashes_the_library_is_a_message(tmp_path, refusal, 
     spoil(data)
     (tmp_path / "log.h5").write_bytes(data)
     assert re.search(r"log\.h5: (not read within|cannot be read)", refusal("log check log.h5"))
-
-
-def test_log_of_an_earlier_version_passes(write_run, capsys):
-    path = write_run(experiment="track_sine_0p2_fprc_pd_printed", gain="printed")
-    assert main(["log", "check", str(path)]) == 0, capsys.readouterr()

@@ -2,7 +2,6 @@ import h5py
 import numpy as np
 import pandas as pd
 import pytest
-import scipy.io
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -28,29 +27,24 @@ def write_hdf5(path, columns):
             file[f"run/{name}"] = values
 
 
-def write_matlab(path, columns):
-    scipy.io.savemat(path, {"run": dict(columns)}, do_compression=True)
+KINDS = ("csv", "hdf5", "matlab5", "matlab73")
 
 
-def write_matlab73(path, columns):
-    """Write a file as MATLAB's -v7.3: HDF5 after 512 bytes of text, arrays by columns."""
-    with h5py.File(path, "w", userblock_size=512) as file:
-        for name, values in columns.items():
-            dataset = file.create_dataset(f"run/{name}", data=np.atleast_2d(values))
-            dataset.attrs["MATLAB_class"] = np.bytes_("double")
-        file["#refs#/a"] = [1.0]
-        file["label"] = np.array([[104], [105]], dtype=np.uint16)
-        file["label"].attrs["MATLAB_class"] = np.bytes_("char")
-    with path.open("r+b") as file:
-        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
+@pytest.fixture(scope="session")
+def writers(matlab_files):
+    """By kind: what writes columns to a file, its name, and their names in it."""
+
+    def nested(write):
+        return lambda path, columns: write(path, {"run": dict(columns)})
+
+    return {
+        "csv": (write_csv, "log.csv", "{}"),
+        "hdf5": (write_hdf5, "log.h5", "run/{}"),
+        "matlab5": (nested(matlab_files.write_matlab5), "log.mat", "run.{}"),
+        "matlab73": (nested(matlab_files.write_matlab73), "new.mat", "run.{}"),
+    }
 
 
-WRITERS = {
-    "csv": (write_csv, "log.csv", "{}"),
-    "hdf5": (write_hdf5, "log.h5", "run/{}"),
-    "matlab": (write_matlab, "log.mat", "run.{}"),
-    "matlab73": (write_matlab73, "new.mat", "run.{}"),
-}
 numbers = st.floats(-1e9, 1e9, allow_subnormal=False)
 
 
@@ -67,10 +61,10 @@ def problem(call, *arguments, **named):
     return str(caught.value)
 
 
-@pytest.fixture(params=WRITERS)
-def source(request, tmp_path):
+@pytest.fixture(params=KINDS)
+def source(request, tmp_path, writers):
     """The same three columns in each format, as (source, name in the format)."""
-    write, file, name = WRITERS[request.param]
+    write, file, name = writers[request.param]
     write(tmp_path / file, COLUMNS)
     return read(tmp_path / file), name
 
@@ -87,10 +81,10 @@ def asked(name, **more):
 # --- every format ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize("kind", KINDS)
 @given(values=arrays(np.float64, st.integers(2, 30), elements=numbers))
-def test_any_numbers_come_back_bit_for_bit(kind, values, tmp_path_factory):
-    write, file, name = WRITERS[kind]
+def test_any_numbers_come_back_bit_for_bit(kind, values, writers, tmp_path_factory):
+    write, file, name = writers[kind]
     path = tmp_path_factory.getbasetemp() / f"any_{file}"
     write(path, {"angle": values, "force": -values})
     channels = asked(name)["channels"]
@@ -112,10 +106,10 @@ def test_unknown_column_is_answered_by_the_nearest(source):
     assert f"did you mean {name.format('force')}?" in lines[1]
 
 
-def test_value_that_is_kept_and_not_finite_is_named_with_its_sample(tmp_path):
+def test_value_that_is_kept_and_not_finite_is_named_with_its_sample(tmp_path, writers):
     force = COLUMNS["force"].copy()
     force[[30, 40]] = np.nan
-    for write, file, name in WRITERS.values():
+    for write, file, name in writers.values():
         write(tmp_path / file, COLUMNS | {"force": force})
         content = read(tmp_path / file)
         said = problem(gather, content, **asked(name, start_s=0.1))

@@ -6,7 +6,6 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from fprc.errors import LogError
@@ -17,13 +16,6 @@ from fprc.logs.isolated import attempt_each, isolated_each, time_limit_s
 pytestmark = pytest.mark.slow
 
 MODULE = attempt_each.__module__
-
-
-def test_result_is_that_of_the_function(tmp_path):
-    table = np.arange(6.0).reshape(2, 3)
-    np.save(tmp_path / "a.npy", table)
-    (found,) = isolated_each(np.load, [tmp_path / "a.npy"], allow_pickle=False)
-    assert np.array_equal(found, table)
 
 
 def test_prints_do_not_enter_the_results_which_are_in_the_order_of_the_files():

@@ -4,7 +4,6 @@ import sys
 import h5py
 import numpy as np
 import pytest
-import scipy.io
 
 from fprc.errors import LogError
 from fprc.logs import sources
@@ -13,34 +12,20 @@ from fprc.logs.sources import read_source
 COLUMNS = {"t": np.arange(50) / 100.0, "force": np.arange(50.0) ** 2}
 
 
-def write_hdf5(path):
-    with h5py.File(path, "w") as file:
-        for name, values in COLUMNS.items():
-            file[name] = values
-
-
-def write_matlab5(path):
-    scipy.io.savemat(path, COLUMNS, do_compression=True)
-
-
-def write_matlab73(path):
-    with h5py.File(path, "w", userblock_size=512) as file:
-        for name, values in COLUMNS.items():
-            file.create_dataset(name, data=np.atleast_2d(values))
-    with path.open("r+b") as file:
-        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
-
-
-WRITERS = {"hdf5": (write_hdf5, "log.h5"), "matlab5": (write_matlab5, "log.mat"),
-           "matlab73": (write_matlab73, "log.mat")}  # fmt: skip
+@pytest.fixture(params=["hdf5", "matlab5", "matlab73"])
+def written(request, tmp_path, matlab_files):
+    """File of two columns."""
+    if request.param == "hdf5":
+        with h5py.File(tmp_path / "log.h5", "w") as file:
+            file.update(COLUMNS)
+        return tmp_path / "log.h5"
+    getattr(matlab_files, f"write_{request.param}")(tmp_path / "log.mat", COLUMNS)
+    return tmp_path / "log.mat"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", WRITERS)
-def test_arrays_come_out_of_the_other_process_as_they_were(tmp_path, kind):
-    write, name = WRITERS[kind]
-    write(tmp_path / name)
-    found = read_source(tmp_path / name).variables
+def test_arrays_come_out_of_the_other_process_as_they_were(written):
+    found = read_source(written).variables
     assert {column: values.tolist() for column, values in found.items()} == {
         column: values.tolist() for column, values in COLUMNS.items()
     }
@@ -76,12 +61,9 @@ for cut in sorted({128, *range(0, len(whole), max(len(whole) // 60, 1))}):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", WRITERS)
-def test_file_cut_anywhere_is_refused_with_a_message_and_never_hangs(tmp_path, kind):
-    write, name = WRITERS[kind]
-    write(tmp_path / name)
+def test_file_cut_anywhere_is_refused_with_a_message_and_never_hangs(written):
     run = subprocess.run(
-        [sys.executable, "-c", READ_DAMAGED, str(tmp_path / name)],
+        [sys.executable, "-c", READ_DAMAGED, str(written)],
         capture_output=True, text=True, timeout=60, check=True,
     )  # fmt: skip
     assert set(run.stdout.splitlines()) == {"LogError"}
