@@ -1,3 +1,5 @@
+from contextlib import contextmanager
+
 import pytest
 
 from fprc.artifacts import read_json
@@ -38,6 +40,24 @@ def test_every_unit_of_every_family_is_judged_and_described(family, run, monkeyp
         ("dry", 0, 601, 0), ("dry", 0, 602, 0), ("dry", 2, 605, 6), ("dry", 2, 606, 6),
         ("other", 0, 601, 0), ("other", 2, 603, 6),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("units", "workers"), [(3, 1), (12, 3), (40, 8)])
+def test_pool_has_a_process_for_four_units_within_its_limit(
+    family, tmp_path, monkeypatch, units, workers
+):
+    @contextmanager
+    def judged_cells(judge, cells, *, workers, **run):
+        asked.append(workers)
+        yield []
+
+    asked = []
+    monkeypatch.setattr("fprc.studies.stages.judge.judged_cells", judged_cells)
+    judge_families(
+        str(tmp_path / "judged.json"), judge="online.judge.judge_online", families=[family],
+        units=range(units), how={}, workers=8,
+    )  # fmt: skip
+    assert asked == [workers]
 
 
 def test_family_without_tuned_settings_is_refused_before_anything_is_judged(family, run, tmp_path):
