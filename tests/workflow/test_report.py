@@ -184,30 +184,13 @@ def test_page_opens_from_disk_without_error_on_every_screen(browser, report, scr
     assert len(seen["claims"]) == len(CLAIMS)
 
 
-def test_tables_sort(browser, report):
+def test_colours_are_the_systems(browser, report):
     browser.open(report)
-    table = 'document.querySelector("table.deviations")'
-    column = f"[...{table}.tBodies[0].rows].map((row) => Number(row.cells[2].textContent))"
-    heading = f'{table}.querySelectorAll("thead th")[1]'
-    before = browser.ask(column)
-    browser.ask(f"{heading}.firstChild.click()")
-    assert browser.ask(column) == sorted(before) != before
-    assert browser.ask(f"{heading}.ariaSort") == "ascending"
-    browser.ask(f"{heading}.firstChild.click()")
-    assert browser.ask(column) == sorted(before)[::-1]
-
-
-def test_colours_are_the_systems_until_the_reader_chooses(browser, report):
-    browser.open(report)
-    background = "getComputedStyle(document.body).backgroundColor"
-    colours = {}
+    colours = set()
     for system in ("light", "dark"):
         browser.prefer(system)
-        colours[system] = browser.ask(background)
-    assert colours["light"] != colours["dark"]
-    for chosen in ("light", "dark"):
-        browser.ask(f'theme.value = "{chosen}"; theme.dispatchEvent(new Event("change"))')
-        assert browser.ask(background) == colours[chosen]
+        colours.add(browser.ask("getComputedStyle(document.body).backgroundColor"))
+    assert len(colours) == 2
 
 
 def axe():
@@ -241,7 +224,6 @@ AUDIT = """axe.run(document, %s).then((report) => ({
 )
 def test_page_is_accessible(browser, report, screen, colours, rules):
     browser.open(report, screen)
-    browser.ask("localStorage.clear(); theme.value = ''; paint()")
     browser.prefer(colours)
     browser.ask(UNFOLD)
     browser.ask(f"{axe()}; undefined")

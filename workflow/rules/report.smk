@@ -18,7 +18,7 @@ rule list_unavailable:
 
 rule report_page:
     input:
-        template=[file_of_workflow(f"../report/page.{kind}.j2") for kind in ("html", "css", "js")],
+        template=[file_of_workflow(f"../report/page.{kind}.j2") for kind in ("html", "css")],
         ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
         missing=PATHS.below("not_available.csv"),
         tables=[page.replace(".md", kind) for page in PLAN.pages for kind in (".md", ".csv")],

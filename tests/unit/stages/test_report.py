@@ -24,7 +24,7 @@ from fprc.tables.text import markdown
 
 TEMPLATE = [
     str(Path(__file__).parents[3] / "workflow" / "report" / f"page.{kind}.j2")
-    for kind in ("html", "css", "js")
+    for kind in ("html", "css")
 ]
 DOI = "https://doi.org/10.1109/LRA.2024.3523229"
 DEFAULTS = Settings().model_dump(mode="json")
@@ -333,7 +333,7 @@ def test_ours_is_shown_over_the_papers(project):
         project.add_table(f"{name}: a note.", name, A=["1"])
         pd.DataFrame(columns).to_csv(project.folder / f"{name}.csv", index=False)
     page = project.page()
-    assert page.texts("table")[0] == page.texts("table", **{"class": "deviations sorts"})[0]
+    assert page.texts("table")[0] == page.texts("table", **{"class": "deviations"})[0]
     # Table II over seeds in place of Table II; what the paper does not print is left out
     signs = [each["aria-label"] for each in page.all("svg", role="img")]
     assert signs == ["0.50, interval 0.38 to 0.62", "2.00", "4.00"]
@@ -523,10 +523,7 @@ def test_page_refers_to_nothing_outside_itself_but_the_paper(project):
         and path.suffix in (".csv", ".json")
         and "miss" not in path.name
     )
-    assert not {"iframe", "object", "embed", "base"} & {e["tag"] for e in page.elements}
-    (script,) = page.all("script")
-    assert script.keys() == {"tag", "text"}
-    assert not re.search(r"https?:|fetch|XMLHttp|import|eval", script["text"])
+    assert not {"iframe", "object", "embed", "base", "script"} & {e["tag"] for e in page.elements}
     assert [link["rel"] for link in page.all("link")] == ["icon"]
     (style,) = page.texts("style")
     assert not re.search(r"url\(|@import|https?:", style)
