@@ -134,7 +134,7 @@ if "check" not in PLAN.unavailable:
     rule check:
         input:
             **{**OF_README, **({} if SHOWN else {"pages": []})},
-            verdicts=file_of_workflow("../../config/verdicts.yaml"),
+            verdicts=str(SENTENCES),
         log:
             PATHS.messages("check"),
         localrule: True
@@ -143,6 +143,6 @@ if "check" not in PLAN.unavailable:
             results=lambda wildcards: RESULTS,
             pictures=lambda wildcards: pictures_of_docs() if SHOWN else {},
         message:
-            "Check of the verdicts in config/verdicts.yaml, of results, of pictures in docs, of README.md"
+            "Check of the declared verdicts, of results, of pictures in docs, of README.md"
         script:
             "../scripts/stage.py"

@@ -78,7 +78,7 @@ def test_rows_name_claims_that_exist_and_every_claim_is_named():
                 assert row.startswith(KINDS)
             else:
                 named |= set(row)
-    assert named == IDS
+    assert named == ROWS["verdicts"].keys() == IDS
 
 
 def test_every_number_of_the_paper_is_judged_shown_or_a_setting():

@@ -55,7 +55,7 @@ def check_results(
         after its rule wrote it, every picture that differs from its figure, and every block of
         README.md with other numbers.
     """
-    declared = read_yaml(verdicts)
+    declared = read_yaml(verdicts)["verdicts"]
     claims = read_json(ledger)["claims"]
     timed = {row["id"] for row in claims if row["rig"] == "timed"} & declared.keys()
     changed = changed_verdicts(claims, declared)

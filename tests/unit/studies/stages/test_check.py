@@ -22,7 +22,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "results/claims.json").write_text(
         json.dumps({"claims": [{"id": "C1", "verdict": "reproduced", "rig": "fitted"}]})
     )
-    (tmp_path / "known.yaml").write_text(yaml.safe_dump({"C1": "reproduced"}))
+    (tmp_path / "known.yaml").write_text(yaml.safe_dump({"verdicts": {"C1": "reproduced"}}))
     (tmp_path / "docs").mkdir()
     for name in ("docs/one.png", "results/one.png", "docs/two.png"):
         Image.new("RGB", (40, 30), "red").save(name)
@@ -110,7 +110,7 @@ def test_few_pixels_or_faint_differences_are_no_other_picture(folder, levels, pi
 
 
 def test_everything_is_reported_at_once(folder):
-    (folder / "known.yaml").write_text(yaml.safe_dump({"C1": "not reproduced"}))
+    (folder / "known.yaml").write_text(yaml.safe_dump({"verdicts": {"C1": "not reproduced"}}))
     (folder / "docs/one.png").unlink()
     write_digests(["results/tables/a.csv"], "results")
     (folder / "results/tables/a.csv").write_text("y")
