@@ -31,11 +31,10 @@ def family_named(name):
         "rigs": name if name in SETS else "one",
         "every_model": name == CONFIGURED_WORLD,
         "first_seed": BEYOND["first_seed"],
-        "seeds_per_rig": BEYOND["seeds_per_rig"] if name == "drawn" else 1,
+        "seeds_per_rig": 1,
         "fitted": SETS[name]["terms"] if name in SETS else fitted,
         "on_rig": on_rig(SETTINGS) | {"rig": rig},
-        "drawn": pick(DRAWN, "seed", "angle_deg", "p_o_swing_kpa") if name == "drawn" else {},
-        "free": FREE if name == "drawn" else {},
+        **(SETS[name]["family"] if name in SETS else {}),
     }
 
 

@@ -7,26 +7,35 @@ OTHER_RIGS = {
 }
 #: Those of them that were fitted, with a report of the fit.
 FITTED_RIGS = [name for name, path in OTHER_RIGS.items() if path.with_suffix(".json").exists()]
-#: Families of many rigs.
+#: Families of many rigs: for readers, what they were fitted to, the number of rigs, and what
+#: ``fprc.studies.families.family.unit_of`` needs.
 SETS = {
     "near_print": {
         "title": "Near print",
         "description": "rigs near the training and test errors of Tables II and III",
         "terms": ["tables"],
+        "rigs": BEYOND["rigs"],
+        "family": {},
     },
     "drawn": {
         "title": "Drawn",
         "description": "rigs drawn at random from the physical ranges, not fitted",
         "terms": [],
+        "rigs": DRAWN["rigs"],
+        "family": {
+            "seeds_per_rig": BEYOND["seeds_per_rig"],
+            "drawn": pick(DRAWN, "seed", "angle_deg", "p_o_swing_kpa"),
+            "free": FREE,
+        },
     },
 }
 #: Numbers of the rigs of each job, by the first of them, and by family.
 CHUNKS = {
     name: {
-        first: list(range(first, min(first + DRAWN["chunk"], rigs)))
-        for first in range(0, rigs, DRAWN["chunk"])
+        first: list(range(first, min(first + DRAWN["chunk"], described["rigs"])))
+        for first in range(0, described["rigs"], DRAWN["chunk"])
     }
-    for name, rigs in (("near_print", BEYOND["rigs"]), ("drawn", DRAWN["rigs"]))
+    for name, described in SETS.items()
 }
 CHUNK_FILES = {
     name: [PATHS.below(f"families/{name}_{first}.json") for first in chunks]
