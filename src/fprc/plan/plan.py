@@ -194,12 +194,12 @@ class Plan:
         """Tables of the report; Tables II to IV are each followed by the version over seeds."""
         seeds = dict(zip(("table2", "table3", "table4"), self.seeds_tables, strict=True))
         pages = []
-        for name in ("table1", "table2", "table3", "table4", "readout", "timing"):
-            if name in self.targets:
-                files = BY_NAME[name].files
-                pages += [self.paths.below(file) for file in files if file.endswith(".md")]
-            if name in seeds and "seeds" in self.targets:
-                pages.append(seeds[name])
+        # claims and the tables over seeds have places of their own
+        for result in (each for each in RESULTS if each.title and not each.on_rigs):
+            if result.name in self.targets:
+                pages += [self.paths.below(file) for file in result.files if file.endswith(".md")]
+            if result.name in seeds and "seeds" in self.targets:
+                pages.append(seeds[result.name])
         return pages
 
     @cached_property
