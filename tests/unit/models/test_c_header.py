@@ -34,6 +34,8 @@ from fprc.models import (
 )
 from fprc.models.c_header import c_header
 
+pytestmark = pytest.mark.slow
+
 STRICT = (
     "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow",
     "-O2", "-fPIC", "-shared",
@@ -56,6 +58,12 @@ unsigned size(void) { return sizeof(pff_state); }
 void begin(pff_state *s) { pff_init(s); }
 void restart(pff_state *s, const pff_real *x) { pff_reset(s, x); }
 pff_real next(pff_state *s, const pff_real *x) { return pff_step(s, x); }
+#ifdef LEARNS
+void learn(pff_state *s, pff_real error, pff_real theta);
+void sent(pff_state *s, pff_real p_fb);
+void learn(pff_state *s, pff_real error, pff_real theta) { pff_learn(s, error, theta); }
+void sent(pff_state *s, pff_real p_fb) { pff_sent(s, p_fb); }
+#endif
 #ifdef __cplusplus
 }
 #endif
@@ -94,19 +102,24 @@ def compiled(fitted, tmp_path_factory):
 
     @cache
     def build(name, command, single):
-        if shutil.which(command[0]) is None:
-            pytest.skip(f"no compiler, {command[0]}")
-        folder = tmp_path_factory.mktemp("c")
-        (folder / "pff.h").write_text(c_header(fitted[name], "pff", single=single))
-        (folder / "wrapper.c").write_text(WRAPPER)
-        library = folder / "pff.so"
-        subprocess.run([*command, "wrapper.c", "-o", library, "-lm"], cwd=folder, check=True)
-        return library
+        return library_of(c_header(fitted[name], "pff", single=single), command, tmp_path_factory)
 
     def begin(name, command=C99, single=False):
         return Stream(build(name, command, single), np.float32 if single else np.float64)
 
     return begin
+
+
+def library_of(header, command, tmp_path_factory, *options):
+    """Compile a header and return the library."""
+    if shutil.which(command[0]) is None:
+        pytest.skip(f"no compiler, {command[0]}")
+    folder = tmp_path_factory.mktemp("c")
+    (folder / "pff.h").write_text(header)
+    (folder / "wrapper.c").write_text(WRAPPER)
+    made = [*command, *options, "wrapper.c", "-o", "pff.so", "-lm"]
+    subprocess.run(made, cwd=folder, check=True)
+    return folder / "pff.so"
 
 
 class Stream:
@@ -126,6 +139,12 @@ class Stream:
 
     def step(self, x):
         return self._call(self._library.next, x)
+
+    def learn(self, error, theta):
+        self._library.learn(self._state, ctypes.c_double(error), ctypes.c_double(theta))
+
+    def sent(self, p_fb):
+        self._library.sent(self._state, ctypes.c_double(p_fb))
 
     def _call(self, function, x):
         x = np.ascontiguousarray(x, self.dtype)
@@ -259,44 +278,25 @@ def test_name_that_is_none_in_c_is_refused(name, fitted):
         c_header(fitted["fprc"], name)
 
 
-LEARNING = """
-void learn(pff_state *s, pff_real error, pff_real theta);
-void sent(pff_state *s, pff_real p_fb);
-void learn(pff_state *s, pff_real error, pff_real theta) { pff_learn(s, error, theta); }
-void sent(pff_state *s, pff_real p_fb) { pff_sent(s, p_fb); }
-"""
-
-
 @pytest.mark.parametrize("name", ["fprc", "fuzzy_linear", "ridge"])
 @pytest.mark.parametrize("command", [C99, CPP])
-def test_header_learns_as_the_model_does(fitted, tmp_path, name, command):
-    if shutil.which(command[0]) is None:
-        pytest.skip(f"no compiler, {command[0]}")
+def test_header_learns_as_the_model_does(fitted, tmp_path_factory, name, command):
     X = recording(600, columns(name))
     model = deepcopy(fitted[name]).remember(X)
     learning = Learning(prior_s=1.0, memory_s=5.0, limit_kpa=20.0)
     online = Online(model, learning, 0.005, 5000.0)
-    (tmp_path / "pff.h").write_text(c_header(model, "pff", online=online))
-    end = WRAPPER.rindex("#ifdef __cplusplus")
-    (tmp_path / "wrapper.c").write_text(WRAPPER[:end] + LEARNING + WRAPPER[end:])
-    subprocess.run([*command, "wrapper.c", "-o", "pff.so", "-lm"], cwd=tmp_path, check=True)
-    library, real = ctypes.CDLL(str(tmp_path / "pff.so")), ctypes.c_double
-    library.next.restype = real
-    library.learn.argtypes = [ctypes.c_void_p, real, real]
-    library.sent.argtypes = [ctypes.c_void_p, real]
-    state = ctypes.create_string_buffer(library.size())
-    library.begin(state)
+    header = c_header(model, "pff", online=online)
+    c = Stream(library_of(header, command, tmp_path_factory, "-DLEARNS"), np.float64)
     rng, learned = np.random.default_rng(1), []
     for k, x in enumerate(X):
         error = 3.0 * np.sin(0.02 * k) if k % 50 else np.nan
         theta = 30.0 * (k % 7 > 0)
         p_fb = float(rng.choice([0.0, 5.0, 1e4, -1e4], p=(0.4, 0.4, 0.1, 0.1)))
-        online.learn(error, theta)
-        library.learn(state, error, theta)
-        ours = library.next(state, np.ascontiguousarray(x).ctypes.data_as(ctypes.c_void_p))
-        assert ours == pytest.approx(online.step(x), rel=1e-5, abs=1e-3)
-        online.sent(p_fb)
-        library.sent(state, p_fb)
+        for stream in (online, c):
+            stream.learn(error, theta)
+        assert c.step(x) == pytest.approx(online.step(x), rel=1e-5, abs=1e-3)
+        for stream in (online, c):
+            stream.sent(p_fb)
         learned.append(abs(online.p_learned_kpa))
     assert 1.0 < max(learned) <= 20.0
 
