@@ -109,11 +109,6 @@ def test_sensor_that_repeats_one_value_is_stopped_after_the_time_allowed(rig, gu
     assert "hardware.limits.stale_s" in text
 
 
-def test_value_that_changes_once_in_time_is_not_frozen(rig, guarded):
-    for k in range(10):
-        step(rig, guarded, 50, theta_deg=1.0 + k)
-
-
 def test_reservoir_without_angle_sensor_is_not_asked_for_one(rig, limits):
     guarded = CheckedRig(rig, limits, PERIOD_S, phi=False)
     step(rig, guarded, 100, phi_deg=float("nan"))
