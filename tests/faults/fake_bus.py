@@ -6,13 +6,14 @@ Written from the manufacturer's driver, without using fprc, so it tests fprc ind
 import errno
 import os
 import struct
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable
 
 LENGTH = 3
 #: Codes of an answer: a bend sample; a stretch sample; no answer, the lines stay high.
 SAMPLE, STRETCH, NOTHING = 0x00, 0x03, 0xFF
-FAULTS = ("dropout", "freeze", "spike", "type", "order", "length")
+#: By the codes of the shared memory, 0 for none.
+FAULTS = (None, "dropout", "freeze", "spike", "type", "order", "length")
 
 
 class FakeBus:
@@ -30,13 +31,11 @@ class FakeBus:
     Attributes
     ----------
     state : str
-        standby, running, polled or shutdown; samples come in the middle two only.
+        standby or running; samples come in the latter only.
     ticks : int or None
         Sample time as commanded, 1/16384 s.
     fault : str or None
         One of ``FAULTS``, until it is set to None.
-    happened : Counter
-        How often each fault did take effect.
     exchanged : deque of (str, bytes)
         ``write`` or ``read`` and the bytes; the latest 100 000.
     """
@@ -45,22 +44,14 @@ class FakeBus:
         self._angle_deg = angle_deg
         self._address = address
         self._zero_deg, self._gain = 0.0, 1.0
-        self.fault = None
-        self.happened = Counter()
-        self.exchanged = deque(maxlen=100_000)
-        self.power_cycle()
-
-    def power_cycle(self) -> None:
-        """Reset the sensor; only its calibration is kept."""
+        self.fault = self.ticks = self._last = None
         self.state = "standby"
-        self.ticks = None
-        self._last = None
+        self.exchanged = deque(maxlen=100_000)
 
     def i2c_rdwr(self, *messages) -> None:
         """Exchange messages; OSError if no device answers."""
         for message in messages:
-            dropped = self._happens("dropout")
-            if dropped or message.addr != self._address or self.state == "shutdown":
+            if self.fault == "dropout" or message.addr != self._address:
                 raise OSError(errno.EREMOTEIO, os.strerror(errno.EREMOTEIO))
             if message.flags & 1:
                 answer = self._answer()[: message.len]
@@ -72,26 +63,20 @@ class FakeBus:
                 self.exchanged.append(("write", bytes(message)))
                 self._obey(bytes(message))
 
-    def _happens(self, fault: str) -> bool:
-        if self.fault != fault:
-            return False
-        self.happened[fault] += 1
-        return True
-
     def _answer(self) -> bytes:
-        if self.state not in ("running", "polled"):
+        if self.state != "running":
             return bytes([NOTHING] * LENGTH)
-        if self._last is not None and self._happens("freeze"):
+        if self._last is not None and self.fault == "freeze":
             return self._last
         angle_deg = (self._angle_deg() - self._zero_deg) * self._gain
-        if self._happens("spike"):
+        if self.fault == "spike":
             angle_deg += 90.0
         counts = min(max(round(angle_deg * 64), -32768), 32767)
-        code = STRETCH if self._happens("type") else SAMPLE
+        code = STRETCH if self.fault == "type" else SAMPLE
         self._last = packet = struct.pack("<Bh", code, counts)
-        if self._happens("order"):
+        if self.fault == "order":
             return packet[1:] + packet[:1]
-        if self._happens("length"):
+        if self.fault == "length":
             return packet[:-1]
         return packet
 
@@ -101,17 +86,11 @@ class FakeBus:
                 self.state = "running" if on else "standby"
             case (0x01, low, high):
                 self.ticks = low + 256 * high
-            case (0x02, 0, 0):
-                self.power_cycle()
-            case (0x05, on, 0) if on in (0, 1):
-                self.state = "polled" if on else "standby"
             case (0x07, 0, 0):
                 self._zero_deg = self._angle_deg()
             case (0x07, 1, degrees) if degrees >= 45:
                 self._gain = degrees / (self._angle_deg() - self._zero_deg)
             case (0x07, 2, 0):
                 self._zero_deg, self._gain = 0.0, 1.0
-            case (0x09, 0, 0):
-                self.state = "shutdown"
             case _:
                 raise ValueError(f"the sensor has no command {packet.hex(' ')}")

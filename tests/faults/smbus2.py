@@ -18,10 +18,9 @@ import mmap
 import os
 import struct
 
-from fake_bus import FakeBus
+from fake_bus import FAULTS, FakeBus
 
 THETA, PHI, FAULT = 320, 328, 336
-_FAULTS = (None, "dropout", "freeze", "spike", "type", "order", "length")
 
 
 class i2c_msg:  # noqa: N801, smbus2's name
@@ -67,7 +66,7 @@ class SMBus:
         (code,) = struct.unpack_from("<i", self._bench, FAULT)
         for message in messages:
             sensor = self._sensor(message.addr)
-            sensor.fault = _FAULTS[code]
+            sensor.fault = FAULTS[code]
             sensor.i2c_rdwr(message)
 
     def _sensor(self, address):
