@@ -1,8 +1,8 @@
 """Documentation site, from the Markdown of this folder and the docstrings of the package."""
 
+import html
 import os
 import re
-import textwrap
 from importlib.metadata import version as version_of
 
 from fprc.escape import typeset
@@ -44,7 +44,7 @@ sphinx_gallery_conf = {
 
 
 def setup(app):
-    """Show our own members only, formulas line by line, and symbols with low indices."""
+    """Show our own members only, and symbols and formulas typeset."""
     app.connect("autodoc-skip-member", _is_not_ours)
     app.connect("autodoc-process-docstring", _set_formulas_apart, priority=400)  # before numpydoc
     app.connect("source-read", _link_and_typeset)
@@ -62,8 +62,31 @@ def _set_formulas_apart(app, what, name, obj, options, lines):
     first, *others = "\n".join(lines).strip().split("\n\n")
     for number, paragraph in enumerate(others):
         if not paragraph.startswith(" ") and all(map(_FORMULA.match, paragraph.splitlines())):
-            others[number] = ".. code-block:: text\n\n" + textwrap.indent(paragraph, "    ")
+            typeset_lines = "".join(map(_formula, paragraph.splitlines()))
+            others[number] = f".. raw:: html\n\n    <div>{typeset_lines}</div>"
     lines[:] = "\n\n".join([first, *others]).splitlines() + [""]
+
+
+_GREEK = {"theta": "θ", "gamma": "γ", "epsilon": "ε", "beta_bar": "β\u0304"}
+
+
+def _formula(line):
+    """Return a line of a formula in HTML: symbols in italics, indices low, its number right."""
+    text, _, remark = re.match(r"(.*?)(   +\((.*)\))?$", line).groups()
+    for mark, typeset_mark in {"``": "", "~": "\u0303", "-": "\u2212", "...": "…"}.items():
+        text = text.replace(mark, typeset_mark)
+    text = html.escape(text)
+    text = re.sub("|".join(_GREEK), lambda word: _GREEK[word[0]], text)
+    text = re.sub(r"\^(\d)", r"<sup>\1</sup>", text)
+    # a symbol is one letter with its marks; what follows _ is its index
+    text = re.sub(
+        r"(?<![\w<&/])([^\W\d_][\u0303\u0304']*)(?:_(\w+))?(?![\w;])",
+        lambda found: f"<i>{found[1]}</i>" + (f"<sub>{found[2]}</sub>" if found[2] else ""),
+        text,
+    )
+    number = f'<span style="float: right">({remark})</span>' if remark else ""
+    indent = 2 if line.startswith(" ") else 1
+    return f'<div style="margin-left: {indent}em; font-family: serif">{text}{number}</div>'
 
 
 def _link_and_typeset(app, name, source):
