@@ -75,13 +75,6 @@ def test_header_names_its_model_file_and_is_the_same_again(model, header):
     assert header.read_text() == text
 
 
-def test_file_that_was_not_exported_is_kept(model, header, capsys):
-    header.write_bytes(b"int mine; /* \xff */\n")
-    assert main(["export", str(model), "--c", str(header)]) == 1
-    assert header.read_bytes() == b"int mine; /* \xff */\n"
-    assert "exists and was not made by this command" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(
     ("example", "precision"),
     [("setup()", []), ("rclcpp::init", ["--float"])],

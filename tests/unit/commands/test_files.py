@@ -53,6 +53,10 @@ WRITING = (
 )
 
 
+#: Names of a folder that the report can be written to.
+INNOCENT = ("x" * 250, "folder", "foreign", "other")
+
+
 @pytest.fixture
 def refusal(tmp_path, monkeypatch, capfd):
     """Run a command in a folder with two maps; it fails, leaves nothing, and says why."""
@@ -96,23 +100,27 @@ def test_what_is_no_file_is_refused_at_once(refusal, command, kind):
 
 
 @pytest.mark.parametrize(
-    "name", ["x" * 300, "x" * 250, "map.yaml/out", "/proc/none/out", "folder", "other", "map.yaml"]
-)
+    "name",
+    ["x" * 300, "x" * 250, "map.yaml/out", "/proc/none/out", "folder", "foreign", "other",
+     "map.yaml"],
+)  # fmt: skip
 @pytest.mark.parametrize("command", WRITING)
 def test_output_that_cannot_be_written_is_refused_before_any_file_is_read(
     tmp_path, refusal, command, name
 ):
     of_folder = command.endswith("--out X")
-    if name == "map.yaml" and not of_folder or of_folder and name in ("x" * 250, "folder", "other"):
+    if name == "map.yaml" and not of_folder or of_folder and name in INNOCENT:
         return  # a file with an ending of its own; folders that can be made
     words = command.replace("X", name)
     if name == "other":
         words = words.rpartition(".")[0] + ".hdf5"
     for suffix in (".h5", ".h", ".yaml"):
         (tmp_path / f"folder{suffix}").mkdir()
+        (tmp_path / f"foreign{suffix}").write_bytes(b"mine \xff")
     said = refusal(words)
     assert words.split()[-1][:40] in said
     assert "none." not in said
+    assert {path.read_bytes() for path in tmp_path.glob("foreign.*")} == {b"mine \xff"}
 
 
 # --- bytes that hang or crash the HDF5 library ------------------------------------------------

@@ -89,7 +89,6 @@ def test_log_goes_out_as_csv_and_comes_back_the_same(bring, recorded):
     [
         ("sweep.diagnosis.json", '{"source": "a", "log": "other.h5", "words": []}'),
         ("sweep.diagnosis.png", "mine"),
-        ("sweep.h5", "mine"),
         ("sweep.diagnosis.png", None),
     ],
 )

@@ -70,16 +70,3 @@ def test_journal_of_a_killed_run_is_copied_with_code_3(journal, repair, tmp_path
     assert "nothing is lost" not in out
     assert copy_of(tmp_path).attributes["complete"] is False
     assert journal.path.read_bytes() == before
-
-
-@pytest.mark.parametrize("kind", ["journal", "hdf5"])
-def test_copy_that_exists_is_not_overwritten(journal, write_log, repair, tmp_path, kind):
-    journal.close()
-    (tmp_path / "copy.h5").write_text("precious")
-    code, _, err = repair(journal.path if kind == "journal" else write_log())
-    assert code == 1
-    assert "exists and is not overwritten" in err
-    assert (tmp_path / "copy.h5").read_text() == "precious"
-
-
-# --- HDF5 -----------------------------------------------------------------------------------
