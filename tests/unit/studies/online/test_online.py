@@ -127,6 +127,7 @@ def test_verdict_is_that_of_known_errors(ratios, verdicts):
     assert not table.isna().any().any()
 
 
+@pytest.mark.slow
 def test_tables_and_figure_are_written(tmp_path):
     path, cells = tmp_path / "dry.json", family()["cells"]
     described = {"dry": {"fitted": [], "unit": "seed"}}
