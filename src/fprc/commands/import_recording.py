@@ -1,7 +1,6 @@
 """`fprc import`: convert a recording of another program to a raw log."""
 
 import json
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +28,6 @@ from fprc.provenance import sha256
 
 #: Channels of a draft even if no column's name identifies them: what training FPRC needs.
 _DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
-#: Limit on listed variables that cannot be channels.
-_LISTED_OTHERS = 50
 #: Largest distance of a clock that jitters from a straight line, as a share of its span.
 _OFF_LINE = 0.01
 #: A sample rate this near to a whole number of Hz, as a share of it, is that number: quartz clocks
@@ -245,10 +242,8 @@ def list_source(source: str, map_file: str | None = None) -> None:
         clocks += guess is not None
         remark = _remark(values, len(finite), guess)
         print(f"  {name:{width}}  {len(values):8}  {low:>10}  {high:>10}  {remark}".rstrip())
-    for name, why in islice(content.others.items(), _LISTED_OTHERS):
+    for name, why in content.others.items():
         print(visible(f"  {name}: cannot be a channel: {why}"))
-    if len(content.others) > _LISTED_OTHERS:
-        print(f"  {len(content.others) - _LISTED_OTHERS} more cannot be channels")
     for note in content.notes:
         print(visible(f"  {note}"))
     if not clocks:

@@ -15,14 +15,13 @@ once.
 import argparse
 import ast
 import re
-import sys
 import textwrap
 from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from fprc import __version__
 from fprc.errors import UsageError
@@ -127,13 +126,7 @@ def parser() -> argparse.ArgumentParser:
 def _add_group(commands: Any, name: str) -> Any:
     """Add the first word of commands of two words, and return the place for the second."""
     group = commands.add_parser(name, help=_GROUPS[name], description=f"{_GROUPS[name]}.")
-    group.set_defaults(run=partial(_refuse_without_verb, group))
-    return group.add_subparsers(title="verbs", metavar="VERB")
-
-
-def _refuse_without_verb(group: argparse.ArgumentParser, _: argparse.Namespace) -> NoReturn:
-    group.print_help(sys.stderr)
-    group.exit(2, f"\n{group.prog}: error: a verb is missing\n")
+    return group.add_subparsers(title="verbs", required=True)
 
 
 def _add_command(commands: Any, name: str, run: str) -> None:
