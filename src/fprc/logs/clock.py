@@ -43,19 +43,13 @@ class Recording(NamedTuple):
     corrections: dict[str, Any]  #: see ``Clock``
 
 
-def even(samples: int, rate_hz: float) -> Clock:
-    """Return the clock of samples taken at a constant rate."""
-    count = np.arange(samples)
-    return Clock(0.0, count / rate_hz, count, NO_CORRECTIONS)
-
-
 def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> Clock:
-    """Return the clock of a column of time stamps.
+    """Return the clock of time stamps.
 
     Parameters
     ----------
     time : Mapping
-        ``column`` and ``unit``; optionally how to treat ``repeated`` time stamps (``first``,
+        ``column``, ``unit`` (by default s), and how to treat ``repeated`` time stamps (``first``,
         ``mean``) and ``unordered`` ones (``sort``).
 
     Raises
@@ -64,7 +58,7 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> C
         Time stamps are not finite, or are repeated or unordered and ``time`` does not say how
         to treat them.
     """
-    where = f"{source.path}: time: {time['column']}"
+    where = f"{source.path}: time: {time.get('column')}"
     bad = np.flatnonzero(~np.isfinite(stamps))
     if bad.size:
         raise LogError(
@@ -87,7 +81,7 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> C
     }
     if time.get("repeated") != "mean":
         order = order[fresh]
-    factor = SECONDS[time["unit"]]
+    factor = SECONDS[time.get("unit", "s")]
     with np.errstate(over="ignore"):  # ``refuse_length`` rejects the overflow
         # subtract before converting, or stamps counted from 1970 would lose digits
         since_s = (stamps[order] - ordered[0]) * factor

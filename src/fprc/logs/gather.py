@@ -7,7 +7,7 @@ import numpy as np
 
 from fprc.channels import CONVERTED
 from fprc.errors import LogError
-from fprc.logs.clock import Clock, Recording, even, read_clock
+from fprc.logs.clock import Clock, Recording, read_clock
 from fprc.logs.columns import LARGEST
 from fprc.logs.variables import Source, pick
 
@@ -53,13 +53,12 @@ def gather(
             f"{source.path}: columns have unequal numbers of samples ({unequal}); resample them to "
             "one clock first"
         )
-    elif "time" in picked or ("time" not in wanted and picked):
+    elif picked and ("time" in picked) == ("time" in wanted):
+        stamps = picked.get("time")
+        if stamps is None:
+            stamps = np.arange(min(lengths.values())) / time["rate_hz"]
         try:
-            if "time" in picked:
-                clock = read_clock(source, time, picked["time"])
-            else:
-                clock = even(next(iter(lengths.values())), time["rate_hz"])
-            clock = _window(source, clock, start_s, end_s)
+            clock = _window(source, read_clock(source, time, stamps), start_s, end_s)
         except LogError as error:
             problems.append(str(error))
     converted = {}

@@ -137,7 +137,7 @@ def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
     LogError
         See ``read_raw`` (the rate is not checked); also, the log is not of a closed-loop run.
     """
-    log, problems = _gather(path, names or (), RUN_ATTRIBUTES)
+    log, problems = _gather(path, names or ())
     attributes = log.attributes
     if "experiment" in attributes and not _is_run(attributes):
         problems.append(
@@ -151,14 +151,11 @@ def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
     return log._replace(channels={name: log.channels[name] for name in names})
 
 
-def _gather(
-    path: Path | str, also: tuple[str, ...] = (), required: tuple[str, ...] = ()
-) -> tuple[Columns, list[str]]:
+def _gather(path: Path | str, also: tuple[str, ...] = ()) -> tuple[Columns, list[str]]:
     """Read a raw log with the channels and attributes that its kind requires."""
     attributes = gather_columns(path, ())[0].attributes
     needed = tuple(dict.fromkeys([*_required_channels(attributes), *also]))
-    if _is_run(attributes):
-        required = RUN_ATTRIBUTES
+    required = RUN_ATTRIBUTES if _is_run(attributes) else ()
     log, problems = gather_columns(
         path,
         needed,
