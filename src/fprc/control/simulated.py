@@ -38,7 +38,7 @@ def simulate_hysteresis(
     pushes = np.zeros(len(nan)) if push_kpa is None else push_kpa
     setpoints = np.column_stack([p_exp_kpa, nan, nan, pushes])
     channels = device.follow(_controllers(control, (-np.inf, np.inf)), setpoints)
-    return {name: channels[name] for name in RAW_CHANNELS}
+    return {name: values for name, values in channels.items() if name in RAW_CHANNELS}
 
 
 def simulate_tracking(

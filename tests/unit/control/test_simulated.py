@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fprc.channels import TRACKING_CHANNELS, needed_by
+from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, needed_by
 from fprc.control import PressurePI, hysteresis_law, run, tracking_law
 from fprc.control.simulated import simulate_hysteresis, simulate_tracking
 from fprc.devices.sim import SimulatedRig
@@ -38,6 +38,13 @@ def test_hysteresis_run_is_that_of_the_loop_bit_by_bit(rig, control):
     assert list(result) == list(needed_by("sim"))
     for name, values in result.items():
         np.testing.assert_array_equal(values, expected[name], err_msg=name)
+
+
+def test_sensor_that_the_simulated_rig_lacks_is_not_in_its_log(rig, control, monkeypatch):
+    with_another = (*RAW_CHANNELS, "p_supply_kpa")
+    monkeypatch.setattr("fprc.control.simulated.RAW_CHANNELS", with_another)
+    result = simulate_hysteresis(device(rig), control, pressures(10))
+    assert list(result) == list(RAW_CHANNELS)
 
 
 @pytest.mark.parametrize("feedback", [None, "incremental", "positional"])
