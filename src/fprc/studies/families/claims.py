@@ -7,7 +7,8 @@ from scipy.stats import binomtest
 
 from fprc.claims import numbers
 from fprc.claims.finding import Results, Statement
-from fprc.claims.paper import ASSUMED, CLAIMS, Claim, Printed
+from fprc.claims.paper import ASSUMED, CLAIMS, Claim
+from fprc.claims.statements import Printed
 from fprc.signals import LEVEL
 
 

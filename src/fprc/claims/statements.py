@@ -1,0 +1,184 @@
+"""What the paper's claims compare: numbers of results, each with its limits."""
+
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from fprc.claims import numbers as n
+from fprc.claims.finding import Results, Statement
+from fprc.paper import LOOPS, MODELS, REFERENCE_NAMES, REFERENCES
+from fprc.registry import title_of
+
+Printed = Mapping[str, Any]
+
+
+def similar_training(r: Results, p: Printed) -> list[Statement]:
+    """Compare the errors of ESN and FPRC in training and validation."""
+    printed = {model: p["table_2_models"][model]["train_rmse_kpa"][0] for model in MODELS}
+    # halfway, in logarithms, from FPRC to Fuzzy-linear, which the paper calls worse
+    limit = math.sqrt(printed["fuzzy_linear"] / printed["fprc"])
+    ratios = {
+        phase: n.ratio(r, "sweep", "esn", "fprc", phase) for phase in ("training", "validation")
+    }
+    return [
+        Statement(f"ESN / FPRC in {phase}", ratio, 1 / limit, limit)
+        for phase, ratio in ratios.items()
+    ]
+
+
+def consistent_test(r: Results, p: Printed) -> list[Statement]:
+    """Compare each model's test error with its training error."""
+    ours, printed = {}, {}
+    for model in ("fprc", "esn"):
+        row = p["table_2_models"][model]
+        printed[model] = row["test_rmse_kpa"] / row["train_rmse_kpa"][0]
+        ours[model] = n.error(r, "sweep", model, "test") / n.error(r, "sweep", model, "training")
+    limit = math.exp((abs(math.log(printed["fprc"])) + math.log(printed["esn"])) / 2)
+    return [
+        Statement("test / training, FPRC", ours["fprc"], 1 / limit, limit),
+        Statement("test / training, ESN", ours["esn"], low=limit),
+    ]
+
+
+def time_ratios(r: Results, model: str, other: str, *phases: str) -> dict[str, np.ndarray]:
+    """Return the execution times of a model over another one's, by what is compared."""
+    ratios = {}
+    for phase in phases:
+        for mode in n.MODES:
+            ours, theirs = (n.seconds(r.times, name, phase, mode=mode) for name in (model, other))
+            ratios[f"{title_of(model)} / {title_of(other)}, {phase}, {mode}"] = ours / theirs
+    return ratios
+
+
+def printed_time_ratio(p: Printed) -> float:
+    """Return FPRC's printed training time over the ESN's."""
+    ours, theirs = (p["table_2_models"][name]["train_time_s"][0] for name in ("fprc", "esn"))
+    return ours / theirs
+
+
+def times_over_n_c(r: Results, p: Printed) -> list[Statement]:
+    """Ask for a training time that rises with n_c, and a test time that does not."""
+    few, many = n.rule_counts(r)[:: len(n.rule_counts(r)) - 1]
+    statements = []
+    for mode in n.MODES:
+        statements.append(
+            Statement(
+                f"rank correlation of training time with n_c, {mode}",
+                n.trend_of_training_time(r, mode), low=0.85, ratio=False,
+            )
+        )  # fmt: skip
+        test = [n.seconds(r.times_over_n_c, "fprc", "test", n_c=k, mode=mode) for k in (few, many)]
+        statements.append(
+            Statement(f"test time, n_c {many} / {few}, {mode}", test[1] / test[0], 1 / 1.25, 1.25)
+        )
+    return statements
+
+
+def slower_at_every_n_c(r: Results, p: Printed) -> list[Statement]:
+    """Ask for lower times of Fuzzy-linear than of FPRC at every n_c."""
+    return [
+        Statement(
+            f"Fuzzy-linear / FPRC at n_c {n_c}, {phase}, {mode}",
+            n.seconds(r.times_over_n_c, "fuzzy_linear", phase, n_c=n_c, mode=mode)
+            / n.seconds(r.times_over_n_c, "fprc", phase, n_c=n_c, mode=mode),
+            high=1.0,
+        )
+        for phase in ("training", "test")
+        for mode in n.MODES
+        for n_c in n.rule_counts(r)
+    ]
+
+
+def falls_at_every_step(r: Results, setting: str) -> list[Statement]:
+    """Ask for a training error that falls from each value of a setting to the next."""
+    errors, sizes = n.grid(r, setting, "fprc", "training"), n.sizes(r, setting)
+    return [
+        Statement(f"training at {setting} {upper:g} / {lower:g}", column, high=1.0)
+        for (lower, upper), column in zip(
+            pairwise(sizes), (errors[:, 1:] / errors[:, :-1]).T, strict=True
+        )
+    ]
+
+
+def not_monotonic(r: Results, p: Printed) -> list[Statement]:
+    """Ask for a step up and a step down of the test error over epsilon and over n_c."""
+    statements = []
+    for setting in ("epsilon", "n_c"):
+        errors, sizes = n.grid(r, setting, "fprc", "test"), n.sizes(r, setting)
+        steps = np.diff(np.log(errors), axis=1)
+        choosing, judging = n.halves(steps)
+        mean = choosing.mean(axis=0)
+        for i, low, high in (
+            (int(mean.argmax()), 1.0, math.inf),
+            (int(mean.argmin()), -math.inf, 1.0),
+        ):
+            text = f"test at {setting} {sizes[i + 1]:g} / {sizes[i]:g}"
+            statements.append(Statement(text, np.exp(judging[:, i]), low, high))
+    return statements
+
+
+def fewer_or_more(r: Results, tap: str, rise: float) -> list[Statement]:
+    """Return statements that an error falls with fewer (rise 1) or with more (rise -1) taps."""
+    statements = []
+    for phase in ("training", "validation"):
+        trend = n.tap_trend(r, tap, phase)
+        low, high = (0.5, math.inf) if rise > 0 else (-math.inf, -0.5)
+        text = f"rank correlation of {phase} error with {tap}"
+        statements.append(Statement(text, trend, low, high, ratio=False))
+        few, medium, many = n.thirds_of_taps(r, tap, phase)
+        best = few if rise > 0 else many
+        words = "few" if rise > 0 else "many"
+        statements.append(Statement(f"{phase}, {words} {tap} / medium", best / medium, high=1.0))
+    return statements
+
+
+def medium_n_u(r: Results, p: Printed) -> list[Statement]:
+    """Compare the test error with a medium n_u to that with few and with many."""
+    few, medium, many = n.thirds_of_taps(r, "n_u", "test")
+    return [
+        Statement("test, medium n_u / few", medium / few, high=1.0),
+        Statement("test, medium n_u / many", medium / many, high=1.0),
+    ]
+
+
+def cuts(r: Results) -> dict[str, np.ndarray]:
+    """Return the tracking error with feedback over that without, by reference."""
+    return {
+        name: n.tracking_error(r, name, "fprc_pd") / n.tracking_error(r, name, "fprc")
+        for name in REFERENCES
+    }
+
+
+def printed_cuts(p: Printed) -> dict[str, float]:
+    """Return the same ratios of the printed errors."""
+    table = p["table_4_tracking_rmse_deg"]
+    return {name: table["fprc_pd"][name] / table["fprc"][name] for name in REFERENCES}
+
+
+def loops_removed(r: Results, p: Printed) -> list[Statement]:
+    """Compare the widths of the loops of PD alone with those of FPRC+PD."""
+    statements = []
+    for reference in LOOPS:
+        name = REFERENCE_NAMES[reference]
+        pd, both = (
+            n.measured(r, "loops", f"{reference}/{controller}", "width_over_span")
+            for controller in ("pd", "fprc_pd")
+        )
+        statements += [
+            Statement(f"width of the loop of PD, {name} [% of its span]", 100 * pd, 5, ratio=False),
+            Statement(f"width of the loop, FPRC+PD / PD, {name}", both / pd, high=0.5, ratio=False),
+        ]
+    return statements
+
+
+def frequency_independent(r: Results, pressure: str) -> list[Statement]:
+    """Ask for loops of actuator and reservoir that do not grow over the sweep."""
+    return [
+        Statement(f"growth of the loop, {name}", n.measured(r, "hysteresis", key), 1 / 1.2, 1.2)
+        for key, name in (
+            (pressure, f"actuator over the {pressure} P_exp"), ("reservoir", "reservoir")
+        )
+    ]  # fmt: skip
