@@ -92,6 +92,16 @@ def _end_of_starters():
         process.communicate()
 
 
+#: Prints the rules that run a stage, and which of them do not name its fingerprint.
+LISTED = """
+include: "workflow/studies/Snakefile"
+for known in workflow.rules:
+    if known.script:
+        bare = {"code", "version"}.isdisjoint(known.params.keys())
+        print("bare" if bare else "good", known.name)
+"""
+
+
 class Project:
     """A copy of the workflow in a folder of its own, run with the installed package."""
 
@@ -123,6 +133,15 @@ class Project:
         starts.stdin.flush()
         code, printed = json.loads(starts.stdout.readline())
         return subprocess.CompletedProcess(asked[1], code, printed)
+
+    def stages(self) -> dict[str, bool]:
+        """Rules that run a stage, and whether each names the fingerprint of its code."""
+        (self.folder / "listed.smk").write_text(LISTED, encoding="utf-8")
+        listed = self.snakemake("--snakefile", "listed.smk", "--list-rules").stdout
+        return {
+            name: kind == "good"
+            for kind, name in re.findall(r"^(bare|good) (\w+)$", listed, flags=re.MULTILINE)
+        }
 
     def run(self, *command: str, **environment: str) -> subprocess.CompletedProcess:
         return subprocess.run(
