@@ -65,22 +65,22 @@ def test_swapped_hoses_or_channels_are_named_before_the_wrong_chamber_is_full(
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
 
 
-@pytest.mark.parametrize(
+CHAMBERS = pytest.mark.parametrize(
     ("output", "chamber", "own"),
-    [("main_output", "actuator", "p_exp_kpa"), ("reservoir_output", "PAM A", "p_i_kpa")],
+    [("main_output", "actuator", "p_exp"), ("reservoir_output", "PAM A", "p_i")],
 )
+
+
+@CHAMBERS
 def test_dead_valve_is_named(look, settings, output, chamber, own):
     settings["hardware"]["boards"][output] = 5
     code, (trouble,) = look()
     assert code == 1
-    assert trouble.startswith(f"{chamber}: setpoint 60 kPa, but {own} = ")
+    assert trouble.startswith(f"{chamber}: setpoint 60 kPa, but {own}_kpa = ")
     assert trouble.endswith(f"; check supply, valve and hardware.boards.{output}")
 
 
-@pytest.mark.parametrize(
-    ("output", "chamber", "own"),
-    [("main_output", "actuator", "p_exp"), ("reservoir_output", "PAM A", "p_i")],
-)
+@CHAMBERS
 def test_valve_that_stays_where_it_was_is_named(look, settings, output, chamber, own):
     def stay(bench):
         bench.shared.outputs[:2] = [5.0, 5.0]  # a closed valve leaks

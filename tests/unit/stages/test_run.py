@@ -153,12 +153,8 @@ def test_stage_that_fails_ends_with_its_message_and_leaves_no_sidecar(job, run, 
 DAMAGE = {
     "nothing": (lambda content: content, True),
     "empty": (lambda content: b"", False),
-    "cut": (lambda content: content[:-1], False),
-    "an empty list": (lambda content: b"[]", False),
     "another digit": (lambda content: content.replace(b"1.5", b"2.5"), False),
-    "not a number": (lambda content: content.replace(b"1.5", b"NaN"), False),
     "longer": (lambda content: content + b" ", False),
-    "zeros": (lambda content: bytes(len(content)), False),
 }
 
 
