@@ -20,6 +20,8 @@ from fprc.studies.calibration.space import decode, encode, free_parameters, reso
 from fprc.studies.calibration.surrogate import MEASURES, judge_by_surrogate
 from fprc.studies.stages.calibrate import calibrate
 
+pytestmark = pytest.mark.slow  # whole fits
+
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
 SURROGATE = {"stride": 7, "esn_nodes": 8, "restarts": 1}
