@@ -24,6 +24,8 @@ from fprc.logs import read_columns
 from fprc.plan.arguments import judgement, paper_models
 from fprc.stages import readout as stage
 
+pytestmark = pytest.mark.slow
+
 CHANNELS = {
     "theta_deg": {"column": "angle", "unit": "deg"},
     "p_exp_kpa": {"column": "force", "unit": 1, "note": "motor force F [N]"},
@@ -97,14 +99,12 @@ def finished(tmp_path_factory):
     return folder / "out", out.getvalue(), err.getvalue(), seen
 
 
-@pytest.mark.slow
 def test_stopped_run_goes_on_where_it_was(finished):
     out, _, _, seen = finished
     assert seen == list(range(1, 27))
     assert len(read_json(out / "readout/cells.json")["cells"]) == 26
 
 
-@pytest.mark.slow
 def test_one_command_goes_from_a_recording_to_a_report(finished):
     out, printed, messages, _ = finished
     for name in ("readout.csv", "readout.md", "readout.pdf", "readout.png", "readout.json"):
@@ -130,7 +130,6 @@ def test_one_command_goes_from_a_recording_to_a_report(finished):
     assert not logging.getLogger("fprc").handlers
 
 
-@pytest.mark.slow
 def test_further_recordings_train_too_and_are_validated_whole(recording, tmp_path):
     paths = further(tmp_path, 3, 4)
     assert run(tmp_path, recording(start_s=1), "--train", *paths) == 0
@@ -162,7 +161,6 @@ def test_further_recordings_train_too_and_are_validated_whole(recording, tmp_pat
     assert all((out / name).exists() for name in pictures)
 
 
-@pytest.mark.slow
 def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch, capsys):
     def stop(*arguments):
         raise KeyboardInterrupt
