@@ -16,7 +16,6 @@ from fprc.logs import (
     clock,
     delimited,
     diagnosis,
-    hdf5,
     isolated,
     recovery,
     resample,
@@ -37,7 +36,7 @@ def quoted():
     block_s = competitors.PURGES * settings.evaluation.purge_s
     states = competitors._MOST_NUMBERS // settings.models.esn.r
     return {
-        "data/raw/README.md": [f"may take {hdf5.MAX_BYTES >> 20} MB in memory"],
+        "data/raw/README.md": [f"memory ({isolated._LIMIT_BYTES >> 30} GB)"],
         "docs/benchmark.md": [
             f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.seeds - 1}, ",
         ],
