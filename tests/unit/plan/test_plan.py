@@ -159,6 +159,9 @@ def test_without_p_o_fprc_is_left_out_everywhere():
     plan = recorded(*EXPERIMENTS, lacking=["p_o_kpa"])
     assert plan.models == ["esn", "fuzzy_linear"]
     assert plan.left_out == {"fprc": "needs p_o_kpa, which sweep.h5 and complex.h5 do not have"}
+    assert set(plan.unavailable_targets) - CLOSED_LOOP - OF_RIGS == {
+        "readout", "fig2", "fig5", "fig8", "fig9", "fig11"
+    }  # fmt: skip
     assert set(plan.targets["table2"]) == (
         {"results/tables/table2.md"} | DATA | judged("sweep", plan.models)
     )
