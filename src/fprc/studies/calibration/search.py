@@ -26,9 +26,9 @@ _STEP = 0.03
 #: Steps of a round, and the distances that each tries, as multiples of the radius.
 _STEPS, _REACH = 6, (0.2, 0.6, 1.5, 3.0)
 
-#: Radius of the first step and its limits, in units of the cube; the factor after a step that found
-#: nothing better, and the least with which a round begins.
-_RADIUS, _LEAST, _MOST, _SHRINK, _FRESH = 0.15, 0.01, 0.4, 0.4, 0.05
+#: Radius with which a round begins, and limits of every radius, in units of the cube; the
+#: factor after a step that found nothing better.
+_RADIUS, _LEAST, _MOST, _SHRINK = 0.15, 0.01, 0.4, 0.4
 
 #: Weight of the step's length beside the deviations, and share of a correction that the model takes
 #: over: numbers of one pair of points are noisy.
@@ -112,10 +112,10 @@ def search(
 
         try:
             (first,) = judged([start])
-            here, radius = first or here, _RADIUS
+            here = first or here
             while begun < rounds and math.isfinite(here.loss):
                 begun += 1
-                slopes, radius = _slopes(here, judged), max(radius, _FRESH)
+                slopes, radius = _slopes(here, judged), _RADIUS
                 for _ in range(_STEPS):
                     radii = [min(share * radius, _MOST) for share in _REACH]
                     points = [_least_within(r, here, slopes, deviations_of) for r in radii]
