@@ -170,40 +170,24 @@ def test_newtons_are_not_taken_for_kilopascals(bring, caplog):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("version", ["5", "7.3"])
-def test_words_of_the_listing_are_those_of_the_map(tmp_path, capsys, matlab_files, version):
-    """Parts of cells and struct arrays; some are empty or not numeric."""
-    write = {"5": matlab_files.write_matlab5, "7.3": matlab_files.write_matlab73}[version]
-    count = np.arange(50.0).reshape(-1, 1)
-    runs = [{"t": 0.01 * count, "q": np.hstack([k * count, -k * count])} for k in (1, 2)]
-    rows = [{"p": 3.0 * k} for k in range(50)]
-    write(tmp_path / "log.mat", {
-        "train": matlab_files.Cells((1, 2), runs),
-        "rows": matlab_files.Structs((50, 1), rows),
-        "none": np.zeros((0, 0)),
-    })  # fmt: skip
+def test_words_of_the_listing_are_those_of_the_map(tmp_path, capsys, matlab_files):
+    """Names of nested parts: tests/unit/logs/test_arrays.py."""
+    count = np.arange(50.0)
+    both, empty = np.column_stack([count, -count]), np.zeros((0, 0))
+    content = {"run": {"t": 0.01 * count, "q": both}, "none": empty}
+    matlab_files.write_matlab5(tmp_path / "log.mat", content)
     assert main(["import", str(tmp_path / "log.mat"), "--list"]) == 0
     printed = capsys.readouterr().out.splitlines()
     names = [line[2:].split("  ")[0] for line in printed[2:] if "cannot be" not in line]
-    assert sorted(names) == sorted(
-        [
-            "[rows.p]",
-            *(f"train{{{k}}}.{part}" for k in (1, 2) for part in ("t", "q[:, 0]", "q[:, 1]")),
-        ]
-    )
+    assert sorted(names) == ["run.q[:, 0]", "run.q[:, 1]", "run.t"]
     assert "  none: cannot be a channel: empty" in printed
-    raw = imported(
-        tmp_path,
-        {
-            "theta_deg": {"column": "train{2}.q[:, 1]", "unit": "deg"},
-            "p_exp_kpa": {"column": "[rows.p]", "unit": "kPa"},
-        },
-        time={"column": "train{1}.t"},
-        source="log.mat",
+    theta, p_exp = (
+        {"column": f"run.q[:, {k}]", "unit": unit} for k, unit in ((1, "deg"), (0, "kPa"))
     )
-    log = read_raw(raw, **RATE)
-    assert log.channels["theta_deg"][::2] == pytest.approx(-2.0 * count.ravel())
-    assert log.channels["p_exp_kpa"][::2] == pytest.approx(3.0 * count.ravel())
+    channels = {"theta_deg": theta, "p_exp_kpa": p_exp}
+    log = read_raw(imported(tmp_path, channels, {"column": "run.t"}, "log.mat"), **RATE)
+    assert log.channels["theta_deg"][::2] == pytest.approx(-count)
+    assert log.channels["p_exp_kpa"][::2] == pytest.approx(count)
 
 
 def jittery(jitter_s):
