@@ -33,7 +33,7 @@ def worlds_page(worlds: Worlds) -> pd.DataFrame:
         seeds = len(world["cells"]) // max(units, 1)
         judged = f"{units} {world['unit']}s" + (f", {seeds} seeds each" if seeds > 1 else "")
         what = WORLDS.get(world["name"], ("", "a rig of one's own"))[1]
-        rows.append({"World": world_title(world["name"]), "What it is": what, "Judged on": judged})
+        rows.append({"Rigs": world_title(world["name"]), "What it is": what, "Judged on": judged})
     return pd.DataFrame(rows)
 
 
@@ -130,7 +130,7 @@ def correlations_page(table: pd.DataFrame) -> pd.DataFrame:
     )
     return pd.DataFrame(
         {
-            "World": world_title(world),
+            "Rigs": world_title(world),
             "Models": str(count),
             "Open loop": f"{row['open_loop']:.2f}",
             "Closed loop": f"{row['closed_loop']:.2f}",

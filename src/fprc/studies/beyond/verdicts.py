@@ -82,13 +82,13 @@ def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
             if row["parts"]
             for whom, what in row["fitted"]
         ),
-        columns=[*why, "Claims", "Worlds"],
+        columns=[*why, "Claims", "Rigs"],
     )
     # claims of the same worlds share a row
-    for key, joined in (("Claims", "Worlds"), ("Worlds", "Claims")):
+    for key, joined in (("Claims", "Rigs"), ("Rigs", "Claims")):
         groups = found.groupby([*why, key], sort=False)[joined]
         found = groups.agg(", ".join).reset_index()
-    return found[[*why, "Claims", "Worlds"]]
+    return found[[*why, "Claims", "Rigs"]]
 
 
 def details_page(ledgers: Ledgers) -> pd.DataFrame:
@@ -96,7 +96,7 @@ def details_page(ledgers: Ledgers) -> pd.DataFrame:
     rows = [row for of_claim in zip(*ledgers, strict=True) for row in of_claim if row["parts"]]
     columns = {
         "Id": [row["id"] for row in rows],
-        "World": [row["title"] for row in rows],
+        "Rigs": [row["title"] for row in rows],
         "Verdict": [verdict_of(row) for row in rows],
         "Mean": [means_of(row) for row in rows],
         "Interval": [_intervals(row) for row in rows],
@@ -105,7 +105,7 @@ def details_page(ledgers: Ledgers) -> pd.DataFrame:
             "-" if row["stable"] is None else f"{100 * row['stable']:.0f} %" for row in rows
         ],
         "Units": [str(row["units"]) for row in rows],
-        "Lost builds": [str(row["dropped"]) for row in rows],
+        "Units lost": [str(row["dropped"]) for row in rows],
     }
     return pd.DataFrame(columns, dtype=object)
 

@@ -17,7 +17,7 @@ def test_mark_beside_a_verdict_says_whom_the_fit_favours(ledgers):
 
 
 def test_details_say_on_what_a_verdict_rests(ledgers):
-    page = verdicts.details_page(ledgers).set_index(["Id", "World"])
+    page = verdicts.details_page(ledgers).set_index(["Id", "Rigs"])
     assert list(page.index[:3]) == [("B1", "dry"), ("B1", "drawn"), ("B2", "dry")]
     part = ledgers[0][0]["parts"][0]
     assert page.loc[("B1", "dry")].tolist() == [
@@ -26,7 +26,7 @@ def test_details_say_on_what_a_verdict_rests(ledgers):
     ]  # fmt: skip
     assert page.loc[("B7", "sparse"), ["Units", "Subsets that agree"]].tolist() == ["3", "-"]
     # not judged, so there is nothing to show
-    assert "broken" not in page.index.get_level_values("World")
+    assert "broken" not in page.index.get_level_values("Rigs")
 
 
 def test_tidy_claims_have_a_row_for_each_part(ledgers):
@@ -59,7 +59,7 @@ def test_what_was_fitted_names_its_claims_and_worlds(ledgers):
         "P_o ‡", "B1, B2, B3, B8", "dry",
     ]  # fmt: skip
     lowest = page.loc["FPRC's error as the lowest of the paper's models"]
-    assert lowest[["Claims", "Worlds"]].to_numpy().tolist() == [
+    assert lowest[["Claims", "Rigs"]].to_numpy().tolist() == [
         ["B1, B2, B4, B6", "dry"], ["B7", "dry, sparse"],
     ]  # fmt: skip
     assert verdicts.fitted_page(ledgers[1:2]).empty
