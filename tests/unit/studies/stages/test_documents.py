@@ -46,7 +46,7 @@ def project(tmp_path):
         "table2.md": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
         "table2_seeds.md": "Over seeds.\n",
         "table3_seeds.md": "Reversed.\n",
-        "table4_seeds.md": "Followed.\n",
+        "table4_seeds.md": "Followed with P_o.\n",
         "claims.json": LEDGER,
         "table2_timing.md": "Times.\n",
     }
@@ -82,7 +82,7 @@ def test_blocks_are_replaced_and_everything_else_is_kept(project):
         ("table2", "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |"),
         ("table2_seeds", "Over seeds."),
         ("table3_seeds", "Reversed."),
-        ("table4_seeds", "Followed."),
+        ("table4_seeds", "Followed with P_o."),
         ("table2_timing", "Times."),
     ):
         expected = expected.replace(block(name, "old"), block(name, new))
@@ -104,7 +104,7 @@ def test_readme_has_its_tables_and_keeps_its_text(project):
     update(project)
     text = (project / "README.md").read_text(encoding="utf-8")
     assert "Over seeds." in text
-    assert "Followed." in text
+    assert "Followed with P<sub>o</sub>." in text
     assert "\nold\n" not in text
     assert text.endswith("End.\n")
 
