@@ -53,8 +53,8 @@ def test_lock_that_cannot_be_opened_is_no_leave_to_go_on(tmp_path):
 
 @pytest.fixture
 def folders(tmp_path, monkeypatch):
-    """Two folders of the system; ``folders.deny(name, ...)`` makes some read-only for this user."""
-    shared = {name: tmp_path / name for name in ("run", "tmp")}
+    """Copies of the folders of the system; ``deny(name, ...)`` makes some read-only for a user."""
+    shared = {place.name: tmp_path / place.name for place in locks._SHARED}
     for folder in shared.values():
         folder.mkdir()
     monkeypatch.setattr(locks, "_SHARED", tuple(shared.values()))
@@ -73,19 +73,19 @@ def folders(tmp_path, monkeypatch):
     return SimpleNamespace(**shared, deny=deny, shared=tuple(shared.values()))
 
 
-@pytest.mark.parametrize("denied", [(), ("run",), ("tmp",)])
+@pytest.mark.parametrize("denied", [(), ("lock",), ("tmp",)])
 def test_each_folder_of_the_system_that_can_be_written_has_a_lock(folders, denied, caplog):
     folders.deny(*denied)
     caplog.set_level(logging.INFO)
     with locked(BOARDS) as files:
         found = [folder.name for folder in folders.shared if list(folder.iterdir())]
-        assert found == [name for name in ("run", "tmp") if name not in denied]
+        assert found == [name for name in ("lock", "tmp") if name not in denied]
         assert len(files) == 2 * len(found)
     assert len(caplog.messages) == len(denied)
 
 
-@pytest.mark.parametrize("first", [(), ("run",)])
-@pytest.mark.parametrize("second", [(), ("run",)])
+@pytest.mark.parametrize("first", [(), ("lock",)])
+@pytest.mark.parametrize("second", [(), ("lock",)])
 def test_users_of_whom_one_cannot_write_everywhere_exclude_each_other(folders, first, second):
     folders.deny(*first)
     with locked(BOARDS):
@@ -98,10 +98,10 @@ def test_users_of_whom_one_cannot_write_everywhere_exclude_each_other(folders, f
 
 @pytest.mark.parametrize("absent", [False, True])
 def test_user_who_can_write_nowhere_is_refused_and_both_folders_are_named(folders, absent):
-    folders.deny("run", "tmp")
+    folders.deny("lock", "tmp")
     for folder in folders.shared if absent else ():
         folder.rmdir()
-    with pytest.raises(DeviceError, match=r"run.*tmp.*lock_folder"), locked(BOARDS):
+    with pytest.raises(DeviceError, match=r"/lock.*/tmp.*lock_folder"), locked(BOARDS):
         pass
 
 
