@@ -67,7 +67,7 @@ def quoted():
             f"{recovery.LARGEST_JOURNAL_BYTES >> 30} GB |",
             f"MATLAB or HDF5 file | {isolated._LIMIT_BYTES >> 30} GB |",
             f"MATLAB 7.3 file | {arrays.MOST_ARRAYS:,};",
-            f"| {clock.LONGEST_S / 3600:g} h, and {clock.MOST_POINTS / 1e6:g} million samples",
+            f"| {clock.MOST_POINTS / 1e6:g} million samples at the new rate",
             f"to {resample.PASS:g} of the new Nyquist frequency and at -{resample.STOP_DB:g} dB",
             f"a step longer than {diagnosis.GAP_PERIODS:g} median steps",
             f"constant for more than {diagnosis.FROZEN_S:g} s",

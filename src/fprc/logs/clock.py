@@ -13,8 +13,6 @@ from fprc.logs.variables import Source
 SECONDS = {"min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 #: Range of plausible sample rates, Hz.
 LIKELY_HZ = (10.0, 20000.0)
-#: Longest recording, from first to last time stamp, s.
-LONGEST_S = 86400.0
 #: Most samples per channel that resampling may process.
 MOST_POINTS = 5_000_000
 
@@ -153,18 +151,18 @@ def refuse_length(
     duration_s = float(time_s[-1])
     where = f"{source.path}: time: {time.get('column') or 'rate_hz'}"
     with np.errstate(all="ignore"):
-        points = points_of(time_s, rate_hz) if duration_s <= LONGEST_S else duration_s * rate_hz
+        points = points_of(time_s, rate_hz)
         remedy = _remedy(source, time, recording)
     if duration_s * rate_hz < 1.0:
         raise LogError(
             f"{where}: {duration_s:.4g} s are shorter than one sample at sample_rate_hz = "
             f"{rate_hz:g}; keep more with start_s and end_s{remedy}"
         )
-    if duration_s > LONGEST_S or points > MOST_POINTS:
+    if not points <= MOST_POINTS:  # NaN: the duration is infinite
         raise LogError(
             f"{where}: {duration_s:.4g} s at sample_rate_hz = {rate_hz:g} need {points:.2g} "
-            f"samples in resampling; the limits are {LONGEST_S:g} s and {MOST_POINTS:.2g} "
-            f"samples; shorten it with start_s and end_s{remedy}"
+            f"samples in resampling; the limit is {MOST_POINTS:.2g} samples; shorten it with "
+            f"start_s and end_s{remedy}"
         )
 
 
