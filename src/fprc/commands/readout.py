@@ -21,7 +21,6 @@ from fprc.errors import ConfigError, FprcError, LogError
 from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.rates import settings_at
 from fprc.fingerprint import fingerprint
-from fprc.given import open_given
 from fprc.plan.arguments import judgement, paper_models
 from fprc.provenance import describe
 from fprc.registry import class_module
@@ -108,8 +107,6 @@ def report_readout(
     count = processes(workers)
     folder = Path(out or Path("results", Path(source).stem))
     refuse_unwritable([folder])
-    for path in (source, *train):
-        open_given(path, error=LogError).close()
     rate_hz, duration_s = own_rate(mapping, source)
     recorded_hz = [rate_hz, *(own_rate(mapping.of_whole("sweep"), path)[0] for path in train)]
     rate_hz = mapping.sample_rate_hz or _common_rate(recorded_hz, settings)
