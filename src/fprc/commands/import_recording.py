@@ -14,9 +14,8 @@ from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
-from fprc.logs import write_raw
+from fprc.logs import read_columns, write_raw
 from fprc.logs.clock import Recording, likely_rate, other_unit, refuse_length
-from fprc.logs.columns import read_header
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather
 from fprc.logs.isolated import attempt_each
@@ -209,8 +208,8 @@ def _outputs_beside(raw: str) -> tuple[str, str]:
 
 
 def _is_imported(old: Path) -> bool:
-    (header,) = attempt_each(read_header, [old])
-    return not isinstance(header, LogError) and header[1].get("source") == "import"
+    (log,) = attempt_each(read_columns, [old], names=())
+    return not isinstance(log, LogError) and log.attributes.get("source") == "import"
 
 
 def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:

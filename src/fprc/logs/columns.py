@@ -33,6 +33,7 @@ class Columns(NamedTuple):
     channels: dict[str, np.ndarray]
     attributes: dict[str, Any]
     unchecked: tuple[str, ...] = ()  #: names of channels without a checksum
+    names: frozenset[str] = frozenset()  #: of all channels in the file, read or not
 
 
 def write_columns(
@@ -111,23 +112,8 @@ def gather_columns(
         names = (*names, *(name for name in optional if name in present))
         channels, more = _read_all(file, names)
         unchecked = tuple(name for name in channels if not file[name].fletcher32)
-    return Columns(path, channels, values, unchecked), [f"{path}: {p}" for p in (*more, *problems)]
-
-
-def read_header(path: Path | str) -> tuple[frozenset[str], dict[str, Any]]:
-    """Return the names of a file's channels, and its attributes; the samples are not read.
-
-    Raises
-    ------
-    LogError
-        The file cannot be opened, or is cut short; an attribute has the wrong type.
-    """
-    with opened(Path(path)) as file:
-        names = frozenset(file)
-        attributes, problems = read_attributes(file.attrs)
-    if problems:
-        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
-    return names, attributes
+    columns = Columns(path, channels, values, unchecked, present)
+    return columns, [f"{path}: {problem}" for problem in (*more, *problems)]
 
 
 def _read_all(file: h5py.File, names: tuple[str, ...]) -> tuple[dict[str, np.ndarray], list[str]]:

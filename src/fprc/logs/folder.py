@@ -1,11 +1,12 @@
 """Contents of a folder of raw logs, from their headers alone."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from fprc.errors import LogError
-from fprc.logs.columns import read_header
+from fprc.logs.columns import read_columns
 from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import other_quantity
 
@@ -48,8 +49,9 @@ def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
         Names every file that cannot be read.
     """
     present = [path for path in map(Path, paths) if path.exists()]
-    read = isolated_each(read_header, present) if isolate else map(read_header, present)
-    return {path.stem: Header(path, *fields) for path, fields in zip(present, read, strict=True)}
+    read = partial(read_columns, names=())
+    logs = isolated_each(read, present) if isolate else map(read, present)
+    return {log.path.stem: Header(log.path, log.names, log.attributes) for log in logs}
 
 
 def refuse_other_source(existing: Mapping[str, Header], *, simulated: bool) -> None:
