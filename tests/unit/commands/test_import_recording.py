@@ -14,7 +14,7 @@ from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
 from fprc.commands.import_recording import _quoted, import_or_list
 from fprc.config import Settings
-from fprc.errors import LogError, OutputError
+from fprc.errors import ConfigError, LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
 from fprc.logs import assess, read_columns, read_raw, write_raw
@@ -101,6 +101,12 @@ def test_file_that_no_import_wrote_is_kept_and_nothing_written(bring, tmp_path, 
         bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
     assert [path.name for path in tmp_path.glob("sweep*")] == [name]
     assert content is None or (tmp_path / name).read_text() == content
+
+
+def test_map_of_two_parts_is_for_another_command(bring):
+    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
+    with pytest.raises(ConfigError, match="test_from_s is for `fprc readout`"):
+        bring(channels, experiment=None, test_from_s=5)
 
 
 # --- all or nothing -------------------------------------------------------------------------
