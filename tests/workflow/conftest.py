@@ -92,13 +92,14 @@ def _end_of_starters():
         process.communicate()
 
 
-#: Prints the rules that run a stage, and which of them do not name its fingerprint.
+#: Prints the rules that run a stage: name, stage, and names of inputs, outputs and params.
 LISTED = """
+import json
 include: "workflow/studies/Snakefile"
 for known in workflow.rules:
     if known.script:
-        bare = {"code", "version"}.isdisjoint(known.params.keys())
-        print("bare" if bare else "good", known.name)
+        named = [*known.input.keys(), *known.output.keys(), *known.params.keys()]
+        print(json.dumps([known.name, known.params.stage, named]))
 """
 
 
@@ -134,14 +135,12 @@ class Project:
         code, printed = json.loads(starts.stdout.readline())
         return subprocess.CompletedProcess(asked[1], code, printed)
 
-    def stages(self) -> dict[str, bool]:
-        """Rules that run a stage, and whether each names the fingerprint of its code."""
+    def stages(self) -> dict[str, tuple[str, set[str]]]:
+        """Stage of each rule that runs one, and names of its inputs, outputs and params."""
         (self.folder / "listed.smk").write_text(LISTED, encoding="utf-8")
         listed = self.snakemake("--snakefile", "listed.smk", "--list-rules").stdout
-        return {
-            name: kind == "good"
-            for kind, name in re.findall(r"^(bare|good) (\w+)$", listed, flags=re.MULTILINE)
-        }
+        found = map(json.loads, re.findall(r"^\[.*\]$", listed, flags=re.MULTILINE))
+        return {name: (stage, set(named)) for name, stage, named in found}
 
     def run(self, *command: str, **environment: str) -> subprocess.CompletedProcess:
         return subprocess.run(

@@ -2,11 +2,13 @@
 
 import re
 import shutil
+from inspect import signature
 from pathlib import Path
 
 import pytest
 
 import fprc
+from fprc.stages.run import _NOT_ARGUMENTS, stage_of
 
 pytestmark = pytest.mark.slow
 
@@ -113,10 +115,12 @@ def test_edit_reruns_what_runs_that_code_and_nothing_else(smoked, tmp_path, what
     assert planned(smoked[0], *triggers, PYTHONPATH=str(tmp_path)) == expected
 
 
-def test_every_rule_carries_the_fingerprint_of_its_stage(project):
+def test_every_rule_gives_its_stage_what_it_takes_and_carries_its_fingerprint(project):
     stages = project.stages()
     assert len(stages) > 60
-    assert all(stages.values())
+    for stage, named in stages.values():
+        assert not named.isdisjoint({"code", "version"}), stage
+        signature(stage_of(stage)).bind(**dict.fromkeys(named.difference(_NOT_ARGUMENTS)))
 
 
 #: Settings on the command line, and the jobs that must run again; the report shows all settings.
