@@ -3,9 +3,11 @@
 import errno
 import glob
 import json
+import logging
 import math
 import os
 import re
+import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -20,6 +22,8 @@ if TYPE_CHECKING:  # most jobs write no table, and many take less time than impo
 from fprc import escape
 from fprc.errors import FprcError, OutputError
 from fprc.given import read_given
+
+log = logging.getLogger(__name__)
 
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _NO_ACCESS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.EIO)
@@ -142,7 +146,9 @@ def _lock(file: IO[bytes], path: Path | str) -> None:
 
 
 @contextmanager
-def resuming(path: Path | str, head: Any) -> Iterator[tuple[list[Any], Callable[[Any], None]]]:
+def resuming(
+    path: Path | str, head: Any, *, keep: bool = False
+) -> Iterator[tuple[list[Any], Callable[[Any], None]]]:
     """Yield the entries of a checkpoint, and a function that appends one and syncs it to the disk.
 
     The file is JSON lines, each a pair of CRC-32 and entry; the first entry is ``head``. A line
@@ -152,6 +158,8 @@ def resuming(path: Path | str, head: Any) -> Iterator[tuple[list[Any], Callable[
     ----------
     head
         What the entries depend on: a file with another head is replaced.
+    keep : bool
+        Whether a copy of a file with another head is kept, with the suffix ``.old``.
 
     Raises
     ------
@@ -173,6 +181,14 @@ def resuming(path: Path | str, head: Any) -> Iterator[tuple[list[Any], Callable[
         entries = list(takewhile(lambda entry: entry is not None, map(_entry, lines)))
         if entries[:1] != [head]:
             entries = []
+            if lines and keep:
+                shutil.copyfile(path, f"{path}.old")
+                log.warning(
+                    "warning: %s is of other settings or other code, or its first line is damaged; "
+                    "it is kept as %s.old, and a new one is begun",
+                    path,
+                    path,
+                )
         file.truncate(sum(map(len, lines[: len(entries)])))
         if not entries:
             append(head)

@@ -93,7 +93,7 @@ def search(
     begin_s, evaluations, begun, finished = time.monotonic(), 0, 0, True
     here = _Here(start, np.empty(0), math.inf)
     with (
-        resuming(checkpoint, head) as (known, append),
+        resuming(checkpoint, head, keep=True) as (known, append),
         parallel_config("loky", inner_max_num_threads=1),
         Parallel(n_jobs=workers) as pool,
     ):
