@@ -44,5 +44,5 @@ def plot_shares(sets: Sequence[Mapping[str, Any]], ax: Axes) -> None:
 def _label(claim: Mapping[str, Any]) -> str:
     """Return id and text of a claim in three lines at most."""
     text = f"{claim['id']}: {claim['claim'].replace('+-', '±')}"
-    lines = textwrap.wrap(text, 58, max_lines=3, placeholder=" ...", break_on_hyphens=False)
+    lines = textwrap.wrap(text, 60, max_lines=3, placeholder=" ...", break_on_hyphens=False)
     return "\n".join(map(symbols, lines))

@@ -192,6 +192,8 @@ def draw_claims(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
     report = read_json(summary)
     sets = [family for family in report["families"] if family["claims"][0]["holds"]]
     fig, ax = style.figure(1, 1, style.PAGE_IN, 7.0)
+    # long labels are wider at the resolution of the file than at that of the layout
+    fig.set_layout_engine("constrained", w_pad=0.15)
     plot_shares(sets, ax)
     style.legend_above(ax)
     return style.save(fig, report | {"seeds": []}, pdf, png)
