@@ -87,7 +87,14 @@ def test_tables_restart_features_at_each_recording(joined):
 def test_grids_agree_cell_by_cell_on_several_recordings(joined):
     logs = {"sweep": joined, "complex": joined}
     values = {"epsilon": [0.1], "n_c": [1, 2], "n_y": [1, 3], "n_u": [2]}
-    for cell in judge_grids(logs, values, JUDGEMENT)["taps"]:
-        settings = {key: cell[key] for key in ("model", "n_y", "n_u") if key in cell}
+    grids = judge_grids(logs, values, JUDGEMENT)
+    assert {name: len(cells) for name, cells in grids.items()} == {
+        "epsilon": 1,
+        "n_c": 4,
+        "taps": 2,
+    }
+    for cell in sum(grids.values(), []):
+        settings = {key: cell[key] for key in cell if not key.endswith("_kpa")}
         alone = judge_cell(settings, train=joined, test=joined, judgement=JUDGEMENT)
-        assert cell["validation_rmse_kpa"][0] == pytest.approx(alone["validation_rmse_kpa"][0])
+        for phase in ("train_rmse_kpa", "validation_rmse_kpa"):
+            assert cell[phase][:1] == pytest.approx(alone[phase][:1])

@@ -3,12 +3,16 @@ import pytest
 
 from fprc.config import Settings
 from fprc.errors import ControlError
+from fprc.experiments import tracking
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
+from fprc.experiments.measures import measure_hysteresis, measure_pressure_error
 from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, pd_of, tracking_rmse
 from fprc.models import FPRC, FuzzyLinear
 from fprc.paper import CONTROLLERS, REFERENCES
 from fprc.registry import has_feedback
+
+NO_PUSHES = {"quiet_s": 8.0, "every_s": 1.0, "sigma_kpa": 0.0}
 
 
 @pytest.fixture(scope="module")
@@ -106,13 +110,27 @@ def test_model_that_remembers_no_training_is_refused_by_its_setting(bench, recor
         changed(bench, adapt=True).law(theta_d, "fprc", model)
 
 
-def test_measures_are_those_of_the_runs(bench, models, recorded):
+def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, monkeypatch):
+    given = []
+    monkeypatch.setattr(tracking, "measure_runs", lambda *each: given.extend(each) or {})
     log = recorded["sweep"]
     sweep = Data({**log, "p_target_kpa": log["p_exp_command_kpa"]}, {})
     measured = measure_control(sweep, bench, models, CONTROLLERS)
-    run = bench.follow("sweep", "fprc_pd", models["fprc"])
-    error = tracking_rmse(run, 5.0)
-    assert measured["rmse_deg"]["sweep/fprc_pd"] == pytest.approx(error, rel=1e-3)
+    assert measured["hysteresis"] == measure_hysteresis(sweep.channels)
+    assert measured["pressure_error"] == measure_pressure_error(sweep.channels)
+    runs, unpushed, quiet_s = given
+    assert quiet_s == 8.0
+    assert list(runs) == [f"{name}/{each}" for name in TRACKING_RUNS for each in CONTROLLERS]
+    no_push = bench._replace(tracking=bench.tracking | {"pushes": NO_PUSHES})
+    for found, at, reference, name in (
+        (runs["complex/pd"], bench, "complex", "pd"),
+        (runs["disturbance/fprc_pd"], bench, "disturbance", "fprc_pd"),
+        (unpushed, no_push, "disturbance", "fprc_pd"),
+    ):
+        expected = at.follow(reference, name, models["fprc"])
+        for channel in ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "phi_deg"):
+            after = expected[channel][expected["time_s"] >= 5.0]
+            np.testing.assert_allclose(found[channel], after, atol=0.1)
 
 
 @pytest.mark.parametrize("controller", ["fprc", "fprc_pd"])

@@ -1,37 +1,25 @@
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from fprc.artifacts import read_json
 from fprc.config import Settings
-from fprc.experiments import tracking
 from fprc.experiments.data import read_data
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.measures import measure_hysteresis, measure_pressure_error, measure_runs
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.logs import read_columns
 from fprc.models import load_model
-from fprc.paper import CONTROLLERS
 from fprc.registry import build
-from fprc.stages.grid import judge_grid, weigh
+from fprc.stages.grid import weigh
 from fprc.stages.judge import judge
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 from fprc.stages.replicate import replicate
-from fprc.stages.track import track
 
 pytestmark = pytest.mark.slow
 
 SEED, SETTLE_S, QUIET_S = 7, 0.5, 1.5
 VALUES = {"epsilon": [1.0, 0.1], "n_c": [1, 2], "n_u": [1, 4], "n_y": [2]}
-SWEEPS = {
-    "epsilon": [("fprc", 1.0), ("fprc", 0.1)],
-    "n_c": [("fprc", 1), ("fprc", 2), ("fuzzy_linear", 1), ("fuzzy_linear", 2)],
-    "taps": [("fprc", 1, 2), ("fprc", 4, 2)],
-}
 
 
 @pytest.fixture(scope="module")
@@ -67,38 +55,13 @@ def on_rig(settings):
 
 
 @pytest.fixture(scope="module")
-def repeat(settings, judgement, on_rig):
-    """Repeat everything with a seed; return the files by what they hold."""
-
-    def call(folder, seed=SEED):
-        files = {name: folder / f"{name}.json" for name in ("compared", "cells", "measures")}
-        replicate(
-            **{name: str(path) for name, path in files.items()},
-            on_rig=on_rig,
-            judgement=judgement | {"seed": seed},
-            values=VALUES,
-            tracking=settings["tracking"],
-        )
-        return files
-
-    return call
-
-
-@pytest.fixture(scope="module")
-def repeated(repeat, tmp_path_factory):
-    """What the stage wrote, and the runs that it measured."""
-    seen = []
-
-    def spy(runs, unpushed, quiet_s):
-        seen.append((runs, unpushed, quiet_s))
-        return measure_runs(runs, unpushed, quiet_s)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tracking, "measure_runs", spy)
-        files = repeat(tmp_path_factory.mktemp("repeated"))
-    ((runs, unpushed, quiet_s),) = seen
-    assert quiet_s == QUIET_S
-    return files, runs, unpushed
+def errors(settings, on_rig, judgement, tmp_path_factory):
+    """The file of Tables II and III and of the weights."""
+    folder = tmp_path_factory.mktemp("repeated")
+    files = {name: str(folder / f"{name}.json") for name in ("compared", "cells", "measures")}
+    tracking = settings["tracking"]
+    replicate(**files, on_rig=on_rig, judgement=judgement, values=VALUES, tracking=tracking)
+    return files["compared"]
 
 
 @pytest.fixture(scope="module")
@@ -127,14 +90,6 @@ def judge_both(model, logs, judgement, folder):
     }
     judge(**logs, **files, name=model, judgement=judgement)
     return files
-
-
-# Tables II and III, and the weights
-
-
-@pytest.fixture(scope="module")
-def errors(repeated):
-    return repeated[0]["compared"]
 
 
 @pytest.mark.parametrize("model", ["esn", "fprc", "fuzzy_linear"])
@@ -180,85 +135,3 @@ def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, jud
     readout.fit(features.transform(X)[part], y[part])
     error = np.sqrt(np.mean((readout.predict(features.transform(other)) - expected) ** 2))
     assert found["complex"][3] == pytest.approx(error)
-
-
-# Grids
-
-
-@pytest.fixture(scope="module")
-def cells(repeated):
-    return repeated[0]["cells"]
-
-
-def described(cell):
-    return tuple(cell[key] for key in ("model", "epsilon", "n_c", "n_u", "n_y") if key in cell)
-
-
-@pytest.mark.parametrize("name", SWEEPS)
-def test_cells_are_the_first_fold_of_the_main_run_with_that_seed(
-    cells, name, logs, judgement, tmp_path
-):
-    path = str(tmp_path / f"{name}.json")
-    judge_grid(
-        logs["sweep"], logs["complex"], path, grid=name, values=VALUES,
-        judgement=judgement, workers=1, checkpoint=str(tmp_path / "partial.jsonl"), version="v",
-    )  # fmt: skip
-    for found, whole in zip(read_json(cells)[name], read_json(path)["cells"], strict=True):
-        assert described(found) == described(whole)
-        for phase in ("train_rmse_kpa", "validation_rmse_kpa"):
-            assert found[phase] == pytest.approx(whole[phase][:1], rel=1e-6)
-
-
-# Closed loops
-
-
-@pytest.fixture(scope="module")
-def control(repeated):
-    """What the stage wrote of the closed loops, and the runs that it measured."""
-    return repeated[0]["measures"], *repeated[1:]
-
-
-@pytest.fixture(scope="module")
-def followed(logs, settings, judgement, tmp_path_factory):
-    """Logs of the main run's stages with this seed."""
-    folder = tmp_path_factory.mktemp("followed")
-    model = judge_both("fprc", logs, judgement, folder)["fitted"][0]
-    bench = {name: settings[name] for name in ("tracking", "control", "rig")} | {"seed": SEED}
-    runs = {}
-    for reference in settings["tracking"]["references"]:
-        paths = [str(folder / f"{reference}_{name}.h5") for name in CONTROLLERS]
-        names = {"names": ["fprc"], "controllers": CONTROLLERS}
-        track([model], paths, reference=reference, **names, **bench)
-        for path in paths:
-            wanted = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa", "p_i_kpa",
-                      "p_o_kpa", "phi_deg")  # fmt: skip
-            log = read_columns(path, wanted)
-            runs[f"{reference}/{log.attributes['controller']}"] = log.channels
-    return runs
-
-
-def test_settling_part_of_every_run_is_cut_off_before_it_is_measured(control, followed):
-    runs, whole = control[1], followed
-    assert list(runs) == list(whole)
-    for name, channels in runs.items():
-        settling = int(SETTLE_S * 200)
-        assert channels["time_s"][0] == pytest.approx(SETTLE_S)
-        for channel, values in whole[name].items():
-            # one is driven by compiled code
-            np.testing.assert_allclose(
-                channels[channel], values[settling:], rtol=1e-9, atol=1e-9, err_msg=name
-            )
-        assert {len(values) for values in channels.values()} == {4 * 200}
-
-
-def test_other_measures_are_those_of_the_runs_and_of_the_sweep(control, logs):
-    found = read_json(control[0])
-    wanted = (
-        "time_s", "p_exp_kpa", "p_exp_command_kpa", "theta_deg", "p_o_kpa", "p_i_kpa",
-        "p_i_command_kpa",
-    )  # fmt: skip
-    sweep = read_columns(str(Path(logs["sweep"]).with_name("sweep_raw.h5")), wanted)
-    assert found["hysteresis"] == pytest.approx(measure_hysteresis(sweep.channels), rel=1e-12)
-    assert found["pressure_error"] == pytest.approx(measure_pressure_error(sweep.channels))
-    again = measure_runs(*control[1:], QUIET_S)
-    assert {key: found[key] for key in again} == json.loads(json.dumps(again))
