@@ -28,10 +28,6 @@ simulated rig.
 `make fault-matrix` writes this page; a test compares all columns but *measured* with its own
 results.
 
-`make fuzz` runs the commands on 14,000 damaged configurations, logs, recordings, journals and
-models, others each time. A command must refuse a file with a message that names it, or read what
-was written. It leaves no file behind, and its exit code is 1.
-
 <!-- faults: generated -->
 """
 _COLUMNS = ("fault", "where", "runs", "what ends the run", "safe", "ticks", "lost", "measured")

@@ -105,27 +105,23 @@ class Page:
 @contextmanager
 def browsing(folder):
     """Yield a page of a browser, whose profile is in ``folder``."""
-    ends = {}
-
-    def connect():
-        # Chromium reads commands from descriptor 3 and answers on 4
-        # through copies above both: neither end is overwritten before it is copied
-        above = [fcntl.fcntl(ends[name], fcntl.F_DUPFD, 20) for name in ("read", "write")]
-        for number, copied in enumerate(above, start=3):
-            os.dup2(copied, number)
-
-    ends["read"], commands = os.pipe()
-    answers, ends["write"] = os.pipe()
+    read, commands = os.pipe()
+    answers, write = os.pipe()
+    # Chromium reads commands from descriptor 3 and answers on 4; ends that are 3 or 4 would be lost
+    ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 20) for end in (read, write)]
     process = subprocess.Popen(
-        [BROWSER, *OPTIONS, "--remote-debugging-pipe", f"--user-data-dir={folder / 'profile'}"],
-        preexec_fn=connect, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        [
+            "bash", "-c", f'exec "$@" 3<&{ends[0]} 4>&{ends[1]}', "browser", BROWSER, *OPTIONS,
+            "--remote-debugging-pipe", f"--user-data-dir={folder / 'profile'}",
+        ],
+        pass_fds=ends, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     try:
         yield Page(commands, answers)
     finally:
         process.kill()
         process.wait()
-        for each in (*ends.values(), commands, answers):
+        for each in (*ends, read, write, commands, answers):
             os.close(each)
 
 
