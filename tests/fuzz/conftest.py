@@ -85,7 +85,8 @@ class Bench:
         return Ended(code or 0, out.getvalue(), err.getvalue())
 
 
-@pytest.fixture(scope="session")
+# of a module: other tests of the same process, and what they start, need more memory
+@pytest.fixture(scope="module")
 def bench(tmp_path_factory):
     """Yield the folder, with limits on the memory and the time of each command."""
 

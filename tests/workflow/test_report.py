@@ -116,12 +116,15 @@ def browsing(folder):
         ],
         pass_fds=ends, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
+    # so that a browser that ends is noticed
+    for end in (*ends, read, write):
+        os.close(end)
     try:
         yield Page(commands, answers)
     finally:
         process.kill()
         process.wait()
-        for each in (*ends, read, write, commands, answers):
+        for each in (commands, answers):
             os.close(each)
 
 
