@@ -4,6 +4,7 @@ import html
 import os
 import re
 from importlib.metadata import version as version_of
+from pathlib import Path
 
 from fprc.escape import typeset
 
@@ -40,6 +41,8 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
     "show_memory": False,
     "download_all_examples": False,
+    # of an example that draws nothing
+    "default_thumb_file": str(Path(__file__).parent / "images/fig07.png"),
 }
 
 

@@ -25,10 +25,10 @@ for name, predicted in p_ff.items():
 # %%
 time_s = test.channels["time_s"]
 shown = slice(0, 4000)
-figure, axes = style.figure(1, 1, style.PAGE_IN, 2.5)
+figure, axes = style.figure(1, 1, style.COLUMN_IN, 2.4)
 axes.plot(time_s[shown], test.target[shown], color=style.SIGNALS["p_exp"], label="P_exp")
 for name, predicted in p_ff.items():
     axes.plot(time_s[shown], predicted[shown], label=name, **style.line_of(name))
 axes.set(xlabel="Time [s]", ylabel="Pressure [kPa]")
-style.letter(axes, "Test log, simulated rig")
+style.letter(axes, "Simulated rig")
 style.legend_above(axes)

@@ -51,7 +51,7 @@ print((folder / "mine/report.md").read_text(encoding="utf-8").partition("\n## Ta
 # %%
 # The other models, on the same two parts of the recording:
 table = pd.read_csv(folder / "mine/readout/competitors.csv").sort_values("test_rmse")
-figure, axes = style.figure(1, 1, style.PAGE_IN, 2.5)
+figure, axes = style.figure(1, 1, style.COLUMN_IN, 2.4)
 axes.barh(table["model"], table["test_rmse"], color="0.6")
 axes.set(xlabel="Test RMSE [kPa]")
 style.letter(axes, "A recording of the simulated rig")

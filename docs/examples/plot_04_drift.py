@@ -49,7 +49,7 @@ def track(learns):
 
 
 # %%
-figure, axes = style.figure(1, 1, style.PAGE_IN, 2.5)
+figure, axes = style.figure(1, 1, style.COLUMN_IN, 2.4)
 for name, learns, grey in (("as trained", False, "0.65"), ("learning", True, "0.1")):
     theta = track(learns)
     print(f"{name}: tracking RMSE {rmse(theta_d[1000:], theta[1000:]):.2f} deg")

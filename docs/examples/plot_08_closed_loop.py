@@ -50,7 +50,7 @@ def follow(with_fprc, with_pd):
 
 
 # %%
-figure, axes = style.figure(1, 1, style.PAGE_IN, 2.5)
+figure, axes = style.figure(1, 1, style.COLUMN_IN, 2.4)
 axes.plot(time_s, theta_d, color=style.SIGNALS["theta_d"], label="theta_d")
 for name, *given in (("pd", False, True), ("fprc", True, False), ("fprc_pd", True, True)):
     theta = follow(*given)["theta_deg"]

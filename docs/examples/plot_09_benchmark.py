@@ -32,7 +32,7 @@ def errors(rig, seed):
 # %%
 # Three seeds show how it is done; a comparison needs ten or more.
 names = ["FPRC", "FPRC on low-passed theta", "Fuzzy-linear"]
-figure, axes = style.figure(1, 1, style.PAGE_IN, 2)
+figure, axes = style.figure(1, 1, style.COLUMN_IN, 2.4)
 for place, rig in enumerate(["dry", "viscous"]):
     found = np.array([errors(rig, seed) for seed in (501, 502, 503)])
     grey = ("0.35", "0.75")[place]
@@ -41,5 +41,5 @@ for place, rig in enumerate(["dry", "viscous"]):
         print(f"rig {rig}, {name}: {mean:.1f} ± {std:.1f} kPa")
 axes.set_yticks(np.arange(3) + 0.175, names)
 axes.set(xlabel="Test RMSE [kPa]")
-style.letter(axes, "Mean of three seeds, simulated rigs")
+style.letter(axes, "Simulated rigs")
 style.legend_above(axes)

@@ -34,7 +34,7 @@ log = read_raw(path, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.
 print({name: log.attributes[name] for name in ("experiment", "source", "seed", "sample_rate_hz")})
 
 # %%
-figure, axes = style.figure(2, 1, style.PAGE_IN, 3, sharex=True)
+figure, axes = style.figure(2, 1, style.COLUMN_IN, 3, sharex=True)
 for ax, names in zip(
     axes, (("p_exp_kpa", "p_i_kpa", "p_o_kpa"), ("theta_deg", "phi_deg")), strict=True
 ):
