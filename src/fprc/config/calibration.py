@@ -148,10 +148,10 @@ class Calibration(Section):
     first: FirstSearch = FirstSearch()
     rounds: NotEmpty[int] = quantity(
         (4, 4, 4, 4, 4), (1, 1000),
-        "rounds of each search for calibration.fit, which begins at the end of the one before",
+        "rounds of each search for calibration.fit; each starts where the one before ended",
     )  # fmt: skip
     minutes: float = quantity(
-        120, (0.01, 10000), "after this time each search judges the rig at its begin only",
+        120, (0.01, 10000), "after this time each search judges only the rig at which it starts",
         unit="min",
     )  # fmt: skip
     stride: int = quantity(5, (1, 1000), "the surrogate models fit every n-th row", unit="samples")
