@@ -50,14 +50,17 @@ class Fitted(Section):
 
 
 class FirstSearch(Section):
-    """The first search; the others, for ``calibration.fit``, follow."""
+    """The first search, on the first seed; those for ``calibration.fit``, on all seeds, follow."""
 
     fit: tuple[Term, ...] = Field(
         ("tables", "orders", "plausible", "C18", "open_loop", "closed_loop"),
         description="terms of its objective, of those in calibration.fit; none: no first search",
     )
     rounds: int = quantity(
-        10, (1, 1000), "rounds, each of a rig for each free parameter and 24 more"
+        2, (1, 1000), "rounds from each start, each of a rig for each free parameter and 24 more"
+    )
+    starts: int = quantity(
+        9, (1, 1000), "rigs at which it begins: that of the configuration, and random ones near it"
     )
 
 

@@ -20,7 +20,14 @@ from fprc.provenance import hash_of
 from fprc.studies.calibration.full_models import full_errors, ratios_to_full
 from fprc.studies.calibration.objective import Aim, Objective, aim_of, logs_of
 from fprc.studies.calibration.search import SearchResult, search
-from fprc.studies.calibration.space import Free, decode, encode, free_parameters, resolved
+from fprc.studies.calibration.space import (
+    Free,
+    decode,
+    encode,
+    free_parameters,
+    resolved,
+    starts_near,
+)
 from fprc.studies.calibration.surrogate import judge_by_surrogate
 
 log = logging.getLogger(__name__)
@@ -50,9 +57,11 @@ def fit_rig(
     """Fit the free parameters, starting at the rig of ``on_rig``.
 
     Values outside their range are first moved to its end. A first search asks for those terms of
-    ``calibration.fit`` that ``calibration.first.fit`` names, if there are any. Then one search for
-    all of ``calibration.fit`` follows for each number in ``calibration.rounds``; each begins at
-    the end of the one before. All use cheap surrogates of the models, whose errors are
+    ``calibration.fit`` that ``calibration.first.fit`` names, if there are any, on the first seed
+    only. It begins at several points, since a single one often leads to a valley without a good
+    rig. Then one search for all of ``calibration.fit`` follows for each number in
+    ``calibration.rounds``, on all seeds; each begins at the best point of the one before. All use
+    cheap surrogates of the models, whose errors are
     multiplied by the ratio of the full models' errors to their own, measured where each search
     begins: the ratio changes along the way. At the end the full models judge the fitted rig on
     the seeds of the objective.
@@ -75,9 +84,12 @@ def fit_rig(
     free = free_parameters(calibration["free"], calibration["ranges"])
     seeds, check_seeds = calibration["seeds"], calibration["check_seeds"]
     first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
-    planned = [(calibration["fit"], rounds) for rounds in calibration["rounds"]]
+    planned = [
+        {"fit": calibration["fit"], "rounds": rounds, "seeds": seeds, "starts": 1}
+        for rounds in calibration["rounds"]
+    ]
     if first:
-        planned.insert(0, (first, calibration["first"]["rounds"]))
+        planned.insert(0, {**calibration["first"], "fit": first, "seeds": seeds[:1]})
     ends = time.monotonic() + 60.0 * calibration["minutes"]
     searched = partial(
         _searched, printed=printed, judgement=judgement, grids=grids, tracking=tracking,
@@ -86,10 +98,10 @@ def fit_rig(
     start = encode(on_rig.rig, free)
     start_rig = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
     done: list[Searched] = []
-    for number, (fit, rounds) in enumerate(planned, start=1):
-        log.info("search %d of %d, for %s", number, len(planned), ", ".join(fit))
+    for number, plan in enumerate(planned, start=1):
+        log.info("search %d of %d, for %s", number, len(planned), ", ".join(plan["fit"]))
         at = done[-1].best if done else start_rig
-        changed = {**calibration, "fit": fit, "rounds": rounds}
+        changed = {**calibration, **plan}
         done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
     best, objective, estimate, result = done[-1]
     log.info("judging the fitted rig with the full models, on the seeds of the objective")
@@ -105,8 +117,8 @@ def fit_rig(
         "check_loss": objective.loss(estimate(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
         "searches": [
-            {"fit": list(fit), "rounds": end.result.rounds}
-            for (fit, _), end in zip(planned, done, strict=True)
+            {"fit": list(plan["fit"]), "rounds": end.result.rounds}
+            for plan, end in zip(planned, done, strict=True)
         ],
         "rounds": sum(end.result.rounds for end in done),
         "evaluations": sum(end.result.evaluations for end in done),
@@ -161,7 +173,7 @@ def _searched(
     result = search(
         partial(judge_point, on_rig=start_rig, free=free, seeds=seeds, estimate=estimate),
         lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),
-        encode(start_rig.rig, free),
+        starts_near(encode(start_rig.rig, free), calibration["starts"], seeds[0]),
         rounds=calibration["rounds"],
         workers=workers,
         checkpoint=checkpoint,

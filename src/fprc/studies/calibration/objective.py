@@ -247,7 +247,7 @@ def _c18(judged: Judged, aim: Aim) -> list[float]:
 
 def _open_loop(judged: Judged, aim: Aim) -> list[float]:
     return [
-        math.log(_mean(judged, "open_loop", key) / printed) / _TRACKING
+        _far(math.log(_mean(judged, "open_loop", key) / printed)) / _TRACKING
         for key, printed in aim.open_loop.items()
     ]
 

@@ -5,12 +5,13 @@ numbers are almost linear in it; the loss, with its limits and squares, is not. 
 search therefore measures how all numbers change along each parameter, minimises the loss over this
 linear model within several distances, judges the points that this gives, goes on from the best of
 them, and corrects the model by what they showed: the method of Gauss and Newton, with Broyden's
-update. Nothing in it is random, and it resumes from a checkpoint after a kill.
+update. The numbers have more than one valley, so a search may begin at several points. It resumes
+from a checkpoint after a kill.
 """
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -39,7 +40,7 @@ class SearchResult(NamedTuple):
     """Result of a search."""
 
     point: np.ndarray  #: the best point
-    loss: float  #: infinite if the start was impossible
+    loss: float  #: infinite if every start was impossible
     rounds: int  #: those that were begun
     evaluations: int
     finished: bool  #: False if the time limit ended the search
@@ -56,7 +57,7 @@ class _Here(NamedTuple):
 def search(
     judge: Callable[[np.ndarray], list[float] | None],
     deviations_of: Callable[[Sequence[float]], np.ndarray],
-    start: np.ndarray,
+    starts: np.ndarray,
     *,
     rounds: int,
     workers: int,
@@ -74,24 +75,23 @@ def search(
     ----------
     judge : callable
         Picklable; takes a point and returns its numbers, or None if it is impossible.
-    start : ndarray of shape (n_parameters,)
-        First point to judge.
+    starts : ndarray of shape (n_starts, n_parameters)
+        The search begins at each of them; what is best of all is returned.
     rounds : int
-        A round judges a point for each parameter, and up to 24 more.
+        Those from each start. A round judges a point for each parameter, and 24 more.
     checkpoint : path
-        See ``artifacts.resuming``; the head is ``key`` with ``start``, the entries are the
-        judgements of points that were judged together. A file with another head is kept.
+        See ``artifacts.resuming``; the head is ``key`` with ``starts`` and ``rounds``, the entries are
+        the judgements of points that were judged together. A file with another head is kept.
     key : str
         Hash of everything that the judgements depend on.
     seconds : float
-        After this time, s, nothing but the start is judged any more.
+        After this time, s, nothing but the first start is judged any more.
     progress : callable
         Called after each step with the rounds begun and planned, the least loss, and the time, s.
     """
-    start = np.asarray(start, dtype=float)
-    head = {"key": key, "start": start.tolist()}
+    head = {"key": key, "starts": np.asarray(starts).tolist(), "rounds": rounds}
     begin_s, evaluations, begun, finished = time.monotonic(), 0, 0, True
-    here = _Here(start, np.empty(0), math.inf)
+    best = _Here(starts[0], np.empty(0), math.inf)
     with (
         resuming(checkpoint, head, keep=True) as (known, append),
         parallel_config("loky", inner_max_num_threads=1),
@@ -111,27 +111,47 @@ def search(
             return [_here(*pair, deviations_of) for pair in zip(points, found, strict=True)]
 
         try:
-            (first,) = judged([start])
-            here = first or here
-            while begun < rounds and math.isfinite(here.loss):
-                begun += 1
-                slopes, radius = _slopes(here, judged), _RADIUS
-                for _ in range(_STEPS):
-                    radii = [min(share * radius, _MOST) for share in _REACH]
-                    points = [_least_within(r, here, slopes, deviations_of) for r in radii]
-                    tried = [(new, r) for new, r in zip(judged(points), radii, strict=True) if new]
-                    for new, _ in sorted(tried, key=lambda pair: -pair[0].loss):
-                        slopes = _corrected(slopes, here, new)
-                    best, reached = min(tried, key=lambda pair: pair[0].loss, default=(here, 0.0))
-                    if best.loss < here.loss:
-                        here, radius = best, reached
-                    else:
-                        radius *= _SHRINK
-                    radius = max(radius, _LEAST)
-                    progress(begun, rounds, here.loss, time.monotonic() - begin_s)
+            for start in starts:
+                (here,) = judged([start])
+                if here is None:
+                    continue
+                best = min(best, here, key=_loss)
+                for _ in range(rounds):
+                    begun += 1
+                    for after in _steps(here, judged, deviations_of):
+                        best = min(best, after, key=_loss)
+                        elapsed_s = time.monotonic() - begin_s
+                        progress(begun, rounds * len(starts), best.loss, elapsed_s)
+                    here = after
         except TimeoutError:
             finished = False
-    return SearchResult(here.point, here.loss, begun, evaluations, finished)
+    return SearchResult(best.point, best.loss, begun, evaluations, finished)
+
+
+def _steps(
+    here: _Here,
+    judged: Callable[[Sequence[np.ndarray]], list[_Here | None]],
+    deviations_of: Callable[[Sequence[float]], np.ndarray],
+) -> Iterator[_Here]:
+    """Yield the best point after each step of a round."""
+    slopes, radius = _slopes(here, judged), _RADIUS
+    for _ in range(_STEPS):
+        radii = [min(share * radius, _MOST) for share in _REACH]
+        points = [_least_within(r, here, slopes, deviations_of) for r in radii]
+        tried = [(new, r) for new, r in zip(judged(points), radii, strict=True) if new]
+        for new, _ in sorted(tried, key=lambda pair: -pair[0].loss):
+            slopes = _corrected(slopes, here, new)
+        best, reached = min(tried, key=lambda pair: pair[0].loss, default=(here, 0.0))
+        if best.loss < here.loss:
+            here, radius = best, reached
+        else:
+            radius *= _SHRINK
+        radius = max(radius, _LEAST)
+        yield here
+
+
+def _loss(judged: _Here) -> float:
+    return judged.loss
 
 
 def _here(

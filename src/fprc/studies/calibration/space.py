@@ -13,6 +13,9 @@ from fprc.errors import ConfigError
 #: Largest sum of the slip weights without the last one.
 _MOST = 0.97
 
+#: Standard deviation of starts from the first one, in units of the cube's edge.
+_SPREAD = 0.2
+
 
 class Free(NamedTuple):
     """A parameter that the search may change, within its physical range.
@@ -75,6 +78,18 @@ def decode(
         if any(parameter.path.startswith(f"{section}.slip_weight.") for parameter in free):
             changed[section]["slip_weight"] = _summing_to_one(changed[section]["slip_weight"])
     return changed
+
+
+def starts_near(point: np.ndarray, count: int, seed: int) -> np.ndarray:
+    """Return ``point`` and random points near it, reflected at the faces of the cube.
+
+    Returns
+    -------
+    ndarray of shape (count, n_parameters)
+    """
+    steps = _SPREAD * np.random.default_rng(seed).standard_normal((count, len(point)))
+    steps[0] = 0.0
+    return 1.0 - np.abs(1.0 - np.abs(point + steps) % 2.0)
 
 
 def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:

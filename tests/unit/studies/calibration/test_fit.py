@@ -50,7 +50,7 @@ def settings():
         "check_seeds": [41],
         "taps": [4, 1],
         "fit": list(TERMS),
-        "first": {"fit": [], "rounds": 1},
+        "first": {"fit": [], "rounds": 1, "starts": 1},
         "rounds": [ROUNDS],
         **SURROGATE,
     }
@@ -316,7 +316,7 @@ def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
     clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
     for module in (stage, importlib.import_module("fprc.studies.calibration.search")):
         monkeypatch.setattr(module, "time", clock)
-    first = {"fit": ["tables"], "rounds": 100}
+    first = {"fit": ["tables"], "rounds": 100, "starts": 1}
     minutes = (rigs(2) + 1) / 60.0
     changes = with_calibration(quick.settings, first=first, rounds=[100], minutes=minutes)
     found = quick.fit(tmp_path, **changes)
@@ -350,20 +350,20 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
     judge = stage.judge_seeds
 
     def noting(*positional, calibration, **named):
-        asked.append(tuple(calibration["fit"]))
+        asked.append((tuple(calibration["fit"]), tuple(calibration["seeds"])))
         return judge(*positional, calibration=calibration, **named)
 
     monkeypatch.setattr(stage, "judge_seeds", noting)
     quick.deviation = lambda point, seeds: 1.0 + 0.3 * np.sum(point)
-    first = {"fit": ["tables"], "rounds": 3}
+    first = {"fit": ["tables"], "rounds": 3, "starts": 2}
     changes = with_calibration(
-        quick.settings, first=first, fit=["tables", "plausible"], rounds=[2, 4],
+        quick.settings, first=first, fit=["tables", "plausible"], rounds=[2, 4], seeds=[21, 22],
         plausible={"angle_deg": [50.0, 70.0]},
     )  # fmt: skip
     found = quick.fit(tmp_path, **changes)
-    assert [each["rounds"] for each in found["searches"]] == [3, 2, 4]
-    assert found["rounds"] == 3 + 2 + 4
-    counts = list(map(rigs, (3, 2, 4)))
+    assert [each["rounds"] for each in found["searches"]] == [2 * 3, 2, 4]
+    assert found["rounds"] == 2 * 3 + 2 + 4
+    counts = [2 * rigs(3), rigs(2), rigs(4)]
     assert found["evaluations"] == len(judged.points) == sum(counts)
     first, second, third = np.split(np.array(judged.points), np.cumsum(counts)[:-1])
     for before, after in ((first, second), (second, third)):
@@ -375,6 +375,6 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
     )
     assert [p["began_at"] for p in found["parameters"]] == quick.start.tolist()
     order = [fit for fit, before in zip(asked, [None, *asked], strict=False) if fit != before]
-    assert order == [("tables",), ("tables", "plausible")]
+    assert order == [(("tables",), (21,)), (("tables", "plausible"), (21, 22))]
     quick.fit(tmp_path, **changes)
     assert len(judged.points) == sum(counts)

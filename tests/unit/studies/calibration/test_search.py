@@ -7,8 +7,9 @@ import pytest
 
 from fprc.studies.calibration.search import search
 
-#: Batches of three parameters: the start, then for each round the neighbours and six steps of four.
-ROUNDS, BATCHES = 2, (1, *(3, 4, 4, 4, 4, 4, 4) * 2)
+#: Batches of points, in three dimensions, of a search from two starts: a start, and in each round
+#: the neighbours and six steps of four.
+ROUNDS, BATCHES = 1, (1, 3, 4, 4, 4, 4, 4, 4) * 2
 TARGET = np.array([0.02, 0.5, 0.97])
 
 
@@ -38,7 +39,7 @@ def run(tmp_path):
         call.checkpoint = tmp_path / name
         settings = {
             "deviations_of": distances,
-            "start": np.full(3, 0.4),
+            "starts": np.array([[0.4, 0.4, 0.4], [0.3, 0.6, 0.5]]),
             "rounds": ROUNDS,
             "workers": 1,
             "key": "k",
@@ -96,13 +97,25 @@ PROBLEMS = {
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_minimum_of_what_is_far_from_linear_is_found(run, name):
     judge, deviations_of, start = PROBLEMS[name]
-    found = run(judge=judge, deviations_of=deviations_of, start=start, rounds=6)
+    found = run(judge=judge, deviations_of=deviations_of, starts=start[None], rounds=6)
 
     def loss(point):
         return float(np.sum(deviations_of(judge(point)) ** 2))
 
     assert found.loss == pytest.approx(loss(found.point), rel=1e-12)
     assert found.loss < 1e-4 * loss(start)
+
+
+@pytest.mark.parametrize(("starts", "least"), [([0.1], 0.3), ([0.1, 0.9], 0.0), ([0.9, 0.1], 0.0)])
+def test_lowest_of_the_valleys_below_the_starts_is_found(run, starts, least):
+    """Two valleys, at 0.2 and at 0.8, that steps of a search do not cross."""
+    found = run(
+        judge=lambda point: [math.tanh(20.0 * (abs(point[0] - 0.5) - 0.3)), point[0] - 0.8],
+        deviations_of=lambda numbers: np.array([numbers[0], math.sqrt(0.3) * (numbers[1] < -0.3)]),
+        starts=np.array(starts)[:, None],
+    )
+    assert found.loss == pytest.approx(least, abs=1e-6)
+    assert found.point == pytest.approx([0.2 if least else 0.8], abs=1e-3)
 
 
 def test_minimum_outside_the_cube_is_found_on_its_face_and_no_point_leaves_it(run):
@@ -122,7 +135,7 @@ def test_best_of_all_points_that_were_judged_is_found(run):
     losses = [float(np.sum(distances(numbers_of(point)) ** 2)) for point in run.points]
     assert found.loss == min(losses)
     assert tuple(found.point) == run.points[int(np.argmin(losses))]
-    assert (found.rounds, found.evaluations) == (ROUNDS, len(run.points))
+    assert (found.rounds, found.evaluations) == (2 * ROUNDS, len(run.points))
     assert len(run.points) == sum(BATCHES)
 
 
@@ -133,7 +146,7 @@ def test_two_processes_find_what_one_finds(tmp_path):
 
     found = [
         search(
-            judge, np.array, np.full(2, 0.4), rounds=1, workers=workers, key="k",
+            judge, np.array, np.full((1, 2), 0.4), rounds=1, workers=workers, key="k",
             checkpoint=tmp_path / f"{workers}.jsonl",
         )
         for workers in (1, 2)
@@ -160,7 +173,14 @@ def test_impossible_points_are_passed_over(run):
 def test_search_from_what_is_impossible_gives_its_start(run):
     found = run(judge=lambda point: None)
     assert found.point.tolist() == [0.4, 0.4, 0.4]
-    assert (found.loss, found.rounds, found.evaluations, found.finished) == (math.inf, 0, 1, True)
+    assert (found.loss, found.rounds, found.evaluations, found.finished) == (math.inf, 0, 2, True)
+
+
+def test_impossible_start_is_passed_over(run):
+    found = run(judge=unless(lambda point: point.tolist() == [0.4, 0.4, 0.4]))
+    assert found.rounds == ROUNDS
+    assert run.points[:2] == [(0.4, 0.4, 0.4), (0.3, 0.6, 0.5)]
+    assert math.isfinite(found.loss)
 
 
 # --- interrupted, and called again ----------------------------------------------------------------
@@ -168,7 +188,7 @@ def test_search_from_what_is_impossible_gives_its_start(run):
 ENDS = np.cumsum(BATCHES).tolist()
 
 
-@pytest.mark.parametrize("stops_at", [0, *(end + more for end in ENDS[:-1] for more in (0, 1))])
+@pytest.mark.parametrize("stops_at", [0, *(end + 1 for end in ENDS[:-1])])
 def test_interrupted_search_goes_on_as_if_nothing_had_been(run, undisturbed, stops_at):
     expected, points, kept = undisturbed()
     with pytest.raises(KeyboardInterrupt):
@@ -181,14 +201,9 @@ def test_interrupted_search_goes_on_as_if_nothing_had_been(run, undisturbed, sto
     assert run.checkpoint.read_text(encoding="utf-8") == kept
 
 
-def test_more_rounds_go_on_from_those_that_are_finished(run, undisturbed):
-    expected, points, _ = undisturbed(rounds=ROUNDS + 1)
-    assert run().finished
-    assert same(run(rounds=ROUNDS + 1), expected)
-    assert run.points == points[ENDS[-1] :]
-
-
-@pytest.mark.parametrize("change", [{"key": "l"}, {"start": np.array([0.4, 0.4, 0.5])}])
+@pytest.mark.parametrize(
+    "change", [{"key": "l"}, {"starts": np.array([[0.4, 0.4, 0.5]])}, {"rounds": 2}]
+)
 def test_search_for_something_else_begins_anew(run, undisturbed, change):
     expected, points, kept = undisturbed(**change)
     run()
@@ -209,7 +224,7 @@ def clock(monkeypatch, run):
 
 @pytest.mark.parametrize(
     ("seconds", "evaluations", "rounds"),
-    [(0.0, 1, 1), (1.0, 1, 1), (1.5, 4, 1), (ENDS[7], ENDS[7], 2), (ENDS[7] + 0.5, ENDS[8], 2)],
+    [(0.0, 1, 1), (1.0, 1, 1), (1.5, 4, 1), (ENDS[7], ENDS[7], 1), (ENDS[7] + 0.5, ENDS[8], 2)],
 )
 @pytest.mark.usefixtures("clock")
 def test_nothing_but_the_start_is_judged_after_the_time_limit(
