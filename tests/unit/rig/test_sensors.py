@@ -5,18 +5,11 @@ from hypothesis import strategies as st
 
 from fprc.config import Settings
 from fprc.rig.parameters import record
-from fprc.rig.sensors import converted, pressure_voltage, quantise
+from fprc.rig.sensors import converted, pressure_voltage
 from fprc.rig.simulator import draw_instruments
 
 SENSOR = record(Settings().rig.pressure_sensor.model_dump())[0]
 LSB_V = 20.0 / 65536.0
-
-
-@given(st.floats(-1000.0, 1000.0), st.floats(1e-3, 1.0))
-def test_quantised_value_is_the_nearest_multiple_of_the_step(value, step):
-    quantised = quantise(value, step)
-    assert abs(quantised - value) <= 0.5 * step * (1.0 + 1e-6)
-    assert quantised / step == pytest.approx(np.round(quantised / step), abs=1e-6)
 
 
 def test_gain_error_is_largest_at_full_scale_and_bow_in_the_middle():
