@@ -70,6 +70,11 @@ def cut(path):
     os.truncate(path, 1000)
 
 
+def replace(path):
+    path.unlink()
+    path.write_bytes(bytes(10_000))
+
+
 def delete_folder(path):
     path.unlink()
     path.parent.rmdir()
@@ -102,6 +107,7 @@ LOSSES = [
     (delete_folder, "home"),
     (move_folder, "home"),
     (delete_both, "temporary"),
+    (replace, "raw"),
 ]
 
 

@@ -10,7 +10,6 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.logs import isolated
-from fprc.logs.columns import read_columns
 from fprc.logs.isolated import attempt_each, isolated_each, time_limit_s
 
 pytestmark = pytest.mark.slow
@@ -46,13 +45,6 @@ def test_file_that_ends_the_process_is_named_and_the_others_are_read(monkeypatch
     for name, words in (("crash", "crashed"), ("hang", "within 2 s"), ("too much", "MB")):
         assert str(found[name]).startswith(f"{code[name]}: ")
         assert words in str(found[name])
-
-
-def test_all_problems_are_reported_together(tmp_path):
-    paths = [tmp_path / "a.h5", tmp_path, tmp_path / "c.h5"]
-    with pytest.raises(LogError) as caught:
-        isolated_each(read_columns, paths, names=())
-    assert [line.split(": ")[0] for line in str(caught.value).splitlines()] == list(map(str, paths))
 
 
 def test_error_that_is_not_for_people_is_not_taken_for_one():

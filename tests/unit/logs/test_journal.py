@@ -3,7 +3,6 @@ import os
 import struct
 import threading
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -88,16 +87,6 @@ def test_any_numbers_come_back_bit_for_bit(tmp_path_factory, values):
     channels, _, _ = read_journal(path)
     back = np.array([channels[name][0] for name in NAMES])
     assert back.tobytes() == np.array(values, dtype=np.float64).tobytes()
-
-
-def test_journal_that_is_being_written_can_be_read(path):
-    with Journal(path, NAMES, ATTRIBUTES) as journal:
-        for k in range(7):
-            journal.append(k, row(k))
-            ticks, findings = read_ticks(path)
-            assert ticks == list(range(k + 1))
-            assert not findings.closed
-            assert not findings.complete
 
 
 def test_missed_ticks_are_distinguished_from_lost_samples(path):
@@ -264,35 +253,6 @@ def test_end_mark_that_cannot_be_written_is_reported_and_loses_no_sample(path, m
     assert (ticks, findings.closed) == ([0], False)
 
 
-def cut(path):
-    os.truncate(path, path.stat().st_size - 1)
-
-
-def replace(path):
-    path.unlink()
-    path.write_bytes(bytes(10_000))
-
-
-def move_folder(path):
-    path.parent.rename(path.parent.with_name("elsewhere"))
-
-
-@pytest.mark.parametrize("lose", [Path.unlink, move_folder, replace, cut])
-@pytest.mark.parametrize("running", [True, False])
-def test_journal_that_is_lost_is_an_error_of_the_next_sample_or_of_the_end(tmp_path, lose, running):
-    path = tmp_path / "folder" / "run.journal"
-    journal = Journal(path, NAMES, ATTRIBUTES, sync_s=0.001 if running else 1e6)
-    for k in range(3):
-        journal.append(k, row(k))
-    lose(path)
-    if running:
-        journal._syncing.join(10.0)
-        with pytest.raises(LogError, match=str(path)):
-            journal.append(3, row(3))
-    with pytest.raises(LogError, match=str(path)):
-        journal.close()
-
-
 def test_journal_whose_header_does_not_fit_is_not_left_behind(path, monkeypatch):
     monkeypatch.setattr(os, "write", no_room)
     with pytest.raises(LogError, match="No space left"):
@@ -370,13 +330,6 @@ def test_samples_that_a_disk_lost_are_counted_and_the_others_sorted(
     assert (findings.closed, findings.complete) == (is_closed, is_closed and not lost)
     # without an end mark, the number of samples is that of the places they take
     assert findings.lost == (20 if is_closed else len(samples)) - len(ticks)
-
-
-@pytest.mark.parametrize("data", [b"\x89HDF\r\n\x1a\n" + bytes(100), b"text", bytes(50), b""])
-def test_other_files_are_no_journals(path, data):
-    path.write_bytes(data)
-    with pytest.raises(LogError, match="run.journal"):
-        read_journal(path)
 
 
 # --- as a raw log ---------------------------------------------------------------------------
