@@ -585,11 +585,6 @@ def test_few_medium_and_many_taps_exist_in_every_grid(sizes, expected):
     assert np.ravel(found).tolist() == expected
 
 
-def test_single_value_decides_alone():
-    assert Statement("", np.array([0.9]), high=1.0).verdict == "reproduced"
-    assert Statement("", np.array([1.1]), high=1.0).verdict == "not reproduced"
-
-
 @pytest.mark.parametrize(
     ("claim", "terms", "status"),
     [

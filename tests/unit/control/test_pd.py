@@ -5,7 +5,7 @@ import pytest
 
 from fprc.control import PD
 
-RATE_HZ, PERIOD_S = 200.0, 0.005
+PERIOD_S = 0.005
 KP, KD = 0.5, 0.005  # paper, Sec. IV
 
 

@@ -169,14 +169,6 @@ def test_terms_are_those_of_the_configuration_and_of_the_ledger():
     assert decided == set(TERMS) - {"plausible"}
 
 
-def test_loss_is_the_sum_of_all_squared_deviations():
-    spoiled = [GOOD | {"shares": 9.0, "open_loop": {"sine_0p2": 3.0, "sweep": 1.0}}, GOOD]
-    squares = [float(each) ** 2 for values in deviations(spoiled, AIM).values() for each in values]
-    assert len(squares) > len(TERMS)
-    assert loss_of(spoiled, AIM) == pytest.approx(sum(squares))
-    assert sum(square > 0.0 for square in squares) == 3
-
-
 # --- taps -----------------------------------------------------------------------------------------
 
 taps = st.lists(
