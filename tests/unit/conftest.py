@@ -9,6 +9,7 @@ from hypothesis import settings
 
 from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
+from fprc.figures import style
 from fprc.logs import write_columns, write_raw
 from fprc.models import FPRC, save_model
 from fprc.paper import REFERENCES
@@ -107,6 +108,24 @@ def write_data(seen, tmp_path_factory):
         return [str(folder / f"{name}.h5") for name in samples]
 
     return write
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """Figures in the order in which they would be saved; closed with the test."""
+    saved = []
+    monkeypatch.setattr(style, "save", lambda fig, data, *files: saved.append(fig) or data)
+    yield saved
+    style.plt.close("all")
+
+
+@pytest.fixture
+def axes():
+    """Axes of a figure that can be drawn, which is closed with the test."""
+    fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.5)
+    yield ax
+    fig.draw_without_rendering()  # raises where a label cannot be typeset
+    style.plt.close(fig)
 
 
 @pytest.fixture(scope="session")

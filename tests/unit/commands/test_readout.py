@@ -57,6 +57,14 @@ def write_recording(folder):
 
 
 @pytest.fixture
+def stopped(monkeypatch):
+    """Interrupt the command before it judges anything; knows what it was to judge."""
+    stop = Mock(side_effect=KeyboardInterrupt)
+    monkeypatch.setattr(readout_command, "_compete", stop)
+    return stop
+
+
+@pytest.fixture
 def recording(tmp_path):
     return write_recording(tmp_path)
 
@@ -161,11 +169,8 @@ def test_further_recordings_train_too_and_are_validated_whole(recording, tmp_pat
     assert all((out / name).exists() for name in pictures)
 
 
-def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch, capsys):
-    def stop(*arguments):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(readout_command, "_judge", stop)
+@pytest.mark.usefixtures("stopped")
+def test_whole_recording_tests_if_others_train(recording, tmp_path, capsys):
     map_file = recording(test_from_s=None, experiment="complex")
     assert run(tmp_path, map_file, "--train", *further(tmp_path, 1, 2)) == 130
     test, train = (
@@ -178,13 +183,13 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, monkeypatch,
     assert "sweep_2.h5: from an earlier run with more training logs" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("stopped")
 @pytest.mark.parametrize(
     ("kept", "trained", "tested"), [({}, 1600, 800), ({"start_s": 3, "end_s": 9}, 800, 400)]
 )
 def test_last_third_is_the_test_unless_the_map_says_where_it_begins(
-    recording, tmp_path, monkeypatch, kept, trained, tested
+    recording, tmp_path, kept, trained, tested
 ):
-    monkeypatch.setattr(readout_command, "_compete", Mock(side_effect=KeyboardInterrupt))
     assert run(tmp_path, recording(test_from_s=None, experiment="sweep", **kept)) == 130
     lengths = [
         len(read_columns(tmp_path / f"out/data/{name}.h5", ("time_s",)).channels["time_s"])
@@ -211,16 +216,9 @@ def test_map_of_a_whole_test_log_needs_training_logs(recording, tmp_path):
     ],
 )
 def test_models_work_at_the_rate_of_the_recording(
-    tmp_path, monkeypatch, capsys, own_hz, given_hz, used_hz
+    tmp_path, stopped, capsys, own_hz, given_hz, used_hz
 ):
     """Of 40 s come ten blocks at every rate, and all settings in samples are for it."""
-    seen = []
-
-    def stop(data, folder, settings, workers):
-        seen.append((data, settings))
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(readout_command, "_compete", stop)
     time_s = np.arange(round(41 * own_hz)) / own_hz
     columns = {"t": time_s, "angle": 20.0 * np.sin(2.0 * time_s), "memory": np.sin(time_s)}
     pd.DataFrame(columns | {"force": np.cos(time_s)}).to_csv(tmp_path / "log.csv", index=False)
@@ -229,7 +227,7 @@ def test_models_work_at_the_rate_of_the_recording(
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
     (tmp_path / "few.yaml").write_text("{}")
     assert run(tmp_path, str(tmp_path / "map.yaml")) == 130
-    ((data, settings),) = seen
+    data, _, settings, _ = stopped.call_args.args
     train = read_data(data["sweep"])
     assert train.attributes["sample_rate_hz"] == pytest.approx(used_hz, rel=1e-12)
     assert period_s(train) == pytest.approx(1.0 / used_hz, rel=1e-6)
@@ -240,11 +238,8 @@ def test_models_work_at_the_rate_of_the_recording(
     assert ("fprc.epsilon 0.01 to" in capsys.readouterr().err) == (used_hz != 200.0)
 
 
-def test_unlikely_rate_needs_the_map_to_give_it(recording, tmp_path, capsys, monkeypatch):
-    def stop(*arguments):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(readout_command, "_compete", stop)
+@pytest.mark.usefixtures("stopped")
+def test_unlikely_rate_needs_the_map_to_give_it(recording, tmp_path, capsys):
     table = pd.read_csv(tmp_path / "log.csv")
     table.assign(t=1e3 * table["t"]).to_csv(tmp_path / "log.csv", index=False)
     assert run(tmp_path, recording(test_from_s=7000)) == 1
@@ -252,11 +247,8 @@ def test_unlikely_rate_needs_the_map_to_give_it(recording, tmp_path, capsys, mon
     assert run(tmp_path, recording(test_from_s=7000, sample_rate_hz=1)) == 130
 
 
-def test_slowest_of_several_recordings_sets_the_rate(recording, tmp_path, monkeypatch):
-    def stop(*arguments):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(readout_command, "_compete", stop)
+@pytest.mark.usefixtures("stopped")
+def test_slowest_of_several_recordings_sets_the_rate(recording, tmp_path):
     (more,) = further(tmp_path, 3)
     pd.read_csv(more)[::2].to_csv(more, index=False)
     assert run(tmp_path, recording(), "--train", more) == 130

@@ -5,13 +5,9 @@ from fprc.figures import style
 from fprc.figures.diagnosis import plot_channel
 from fprc.logs.diagnosis import diagnose
 
+pytestmark = pytest.mark.usefixtures("figures")  # which closes them
+
 TIME_S = np.arange(6000) / 200.0
-
-
-@pytest.fixture(autouse=True)
-def closed():
-    yield
-    style.plt.close("all")
 
 
 @pytest.fixture

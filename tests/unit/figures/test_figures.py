@@ -1,7 +1,6 @@
 import inspect
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -17,36 +16,6 @@ from fprc.stages import draw
 pytestmark = pytest.mark.slow
 
 SIMULATED = {"source": "sim", "seed": 7, "model": "fprc"}
-
-
-@pytest.fixture
-def figures(monkeypatch):
-    """Figures in the order in which they are saved."""
-    saved = []
-    save = style.save
-
-    def remember(fig, *arguments):
-        saved.append(fig)
-        return save(fig, *arguments)
-
-    monkeypatch.setattr(style, "save", remember)
-    return saved
-
-
-@pytest.fixture(autouse=True)
-def coarse(monkeypatch):
-    """Fewer pixels and no subsets of fonts, for speed, and no figure left open."""
-    monkeypatch.setitem(style._STYLE, "savefig.dpi", 50)
-    monkeypatch.setitem(style._STYLE, "pdf.fonttype", 3)
-    yield
-    plt.close("all")
-
-
-@pytest.fixture
-def fig():
-    figure, ax = style.figure(1, 1, style.COLUMN_IN, 2.0)
-    ax.plot([0.0, 1.0], [0.0, 2.0])
-    return figure
 
 
 @pytest.fixture
@@ -66,13 +35,6 @@ def log(tmp_path):
     return write
 
 
-DRAWINGS = pytest.mark.parametrize(
-    "drawing",
-    [draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis, draw.draw_training],
-    ids=lambda drawing: drawing.__name__,
-)
-
-
 def written(drawing, pdf, png):
     """Return the files that a drawing writes, its table first if it has one."""
     tables = [pdf.with_suffix(".csv")] if "csv" in inspect.signature(drawing).parameters else []
@@ -89,14 +51,18 @@ def written(drawing, pdf, png):
         ({"source": "none"}, "drawing, no data"),
     ],
 )
-def test_figure_is_marked_by_the_source_of_its_data_alone(fig, tmp_path, data, mark):
-    style.save(fig, data, str(tmp_path / "f.pdf"), str(tmp_path / "f.png"))
-    assert marks(fig) == [mark]
+def test_figure_is_marked_by_the_source_of_its_data_alone(axes, data, mark):
+    style.save(axes.figure, data)
+    assert [text.get_text() for text in axes.figure.texts] == [mark]
 
 
-@DRAWINGS
-def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_path, monkeypatch):
-    monkeypatch.setattr(style, "save", lambda fig, data, pdf, png: data)
+@pytest.mark.parametrize(
+    "drawing",
+    [draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis, draw.draw_training],
+    ids=lambda drawing: drawing.__name__,
+)
+@pytest.mark.usefixtures("figures")
+def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_path):
     logs = log("one.h5", source="rig", seed=1), log("two.h5", seed=9)
     found = drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
     assert (found["source"], found["seed"]) == ("sim", 9)
@@ -153,7 +119,6 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     )
     plot_grid(table, "train", axes, (3, 5))
     axes.set_xlabel(draw._label("p_target_kpa", log))
-    axes.figure.canvas.draw()
 
 
 def test_loop_joins_neighbouring_samples_and_is_coloured_by_frequency(axes):
@@ -166,12 +131,3 @@ def test_loop_joins_neighbouring_samples_and_is_coloured_by_frequency(axes):
     assert lines.get_clim() == (0.3, 0.9)
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [kPa]", "y [deg]")
     assert axes.get_ylim()[1] >= 5.0
-
-
-@pytest.fixture
-def axes():
-    return style.figure(1, 1, style.COLUMN_IN, 2.0)[1]
-
-
-def marks(figure):
-    return [text.get_text() for text in figure.texts]

@@ -4,7 +4,6 @@ import re
 import statistics
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -18,15 +17,6 @@ from fprc.stages import draw, draw_tracking
 
 PHASES = ("train", "validation", "test")
 FOLDS = {1: [10.0, 12.0, 11.0, 16.0], 2: [9.0, 9.5, 8.0, 8.5], 4: [7.0, 7.1, 7.2, 7.7]}
-
-
-@pytest.fixture
-def figures(monkeypatch):
-    """Figures in the order in which they are saved."""
-    saved = []
-    monkeypatch.setattr(style, "save", lambda fig, data, pdf, png: saved.append(fig) or data)
-    yield saved
-    plt.close("all")
 
 
 @pytest.fixture

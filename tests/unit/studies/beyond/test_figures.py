@@ -1,12 +1,10 @@
 """Figures of worlds with many models, and with almost none."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from scipy.stats import spearmanr
 
-from fprc.figures import style
 from fprc.paper import MODELS
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
@@ -26,14 +24,6 @@ def worlds(make_world):
     }
 
 
-@pytest.fixture
-def ax():
-    fig, axes = style.figure(1, 1, style.COLUMN_IN, 2.5)
-    yield axes
-    fig.draw_without_rendering()  # raises where a label cannot be typeset
-    plt.close(fig)
-
-
 def of(table, world):
     return table[table["world"] == world]
 
@@ -43,40 +33,40 @@ def claims(worlds):
 
 
 @pytest.mark.parametrize("world", ["dry", "sparse"])
-def test_pairs_have_a_row_each_and_the_band_of_equivalence(worlds, world, ax):
+def test_pairs_have_a_row_each_and_the_band_of_equivalence(worlds, world, axes):
     table = claims({world: worlds[world]})
-    figures.plot_pairs(table, WORLDS, ax)
-    labels = [label.get_text() for label in ax.get_yticklabels()]
+    figures.plot_pairs(table, WORLDS, axes)
+    labels = [label.get_text() for label in axes.get_yticklabels()]
     assert [label[:2] for label in labels] == table[table["ratio"].eq(True)]["id"].tolist()
-    assert ax.get_xscale() == "log"
-    ends = ax.patches[0].get_extents().transformed(ax.transData.inverted())
+    assert axes.get_xscale() == "log"
+    ends = axes.patches[0].get_extents().transformed(axes.transData.inverted())
     assert [ends.x0, ends.x1] == pytest.approx([1 / 1.05, 1.05])
-    assert 1.0 in ax.get_xticks()
+    assert 1.0 in axes.get_xticks()
 
 
-def test_hollow_markers_are_undecided(worlds, ax):
+def test_hollow_markers_are_undecided(worlds, axes):
     table = claims(worlds)
-    figures.plot_pairs(table, WORLDS, ax)
+    figures.plot_pairs(table, WORLDS, axes)
     shown = table[table["ratio"].eq(True)]
-    hollow = [to_hex(bars[0].get_markerfacecolor()) == "#ffffff" for bars in ax.containers]
+    hollow = [to_hex(bars[0].get_markerfacecolor()) == "#ffffff" for bars in axes.containers]
     assert hollow == shown["verdict"].isin(["undecided", "not judged"]).tolist()
     assert any(hollow)
     assert not all(hollow)
-    centres = [bars[0].get_xdata()[0] for bars in ax.containers]
+    centres = [bars[0].get_xdata()[0] for bars in axes.containers]
     assert centres == pytest.approx(shown["mean"].tolist())
 
 
 @pytest.mark.parametrize("world", ["dry", "sparse"])
-def test_every_model_is_a_point_and_the_papers_and_the_best_have_names(worlds, world, ax):
+def test_every_model_is_a_point_and_the_papers_and_the_best_have_names(worlds, world, axes):
     table = of(tables.errors_and_tracking(tables.models(list(worlds.values()))), world)
     table = table[table["loop"] == "closed_loop"].set_index("model")[["forward", "tracking"]]
-    figures.plot_errors_and_tracking(table.reset_index(), ax)
-    points = np.column_stack([ax.lines[0].get_xdata(), ax.lines[0].get_ydata()])
+    figures.plot_errors_and_tracking(table.reset_index(), axes)
+    points = np.column_stack([axes.lines[0].get_xdata(), axes.lines[0].get_ydata()])
     np.testing.assert_array_equal(points, table.to_numpy())
     named = {*table.index} & {*MODELS} | {*table.idxmin()}
-    places = {tuple(text.xy) for text in ax.texts}
+    places = {tuple(text.xy) for text in axes.texts}
     assert places == {tuple(table.loc[name]) for name in named}
-    assert len(ax.texts) <= 5
+    assert len(axes.texts) <= 5
 
 
 def test_rank_correlation_is_spearmans(make_world):
@@ -96,10 +86,10 @@ def test_rank_correlation_is_spearmans(make_world):
 
 @pytest.mark.parametrize("world", ["dry", "sparse"])
 @pytest.mark.parametrize("measure", ["forward", "open_loop", "closed_loop"])
-def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, measure, ax):
+def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, measure, axes):
     table = of(tables.offsets(list(worlds.values())), world)
-    figures.plot_offsets(table, measure, ax)
-    lines = {line.get_label(): line for line in ax.lines}
+    figures.plot_offsets(table, measure, axes)
+    lines = {line.get_label(): line for line in axes.lines}
     level = table[table["model"] == "fuzzy_linear"].set_index("measure")["mean"][measure]
     assert list(lines["Fuzzy-linear"].get_ydata()) == [level, level]
     assert lines["Fuzzy-linear"].get_linestyle() == "--"
@@ -107,11 +97,11 @@ def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, measure, ax):
     assert not any("tuned" in label for label in lines)
 
 
-def test_stacked_capacities_end_at_the_total(worlds, ax):
+def test_stacked_capacities_end_at_the_total(worlds, axes):
     table = of(tables.capacity(list(worlds.values())), "dry")
-    figures.plot_capacities(table, ax)
+    figures.plot_capacities(table, axes)
     ends = {}
-    for bars in ax.containers:
+    for bars in axes.containers:
         for bar in bars:
             row = round(bar.get_y() + bar.get_height() / 2)
             ends[row] = max(ends.get(row, 0.0), bar.get_x() + bar.get_width())
@@ -119,22 +109,22 @@ def test_stacked_capacities_end_at_the_total(worlds, ax):
     assert [ends[row] for row in range(4)] == pytest.approx(
         totals["mean"][["p_o", "p_o_taps", "theta_lowpass_taps", "esn"]].tolist()
     )
-    assert [text.get_text().split(" of ")[1] for text in ax.texts] == ["1", "4", "4", "300"]
+    assert [text.get_text().split(" of ")[1] for text in axes.texts] == ["1", "4", "4", "300"]
 
 
 @pytest.mark.parametrize("what", ["pairs", "tracking", "offsets", "capacities"])
-def test_world_of_failures_is_drawn_empty(what, make_world, ax):
+def test_world_of_failures_is_drawn_empty(what, make_world, axes):
     nothing = {"capacity": None, "training_length": None, "step_us": None}
     world = make_world(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
     if what == "pairs":
-        figures.plot_pairs(claims({"dry": world}), WORLDS, ax)
+        figures.plot_pairs(claims({"dry": world}), WORLDS, axes)
     elif what == "tracking":
         table = tables.errors_and_tracking(tables.models([world]))
-        figures.plot_errors_and_tracking(table, ax)
+        figures.plot_errors_and_tracking(table, axes)
     elif what == "offsets":
-        figures.plot_offsets(tables.offsets([world]), "forward", ax)
+        figures.plot_offsets(tables.offsets([world]), "forward", axes)
     else:
-        figures.plot_capacities(tables.capacity([world]), ax)
-    assert ax.get_xlabel()
-    assert not ax.texts
-    assert not ax.containers
+        figures.plot_capacities(tables.capacity([world]), axes)
+    assert axes.get_xlabel()
+    assert not axes.texts
+    assert not axes.containers

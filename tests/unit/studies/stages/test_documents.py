@@ -17,56 +17,33 @@ def block(name, content):
     return f"<!-- {name}: generated -->\n{content}\n<!-- {name}: end -->"
 
 
+#: Results, and the text of their pages.
+PAGES = {
+    "table2": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
+    "table2_seeds": "Over seeds.\n",
+    "table3_seeds": "Reversed.\n",
+    "table4_seeds": "Followed with P_o.\n",
+    "table2_timing": "Times.\n",
+}
 README = "\n".join([block("table2_seeds", "old"), block("table4_seeds", "old"), "End.\n"])
-
-RESULTS = "\n".join(
-    [
-        "# Title",
-        "",
-        block("table2", "old"),
-        "Between.",
-        block("table2_seeds", "old"),
-        block("table3_seeds", "old"),
-        block("table4_seeds", "old"),
-        block("verdicts", "old"),
-        block("table2_timing", "old"),
-        "",
-        "The end.",
-        "",
-    ]
-)
+OLD = [block(name, "old") for name in (*PAGES, "verdicts")]
+RESULTS = "\nBetween.\n".join(["# Title\n", *OLD, "The end.\n"])
 
 
 @pytest.fixture
 def project(tmp_path):
     """The two pages and the results that go into them."""
-    contents = {
-        "README.md": README,
-        "docs/results.md": RESULTS,
-        "table2.md": "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |\n",
-        "table2_seeds.md": "Over seeds.\n",
-        "table3_seeds.md": "Reversed.\n",
-        "table4_seeds.md": "Followed with P_o.\n",
-        "claims.json": LEDGER,
-        "table2_timing.md": "Times.\n",
-    }
     (tmp_path / "docs").mkdir()
-    for name, text in contents.items():
+    files = {"README.md": README, "docs/results.md": RESULTS, "claims.json": LEDGER}
+    for name, text in (files | {f"{name}.md": text for name, text in PAGES.items()}).items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     (tmp_path / "figure.png").write_bytes(b"\x89PNG picture")
     return tmp_path
 
 
 def update(project):
-    pages = (
-        "table2.md",
-        "table2_seeds.md",
-        "table3_seeds.md",
-        "table4_seeds.md",
-        "table2_timing.md",
-    )
     update_readme(
-        [str(project / name) for name in pages],
+        [str(project / f"{name}.md") for name in PAGES],
         str(project / "claims.json"),
         [str(project / "figure.png")],
         readme=str(project / "README.md"),
@@ -78,14 +55,8 @@ def update(project):
 
 def test_blocks_are_replaced_and_everything_else_is_kept(project):
     expected = RESULTS
-    for name, new in (
-        ("table2", "Table II.\n\n| a |\n|---|\n| 1 ± 2 \\d |"),
-        ("table2_seeds", "Over seeds."),
-        ("table3_seeds", "Reversed."),
-        ("table4_seeds", "Followed with P_o."),
-        ("table2_timing", "Times."),
-    ):
-        expected = expected.replace(block(name, "old"), block(name, new))
+    for name, new in PAGES.items():
+        expected = expected.replace(block(name, "old"), block(name, new.strip()))
     head, tail = expected.split(block("verdicts", "old"))
     text = update(project)
     assert text.startswith(head)
