@@ -9,6 +9,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.logs import read_columns
 from fprc.models import load_model
+from fprc.plan import arguments
 from fprc.registry import build
 from fprc.stages.grid import weigh
 from fprc.stages.judge import judge
@@ -41,17 +42,12 @@ def settings():
 
 @pytest.fixture(scope="module")
 def judgement(settings):
-    return {"models": settings["models"], "folds": 2, "split": "shuffled", "seed": SEED}
+    return arguments.judgement(settings, folds=2, seed=SEED)
 
 
 @pytest.fixture(scope="module")
 def on_rig(settings):
-    return {
-        "rig": settings["rig"],
-        "control": settings["control"],
-        "signals": settings["experiments"],
-        "target": "command",
-    }
+    return arguments.on_rig(settings)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 import pytest
 
 from fprc.config import Settings
+from fprc.plan.arguments import on_rig
 
 
 @pytest.fixture
@@ -13,10 +14,5 @@ def family(signals):
         "fitted": ["tables"],
         "first_seed": 601,
         "seeds_per_rig": 1,
-        "on_rig": {
-            "rig": settings["rig"],
-            "control": settings["control"],
-            "signals": signals,
-            "target": "command",
-        },
+        "on_rig": on_rig(settings) | {"signals": signals},
     }

@@ -9,19 +9,12 @@ import pytest
 from fprc.config import Settings
 from fprc.errors import FprcError
 from fprc.experiments.settings import RigSettings
+from fprc.plan.arguments import on_rig
 from fprc.studies.families import sensitivity
 from fprc.studies.stages import sensitivity as stage
 
 SETTINGS = Settings().model_dump(mode="json")
 PATHS = ["bending.stiffness_kpa_per_deg", "bending.inertia_kpa_s2_per_deg"]
-
-
-@pytest.fixture
-def on_rig():
-    return {
-        "rig": SETTINGS["rig"], "control": SETTINGS["control"],
-        "signals": SETTINGS["experiments"], "target": "command",
-    }  # fmt: skip
 
 
 @pytest.fixture
@@ -46,11 +39,11 @@ def by_stiffness(monkeypatch):
 
 
 @pytest.fixture
-def effects(by_stiffness, on_rig, tmp_path):
+def effects(by_stiffness, tmp_path):
     path = str(tmp_path / "effects.json")
     how = {"models": {}, "tracking": {}, "surrogate": {}}
     stage.measure_sensitivity(
-        path, paths=PATHS, steps=3, seeds=[0, 2], on_rig=on_rig, how=how, workers=1,
+        path, paths=PATHS, steps=3, seeds=[0, 2], on_rig=on_rig(SETTINGS), how=how, workers=1,
         checkpoint=str(tmp_path / "partial.jsonl"), version="1",
     )  # fmt: skip
     return path
@@ -83,8 +76,8 @@ def test_rig_that_cannot_be_simulated_itself_is_an_error():
 
 
 @pytest.mark.slow
-def test_every_number_of_the_surrogate_is_there(on_rig, signals):
-    settings = RigSettings(**on_rig | {"signals": signals})
+def test_every_number_of_the_surrogate_is_there(signals):
+    settings = RigSettings(**on_rig(SETTINGS) | {"signals": signals})
     how = {"stride": 5, "esn_nodes": 20, "restarts": 1}
     numbers = sensitivity.judge_moved(
         {"path": None, "share": None}, seeds=[1], surrogate=how, on_rig=settings,

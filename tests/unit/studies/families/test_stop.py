@@ -1,5 +1,7 @@
 """Errors at the stop of the actuator, and off it."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,6 +9,7 @@ import pytest
 from fprc.config import Settings
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings, Unit
+from fprc.plan.arguments import on_rig
 from fprc.studies.families import stop
 from fprc.studies.stages import sensitivity as stage
 
@@ -18,11 +21,10 @@ def judged(signals):
     models = SETTINGS["models"] | {"n_y": 2}
     models["esn"] |= {"r": 12, "washout": 10}
     models["fprc"] |= {"n_c": 2, "n_u": 2}
-    on_rig = {name: SETTINGS[name] for name in ("rig", "control")}
-    on_rig = RigSettings(**on_rig, signals=signals, target="command")
+    rig = RigSettings(**on_rig(SETTINGS) | {"signals": signals})
     judgement = {"models": models, "folds": 2, "split": "shuffled"}
-    (found,) = stop.judge_stop(Unit(3, {}, [(on_rig, 3)]), judgement=judgement)
-    return found, simulate(on_rig, 3)["sweep"].channels
+    (found,) = stop.judge_stop(Unit(3, {}, [(rig, 3)]), judgement=judgement)
+    return found, simulate(rig, 3)["sweep"].channels
 
 
 def test_parts_make_the_whole_and_share_is_theirs(judged):
@@ -50,9 +52,4 @@ def test_table_has_a_row_per_model(judged, tmp_path):
     table = pd.read_csv(files["csv"]).set_index(["model", "number"])
     assert table.loc[("fprc", "share"), "mean"] == pytest.approx(100 * judged[0]["fprc"]["share"])
     assert table["low"].to_numpy() == pytest.approx(table["mean"].to_numpy())
-    assert "ESN" in open_text(files["md"])
-
-
-def open_text(path):
-    with open(path, encoding="utf-8") as file:
-        return file.read()
+    assert "ESN" in Path(files["md"]).read_text(encoding="utf-8")

@@ -6,6 +6,7 @@ from fprc.artifacts import read_json, write_json
 from fprc.config import Settings
 from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.paper import REFERENCES
+from fprc.plan.arguments import on_rig
 from fprc.studies.families.family import unit_of
 from fprc.studies.online import show
 from fprc.studies.online.follow_up import STATES, follow_up
@@ -27,9 +28,8 @@ def shortened(duration_s):
 def judged():
     """What the judgement of one short unit gives, as a frame."""
     signals = {name: each | {"duration_s": 10.0} for name, each in SETTINGS["experiments"].items()}
-    on_rig = {"rig": SETTINGS["rig"], "control": SETTINGS["control"], "signals": signals,
-              "target": "command"}  # fmt: skip
-    family = {"rigs": "one", "first_seed": 5, "seeds_per_rig": 1, "on_rig": on_rig}
+    rig = on_rig(SETTINGS) | {"signals": signals}
+    family = {"rigs": "one", "first_seed": 5, "seeds_per_rig": 1, "on_rig": rig}
     (found,) = judge_online(unit_of(0, family), tracking=shortened(3.0), models=SETTINGS["models"])
     assert "failed" not in found
     return pd.DataFrame(found["rows"])

@@ -8,6 +8,7 @@ from fprc.artifacts import read_json
 from fprc.config import Settings
 from fprc.config.load import PUBLISHED
 from fprc.config.rig import Rig
+from fprc.plan.arguments import on_rig
 from fprc.studies.calibration.objective import printed_errors
 from fprc.studies.calibration.space import free_parameters
 from fprc.studies.stages import near_print as stage
@@ -58,10 +59,7 @@ def draw(monkeypatch, tmp_path):
                 "rigs": 12, "keep": 4, "seed": 70, "tolerance": 0.1, "assimilations": 2, "sweeps": 3
             },
             drawn={}, free=FREE,
-            on_rig={
-                "rig": settings["rig"], "signals": settings["experiments"],
-                "control": settings["control"], "target": "command",
-            },
+            on_rig=on_rig(settings),
             judgement={"models": settings["models"]}, surrogate={}, workers=1,
             checkpoint=str(tmp_path / f"{name}.partial.jsonl"), version="1",
         )  # fmt: skip
