@@ -5,6 +5,7 @@ import logging
 import math
 import signal
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -39,18 +40,14 @@ PARTS = {"open": _OPEN, "tick": _TICK * TICKS, "safe": _SAFE, "look": _LOOK * 10
 CALLS = [(part, *call) for part, calls in PARTS.items() for call in calls]
 
 
-class Outcome:
-    """Outcome of one run: ``error``, ``sessions``, ``samples`` in the journal, ``reason``."""
-
-
 @pytest.fixture
 def record(bench, settings, live_by, monkeypatch, tmp_path):
-    """Record a few ticks of the sweep; ``at(tick)`` injects."""
+    """Record a few ticks of the sweep; ``at(tick)`` injects; return error, journal, sessions."""
     settings["experiments"]["sweep"]["duration_s"] = 2.0
     plan = process.plan
 
     def record(ticks=TICKS, *, at=lambda tick: None, law=None, stop=lambda: ""):
-        found = Outcome()
+        found = SimpleNamespace()
         found.sessions, found.messages = live_by(bench, at)
 
         def cut(*arguments):
@@ -66,12 +63,8 @@ def record(bench, settings, live_by, monkeypatch, tmp_path):
             found.error = error
         (path,) = tmp_path.glob("*.journal")
         found.channels, _, findings = read_journal(path)
-        found.samples, found.reason, found.closed = (
-            findings.samples,
-            findings.reason,
-            findings.closed,
-        )
-        assert found.closed
+        found.samples, found.reason = findings.samples, findings.reason
+        assert findings.closed
         assert findings.lost == 0
         return found
 

@@ -61,17 +61,6 @@ def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy):
     assert smoked_copy.files("results/smoke/raw", "results/smoke/tables") == before
 
 
-SHORT = "experiments={sweep: {duration_s: 1}, complex: {duration_s: 1}}"
-
-
-def test_taps_beyond_the_log_are_refused_before_any_job(project):
-    too_many = "models={n_y: 100}"
-    done = project.smoke("all", "--config", SHORT, too_many, "control={sample_rate_hz: 50}")
-    assert done.returncode != 0
-    assert "leaves 40 samples to train on, fewer than n_" in done.stdout
-    assert not project.files("results", "data")
-
-
 @pytest.mark.slow
 def test_log_that_was_not_simulated_is_never_recorded_over(smoked_copy):
     raw = smoked_copy.folder / "results/smoke/raw/sweep.h5"

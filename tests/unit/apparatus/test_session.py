@@ -1,4 +1,5 @@
 import signal
+from types import SimpleNamespace
 
 import pytest
 
@@ -7,36 +8,27 @@ from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.session import Stop
 
 
-class Clocks:
-    """A computer that runs and is suspended."""
-
-    def __init__(self):
-        self.ran_s, self.suspended_s = 100.0, 7.0
-
-    def monotonic(self):
-        return self.ran_s
-
-    def boottime(self):
-        return self.ran_s + self.suspended_s
-
-
 @pytest.fixture
 def clocks():
-    return Clocks()
+    """Times of a computer that runs and is suspended."""
+    return SimpleNamespace(ran_s=100.0, suspended_s=7.0)
 
 
 @pytest.fixture(autouse=True)
 def own_signals(monkeypatch):
-    """Leave the signal handlers and the output of the tests' process alone."""
+    """Leave the signal handlers, the input and the output of the tests' process alone."""
+    monkeypatch.setattr(Stop, "_listen", lambda self: None)
     monkeypatch.setattr(signal, "signal", lambda *_: None)
     monkeypatch.setattr(session, "notify", lambda message: True)
 
 
 @pytest.fixture
-def stop(clocks, monkeypatch):
-    """Built without a guardian on the standard input."""
-    monkeypatch.setattr(Stop, "_listen", lambda self: None)
-    return Stop(0.5, monotonic=clocks.monotonic, boottime=clocks.boottime)
+def stop(clocks):
+    return Stop(
+        0.5,
+        monotonic=lambda: clocks.ran_s,
+        boottime=lambda: clocks.ran_s + clocks.suspended_s,
+    )
 
 
 def test_heartbeat_is_sent_when_the_loop_asks_and_one_is_due(stop, clocks, monkeypatch):
@@ -64,12 +56,10 @@ def test_computer_that_was_suspended_ends_the_run(stop, clocks, seconds, ends):
     assert ("the computer was suspended for" in stop()) is ends
 
 
-def test_pause_between_the_two_clocks_does_not_pass_for_a_suspension(clocks, monkeypatch):
+def test_pause_between_the_two_clocks_does_not_pass_for_a_suspension(clocks):
     def boottime():
-        found = clocks.boottime()
         clocks.ran_s += 0.3  # the process is not run for a while
-        return found
+        return clocks.ran_s - 0.3
 
-    monkeypatch.setattr(Stop, "_listen", lambda self: None)
-    stop = Stop(10.0, monotonic=clocks.monotonic, boottime=boottime)
+    stop = Stop(10.0, monotonic=lambda: clocks.ran_s, boottime=boottime)
     assert stop() == ""

@@ -8,8 +8,8 @@ import h5py
 import pytest
 import yaml
 
+from fprc.channels import unit_of
 from fprc.cli import main
-from fprc.logs import write_raw
 
 MAP = {
     "time": {"column": "t"},
@@ -128,19 +128,12 @@ def test_output_that_cannot_be_written_is_refused_before_any_file_is_read(
 
 def plain_log(path, channels):
     """Write a log without checksums, as other programs do."""
-    write_raw(path, channels, experiment="sweep", source="rig", sample_rate_hz=200.0, seed=1,
-              software="mine", rig={})  # fmt: skip
-    with h5py.File(path) as log:
-        found = {name: dict(log.attrs) if not name else log[name][()] for name in ["", *log]}
-        units = {name: log[name].attrs["units"] for name in log}
     with h5py.File(path, "w") as log:
-        attributes = found.pop("")
-        log.attrs.update({name: value.decode() if isinstance(value, bytes) else value
-                          for name, value in attributes.items()})  # fmt: skip
-        for name, values in found.items():
+        log.attrs.update(experiment="sweep", source="rig", simulated=False, sample_rate_hz=200.0,
+                         seed=1, software="mine", rig="{}")  # fmt: skip
+        for name, values in channels.items():
             log[name] = values
-            unit = units[name]
-            log[name].attrs["units"] = unit.decode() if isinstance(unit, bytes) else unit
+            log[name].attrs["units"] = unit_of(name)
 
 
 def endless(data):

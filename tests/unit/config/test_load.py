@@ -166,19 +166,6 @@ def test_settings_beside_the_files_win_and_are_checked(written):
         from_files(paths, {"models": {"n_z": 1}})
 
 
-@pytest.mark.parametrize("text", ["seed: 1:30", "seed: .nan", "seed: .inf", "seed: 2026-01-02"])
-def test_word_that_is_no_number_is_refused_where_one_is_needed(written, text):
-    with pytest.raises(ConfigError, match="seed = .*must be a"):
-        from_files(written(text))
-
-
-@pytest.mark.parametrize(
-    ("word", "armed"), [("true", True), ("yes", True), ("on", True), ("no", False), ("off", False)]
-)
-def test_words_for_truth_values_serve_where_one_is_needed(written, word, armed):
-    assert from_files(written(f"armed: {word}\n")).armed is armed
-
-
 # --- rigs by name -------------------------------------------------------------------------------
 
 DRY = "fitted: {name: dry, to: [tables, C8]}\nrig: {drift: {sigma_kpa: 2.0, time_s: 3.0}}\n"
@@ -304,21 +291,6 @@ def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
     assert settings.fitted.name == name
     assert (name == "bouc_wen") == (not settings.fitted.to)
     assert settings.rig != Settings().rig
-
-
-@pytest.mark.usefixtures("at_home")
-def test_smoke_configuration_merges_and_is_a_shorter_run():
-    names = ("config.yaml", "smoke.yaml")
-    smoke = from_files([CONFIG / name for name in names])
-    full = from_files([CONFIG / name for name in names[:1]])
-    assert smoke.experiments.sweep.duration_s < full.experiments.sweep.duration_s
-    assert smoke.experiments.complex.duration_s < full.experiments.complex.duration_s
-    assert smoke.experiments.sweep.f_end_hz == full.experiments.sweep.f_end_hz
-    assert smoke.models.esn.r < full.models.esn.r
-    assert smoke.models.esn.rho == full.models.esn.rho
-    assert smoke.folders.raw != full.folders.raw
-    assert smoke.folders.results != full.folders.results
-    assert smoke.rig == full.rig
 
 
 @pytest.mark.parametrize(

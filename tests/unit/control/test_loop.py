@@ -77,26 +77,6 @@ def test_each_row_is_handed_on_when_it_is_complete():
     assert {before for _, _, before in kept} == {"write"}
 
 
-def test_request_to_stop_ends_the_run_within_the_tick_with_its_reason():
-    bench = Bench()
-    with pytest.raises(RunAbortedError, match="sample 2: SIGTERM") as caught:
-        go(bench, samples=9, stop=lambda: "SIGTERM" if bench.ticks == 2 else "")
-    assert bench.names()[-2:] == ["wait", "safe"]
-    assert len(caught.value.channels["time_s"]) == 2
-
-
-def test_failure_to_make_safe_is_reported_with_the_first_failure():
-    class Stubborn(Bench):
-        def safe(self):
-            raise RuntimeError("valve stuck")
-
-    with pytest.raises(RunAbortedError, match=r"unplugged\n.*not be made safe: valve stuck"):
-        go(Stubborn(fail="read", at=1))
-    with pytest.raises(RunAbortedError, match="valve stuck") as caught:
-        go(Stubborn(), samples=3)
-    assert len(caught.value.channels["time_s"]) == 3
-
-
 def test_row_holds_the_readings_and_the_commands_computed_from_them():
     bench = Bench()
     rows = go(bench)

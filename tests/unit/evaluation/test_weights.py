@@ -20,20 +20,6 @@ def shares(X, y, folds=3):
     return normalised_weights(model, (X, y, None), split_rows(len(y), folds, "shuffled", 5))
 
 
-@pytest.mark.parametrize(
-    ("scale", "shift"), [((0.01, 1.0), (0.0, 0.0)), ((1.0, 1e3), (0.0, 0.0)),
-                         ((1.0, 1.0), (-40.0, 101.3)), ((np.pi / 180, 1e3), (2.0, -5e4))]
-)  # fmt: skip
-def test_shares_do_not_depend_on_unit_or_zero_of_the_signals(data, scale, shift):
-    X, y = data
-    np.testing.assert_allclose(shares(X * scale + shift, y), shares(X, y), rtol=1e-3)
-
-
-def test_shares_do_not_depend_on_the_sign_of_the_pressure(data):
-    X, y = data
-    np.testing.assert_allclose(shares(X, -y), shares(X, y), rtol=1e-6)
-
-
 def test_shares_are_those_of_the_best_fold_on_normalised_features(data):
     X, y = (values[:400] for values in data)
     folds = split_rows(400, 3, "shuffled", 5)

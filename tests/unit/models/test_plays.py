@@ -8,10 +8,6 @@ numbers = st.floats(-50, 50, allow_subnormal=False)
 paths = st.lists(numbers, min_size=1, max_size=30)
 
 
-def fitted(n_plays=4, low=-30.0, high=30.0):
-    return PlayOperators(n_plays).fit([[low], [high]])
-
-
 @given(paths, paths)
 def test_plays_are_those_of_a_loop_over_samples_and_columns(first, second):
     size = min(len(first), len(second))
@@ -29,5 +25,6 @@ def test_plays_are_those_of_a_loop_over_samples_and_columns(first, second):
 
 
 def test_names_number_the_plays_of_each_column():
-    names = fitted(n_plays=2).get_feature_names_out(["theta_deg"])
+    plays = PlayOperators(n_plays=2).fit([[-30.0], [30.0]])
+    names = plays.get_feature_names_out(["theta_deg"])
     assert names.tolist() == ["theta_deg_play0", "theta_deg_play1"]

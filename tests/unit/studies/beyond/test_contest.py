@@ -98,14 +98,6 @@ def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, contes
     assert "tracked_shifted" not in judged["fuzzy_linear"]
 
 
-def test_tracking_is_that_of_the_closed_loop_runs(judged, fprc, on_rig, contest):
-    bench = Track(contest.tracking, on_rig.control, on_rig.rig, SEED)
-    loops = {"open_loop_deg": False, "closed_loop_deg": True}
-    for loop, errors in tracking_errors(bench, fprc, loops).items():
-        assert judged["fprc"][loop] == pytest.approx(errors)
-    assert sum(errors.values()) < sum(judged["fprc"]["open_loop_deg"].values())
-
-
 def test_disturbed_p_o_is_the_models_input(judged, fprc, logs):
     X, y = logs["complex"].pair("fprc")
     own = judged["fprc"]
