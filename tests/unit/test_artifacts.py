@@ -68,17 +68,12 @@ def test_process_that_dies_while_writing_leaves_the_old_file(tmp_path):
     died = subprocess.run([sys.executable, "-c", code, str(target)], timeout=60, check=False)
     assert died.returncode == 9
     assert target.read_text() == "old"
-    assert leftovers(target) == [tmp_path / f".table.{number(tmp_path)}.part.csv"]
+    assert leftovers(target) == list(tmp_path.glob(".table.*.part.csv")) != []
     write_text(tmp_path / "chair.csv", "of another file")
     assert len(leftovers(target)) == 1
     write_text(target, "new")
     assert target.read_text() == "new"
     assert names(tmp_path) == ["chair.csv", "table.csv"]
-
-
-def number(folder):
-    (left,) = folder.glob(".table.*.part.csv")
-    return left.name.split(".")[2]
 
 
 def test_file_that_another_process_is_writing_is_left_alone(tmp_path):

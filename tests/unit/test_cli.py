@@ -19,6 +19,7 @@ from fprc.config import reference
 pytestmark = pytest.mark.slow
 
 CONFIG = Path(__file__).parents[2] / "config"
+COMMAND = [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())"]
 
 
 @pytest.fixture
@@ -58,7 +59,7 @@ def test_output_that_nothing_reads_ends_the_command_without_a_traceback(command,
     read, write = os.pipe()
     os.close(read)
     done = subprocess.run(
-        [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())", *command],
+        [*COMMAND, *command],
         stdout=write,
         stderr=subprocess.PIPE,
         env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
@@ -141,9 +142,6 @@ def test_interrupt_ends_the_command_however_libraries_treat_it(monkeypatch, caps
     assert main(["config", "published"]) == 130
     assert capsys.readouterr().err == "stopped; finished results are kept\n"
     assert (signal.getsignal(signal.SIGINT), sys.unraisablehook) == before
-
-
-COMMAND = [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())"]
 
 
 @pytest.mark.parametrize(

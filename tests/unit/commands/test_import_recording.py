@@ -62,11 +62,11 @@ def bring(recorded, tmp_path):
     return bring
 
 
-def prepared(raw, target="command"):
+def prepared(raw):
     data, quality = raw.with_name("data.h5"), raw.with_name("quality.json")
     preprocess(
         str(raw), str(data), str(quality),
-        experiment="sweep", target=target, sample_rate_hz=200.0, limits=LIMITS,
+        experiment="sweep", target="command", sample_rate_hz=200.0, limits=LIMITS,
     )  # fmt: skip
     return data
 
@@ -157,7 +157,7 @@ def imported(folder, channels, time=None, source="log.csv"):
 # --- what may be absent ---------------------------------------------------------------------
 
 
-def test_newtons_are_not_taken_for_kilopascals(bring, caplog):
+def test_newtons_are_not_taken_for_kilopascals_and_not_mixed_with_them(bring, caplog):
     force = {"column": "p_i_kpa", "unit": 1, "scale": 10, "note": "motor force F [N]"}
     raw = bring({"theta_deg": ANGLE, "p_exp_kpa": force})
     note = "not in kPa: motor force F [N]"
@@ -167,9 +167,14 @@ def test_newtons_are_not_taken_for_kilopascals(bring, caplog):
     assert record["notes"] == {"p_exp_kpa": note}
     assert record["checks"]["range"]["passed"]
     with caplog.at_level(logging.WARNING):
-        data = prepared(raw)
+        data = read_data(str(prepared(raw)))
     assert f"p_exp_kpa: {note}" in caplog.text
-    assert read_data(str(data)).attributes["notes"] == {"p_exp_kpa": note}
+    assert data.attributes["notes"] == {"p_exp_kpa": note}
+    assert (data.unit, data.attributes["theta_unit"]) == ("N", "deg")
+    refuse_mixture(data, data)
+    plain = Data(data.channels, data.attributes | {"p_target_unit": "kPa"})
+    with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
+        refuse_mixture(data, plain)
 
 
 # --- command line ---------------------------------------------------------------------------
@@ -259,17 +264,6 @@ def test_several_recordings_of_the_page_are_fitted_both_ways():
     again = names["model"].predict([names["X3"], names["X4"]])
     for one, other in zip(names["p_ff"], again, strict=True):
         np.testing.assert_allclose(one, other)
-
-
-def test_units_of_notes_reach_the_data_and_are_not_mixed(bring):
-    force = {"column": "p_i_kpa", "unit": 1, "note": "motor force F [N]"}
-    data = read_data(str(prepared(bring({"theta_deg": ANGLE, "p_exp_kpa": force}))))
-    assert data.unit == "N"
-    assert data.attributes["theta_unit"] == "deg"
-    plain = Data(data.channels, data.attributes | {"p_target_unit": "kPa"})
-    refuse_mixture(data, data)
-    with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
-        refuse_mixture(data, plain)
 
 
 def draft(path, capsys, *more):

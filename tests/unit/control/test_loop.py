@@ -127,11 +127,3 @@ def test_sensor_without_a_reading_stops_the_run_by_its_name(sensor, value):
     with pytest.raises(RunAbortedError, match=f"no reading of {sensor}"):
         go(bench)
     assert bench.names() == ["wait", "read", "write", "wait", "read", "safe"]
-
-
-@pytest.mark.parametrize("setpoint", [float("nan"), float("inf")])
-def test_no_voltage_is_written_for_a_set_point_that_is_not_a_number(setpoint):
-    bench = Bench()
-    with pytest.raises((ValueError, RunAbortedError)):
-        go(bench, law=lambda k, now: (setpoint if k == 1 else 0.0, 0.0))
-    assert bench.names() == ["wait", "read", "write", "wait", "read", "safe"]

@@ -1,5 +1,7 @@
 """Competitors on blocks of a recording."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -55,19 +57,26 @@ def test_errors_of_a_ridge_are_those_of_its_blocks(seen, judgement):
     assert found["test_rmse_kpa"] == pytest.approx(whole, rel=1e-6)
 
 
-@pytest.mark.parametrize(("purge_s", "blocks"), [(0.5, 10), (1.5, 6), (0.0, 10)])
-def test_blocks_are_as_many_as_two_purges_allow(seen, judgement, purge_s, blocks):
-    how = Judgement(**{**vars(judgement), "purge_s": purge_s})
-    assert len(recording_blocks(data_of(seen["sweep"]), how)) == blocks
-
-
 @pytest.mark.parametrize(
-    ("samples", "blocks"),
-    [(8000, 10), (7999, 10), (7981, 10), (7800, 9)],  # of 40 s; 7981 were interpolated from 10 Hz
+    ("samples", "purge_s", "epsilon", "blocks"),
+    [
+        # two purges long at least
+        (4000, 0.5, 0.01, 10),
+        (4000, 1.5, 0.01, 6),
+        (4000, 0.0, 0.01, 10),
+        # of 40 s without their last samples; 7981 were interpolated from 10 Hz
+        (8000, 2.0, 0.01, 10),
+        (7999, 2.0, 0.01, 10),
+        (7981, 2.0, 0.01, 10),
+        (7800, 2.0, 0.01, 9),
+        # longer than the memory
+        (4000, 0.5, 0.005, 6),
+    ],
 )
-def test_ten_blocks_come_of_40_s_without_their_last_samples(judgement, samples, blocks):
+def test_blocks_are_as_many_as_purge_and_memory_allow(judgement, samples, purge_s, epsilon, blocks):
+    models = {**MODELS, "fprc": {**MODELS["fprc"], "epsilon": epsilon}}
+    how = replace(judgement, purge_s=purge_s, models=models)
     train = data_of({"time_s": np.arange(samples) / 200.0})
-    how = Judgement(**{**vars(judgement), "purge_s": 2.0})
     assert len(recording_blocks(train, how)) == blocks
 
 
@@ -95,16 +104,9 @@ def test_settings_of_a_competitor_alone_fit_the_rate(
     assert given == [changed]
 
 
-def test_blocks_are_longer_than_the_memory(seen, judgement):
-    slow = {**MODELS, "fprc": {**MODELS["fprc"], "epsilon": 0.005}}
-    how = Judgement(**{**vars(judgement), "models": slow})
-    folds = recording_blocks(data_of(seen["sweep"]), how)
-    assert {len(block) for _, block in folds} <= {666, 667}
-
-
 def test_network_at_too_many_samples_is_refused(seen, judgement):
     large = {**MODELS, "esn": {**MODELS["esn"], "r": 20_000}}
-    how = Judgement(**{**vars(judgement), "models": large})
+    how = replace(judgement, models=large)
     train = data_of(seen["sweep"])
     with pytest.raises(EvaluationError, match="at most 3000 samples, or set models.esn.r"):
         judge_competitor("esn", train, train, recording_blocks(train, how), how)

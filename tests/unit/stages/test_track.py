@@ -9,7 +9,6 @@ from fprc.config import Settings
 from fprc.control import RunAbortedError
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
-from fprc.experiments.tracking import tracking_rmse
 from fprc.logs import assess, read_columns
 from fprc.models import load_model
 from fprc.paper import CONTROLLERS
@@ -136,12 +135,3 @@ def test_impossible_reference_is_refused_before_the_rig_moves(
     with pytest.raises(ControlError, match="leaves the actuator's range of 0 to 50 deg"):
         follow(tmp_path, fprc_file, narrow)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_tracking_error_begins_where_settling_ends():
-    channels = {
-        "time_s": np.array([0.0, 0.5, 1.0]),
-        "theta_d_deg": np.array([9.0, 5.0, 6.0]),
-        "theta_deg": np.array([0.0, 1.0, 8.0]),
-    }
-    assert tracking_rmse(channels, 0.5) == np.sqrt((4.0**2 + 2.0**2) / 2)

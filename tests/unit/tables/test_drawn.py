@@ -15,6 +15,8 @@ from fprc.logs import Columns, write_columns
 from fprc.paper import LOOPS, reference_and_controller, run_log
 from fprc.stages import draw, draw_tracking
 
+#: Nothing is saved to these.
+PICTURES = ("f.pdf", "f.png")
 PHASES = ("train", "validation", "test")
 FOLDS = {1: [10.0, 12.0, 11.0, 16.0], 2: [9.0, 9.5, 8.0, 8.5], 4: [7.0, 7.1, 7.2, 7.7]}
 
@@ -68,7 +70,7 @@ def further_seeds(place):
 def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, place):
     csv = place("fig10.csv")
     draw.draw_settings(
-        sweep("n_c", place), times(place), csv, place("f.pdf"), place("f.png"),
+        sweep("n_c", place), times(place), csv, *PICTURES,
         epsilon=sweep("epsilon", place),
     )  # fmt: skip
     table = pd.read_csv(csv)
@@ -98,7 +100,7 @@ def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, plac
 def test_fig_10_of_further_seeds_shows_means_and_deviations_over_them(figures, place):
     seeds = further_seeds(place)
     draw.draw_settings(
-        sweep("n_c", place), times(place), place("t.csv"), place("f.pdf"), place("f.png"),
+        sweep("n_c", place), times(place), place("t.csv"), *PICTURES,
         epsilon=sweep("epsilon", place), seeds=seeds,
     )  # fmt: skip
     table = pd.read_csv(place("t.csv"))
@@ -117,9 +119,7 @@ def test_fig_11_draws_the_means_of_its_table(figures, place):
         for n_y in (1, 2)
     ]  # fmt: skip
     write_json(place("taps.json"), {"source": "sim", "seed": 1, "unit": "kPa", "cells": cells})
-    draw.draw_taps(
-        place("taps.json"), str(PUBLISHED), place("t.csv"), place("f.pdf"), place("f.png")
-    )
+    draw.draw_taps(place("taps.json"), str(PUBLISHED), place("t.csv"), *PICTURES)
     table = pd.read_csv(place("t.csv"))
     for phase, ax in zip(("train", "validation", "test"), figures[0].axes, strict=False):
         (mesh,) = ax.collections[:1]
@@ -135,9 +135,7 @@ def test_fig_8_writes_the_rmse_that_it_shows(figures, place):
             {"time_s": time_s, "p_target_kpa": 100.0 * time_s, "p_ff_kpa": 100.0 * time_s + offset},
             {"source": "sim", "seed": 7, "model": "fprc"},
         )
-    draw.draw_training(
-        place("fit.h5"), place("test.h5"), place("t.csv"), place("f.pdf"), place("f.png")
-    )
+    draw.draw_training(place("fit.h5"), place("test.h5"), place("t.csv"), *PICTURES)
     table = pd.read_csv(place("t.csv"))
     assert table["rmse"].tolist() == pytest.approx([3.0, 5.0])
     shown = [ax.get_title("right") for ax in figures[0].axes]
@@ -149,9 +147,7 @@ def test_fig_9_writes_the_shares_and_their_means(figures, place):
     means = {"p_o": 0.3, "theta_d": 0.55}
     report = {"source": "sim", "seed": 1, "shares": shares, "mean_share": means}
     write_json(place("weights.json"), report)
-    draw.draw_weights(
-        place("weights.json"), str(PUBLISHED), place("t.csv"), place("f.pdf"), place("f.png")
-    )
+    draw.draw_weights(place("weights.json"), str(PUBLISHED), place("t.csv"), *PICTURES)
     table = pd.read_csv(place("t.csv"))
     assert table.groupby("rule")["share"].sum().tolist() == pytest.approx([1.0, 1.0])
     of_p_o = table[table["feature"] == "p_o"]
@@ -196,9 +192,7 @@ def test_figs_12_to_15_show_rmse_and_share_the_range_of_the_errors(figures, plac
     logs["open"] = run_of(place, "open", "fprc", offset=4.0)
     logs["closed"] = run_of(place, "closed", "fprc_pd")
     logs["other"] = run_of(place, "other", "fprc", offset=9.0)
-    draw_tracking.draw_following(
-        "open", "closed", list(logs), place("t.csv"), place("f.pdf"), place("f.png")
-    )
+    draw_tracking.draw_following("open", "closed", list(logs), place("t.csv"), *PICTURES)
     table = pd.read_csv(place("t.csv"))
     cosine = np.cos(np.arange(500, 5000) / 100.0)
     assert table["rmse_deg"].tolist() == pytest.approx(
@@ -219,7 +213,7 @@ def test_fig_16_shows_each_reference_with_pd_and_with_both(figures, place, logs)
         reference, controller = reference_and_controller(name)
         logs[name] = run_of(place, name, controller, offset=1.0 + len(logs))
         logs[name].attributes["reference"] = reference
-    draw_tracking.draw_loops(list(logs), place("f.pdf"), place("f.png"))
+    draw_tracking.draw_loops(list(logs), *PICTURES)
     for ax, reference in zip(figures[0].axes, LOOPS, strict=True):
         drawn = [line.get_ydata() for line in ax.lines if len(line.get_ydata()) == 4500]
         own = [logs[run_log(reference, each)].channels["theta_deg"][500:] for each in PAIR]
@@ -228,9 +222,7 @@ def test_fig_16_shows_each_reference_with_pd_and_with_both(figures, place, logs)
 
 def test_fig_17_measures_how_far_signals_are_off_their_undisturbed_cycle(figures, place, logs):
     logs["run"] = run_of(place, "run", "fprc_pd", pushed=6.0)
-    draw_tracking.draw_disturbance(
-        "run", place("t.csv"), place("f.pdf"), place("f.png"), quiet_s=20.0
-    )
+    draw_tracking.draw_disturbance("run", place("t.csv"), *PICTURES, quiet_s=20.0)
     table = pd.read_csv(place("t.csv")).set_index("channel")
     push = 6.0 * np.sin(7.0 * np.arange(2000, 5000) / 100.0)
     assert table.loc["phi_deg", "rms"] == pytest.approx(np.sqrt(np.mean(push**2)), rel=1e-3)
@@ -244,8 +236,6 @@ def test_fig_17_measures_how_far_signals_are_off_their_undisturbed_cycle(figures
 
 def test_fig_17_without_an_undisturbed_cycle_has_none(figures, place, logs):
     logs["run"] = run_of(place, "run", "fprc_pd")
-    draw_tracking.draw_disturbance(
-        "run", place("t.csv"), place("f.pdf"), place("f.png"), quiet_s=6.0
-    )
+    draw_tracking.draw_disturbance("run", place("t.csv"), *PICTURES, quiet_s=6.0)
     assert pd.read_csv(place("t.csv"))["channel"].tolist() == ["theta_deg"]
     assert [len(ax.lines) for ax in figures[0].axes[2:]] == [1, 1, 1]

@@ -36,12 +36,6 @@ def test_number_that_is_none_leaves_no_row(bad):
     assert values(closed_loop_deg=tracked) == {}
 
 
-def test_world_of_failures_has_no_rows():
-    table = measured({"cells": [CELL | {"failed": "no pressure"}]})
-    assert list(table) == ["unit", "seed", "model", "measure", "value"]
-    assert table.empty
-
-
 def test_nonlinear_capacity_is_that_of_degree_two_and_above():
     found = {"memory": 2.0, "total": 4.0, "states": 5, "by_degree": {"1": 2.0, "2": 1.5, "3": 0.5}}
     table = capacities({"capacity": [{"seed": 601, "sets": {"p_o": found}}]})
