@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg
 from numpy.testing import assert_allclose
 
-from fprc.models import ESN, FPRC, EchoStates, FuzzyLinear, RidgeReadout, TapFeatures, lowpass
+from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, TapFeatures, lowpass
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import with_bias
@@ -67,16 +67,6 @@ def exact_memberships(x, centers, sigma):
 
 
 # sequential features
-
-
-@pytest.mark.parametrize("inputs", [1, 2])
-def test_echo_states_equal_equation_3(inputs):
-    X = hysteresis(50)[:, :inputs]
-    features = EchoStates(
-        r=6, f_input=0.05, gamma=0.7, rho=0.9, n_y=2, washout=10, random_state=3
-    ).fit(X)
-    states = equation_3(features, X, washout=10)
-    assert_allclose(features.transform(X)[:, 2 * inputs :], states, rtol=1e-12)
 
 
 def equation_3(features, X, washout):

@@ -3,6 +3,7 @@ import signal
 import threading
 import time
 from functools import partial
+from unittest.mock import Mock
 
 import pytest
 
@@ -36,18 +37,6 @@ LIMITS = {"stalled_s": 0.5, "opening_s": 3.0}
 DRIVEN, OPENED = ([None] * (round(limit_s / BEAT_S) - 1) for limit_s in LIMITS.values())
 
 
-class Waits(queue.SimpleQueue):
-    """Messages of a loop; each None is a timeout."""
-
-    def __init__(self, *chunks):
-        self.left = list(chunks)
-
-    def get(self, timeout):
-        if (chunk := self.left.pop(0)) is None:
-            raise queue.Empty
-        return chunk
-
-
 @pytest.mark.parametrize(
     ("chunks", "end"),
     [
@@ -75,11 +64,12 @@ class Waits(queue.SimpleQueue):
     ],
 )
 def test_end_of_the_loop_is_derived_from_its_messages(chunks, end):
-    waits, beats = Waits(*chunks), []
     assert len(DRIVEN) < len(OPENED)
-    assert _watch(waits, lambda: beats.append(1), LIMITS) == end
-    assert waits.left == []
-    assert len(beats) == len(chunks)
+    heard = [queue.Empty if chunk is None else chunk for chunk in chunks]  # None: a timeout
+    messages, beat = Mock(), Mock()
+    messages.get.side_effect = heard
+    assert _watch(messages, beat, LIMITS) == end
+    assert messages.get.call_count == beat.call_count == len(chunks)
 
 
 VENTED = "both chambers are vented, as their sensors show"

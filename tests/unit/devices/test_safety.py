@@ -1,3 +1,5 @@
+from unittest.mock import Mock
+
 import pytest
 
 from fprc.channels import Readings
@@ -10,29 +12,12 @@ REST = {"p_exp_kpa": 0.1, "theta_deg": 0.2, "p_i_kpa": -0.3, "p_o_kpa": 100.0, "
 QUANTITIES = list(REST)
 
 
-class Rig:
-    """Returns given readings; records the calls."""
-
-    def __init__(self):
-        self.now = {"time_s": 0.0} | REST
-        self.asked = []
-
-    def read(self):
-        return Readings(**self.now)
-
-    def write(self, *volts):
-        self.asked.append(volts)
-
-    def safe(self):
-        self.asked.append("safe")
-
-    def close(self):
-        self.asked.append("close")
-
-
 @pytest.fixture
 def rig():
-    return Rig()
+    """A rig that reads ``rig.now``."""
+    rig = Mock(now={"time_s": 0.0} | REST)
+    rig.read.side_effect = lambda: Readings(**rig.now)
+    return rig
 
 
 @pytest.fixture
@@ -122,4 +107,4 @@ def test_voltage_that_no_valve_takes_is_never_written(rig, guarded, place, wrong
     volts[place] = wrong
     with pytest.raises(SafetyError, match=f"valve of the {('actuator', 'reservoir')[place]}"):
         guarded.write(*volts)
-    assert rig.asked == []
+    assert rig.method_calls == []

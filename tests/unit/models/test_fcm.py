@@ -116,12 +116,6 @@ def hysteresis(size):
     return np.column_stack([np.sin(phase), np.sin(phase - 0.6), np.sin(phase) ** 3])
 
 
-def ends_of_starts(X, n_clusters, starts, **options):
-    """Return the clustering of each of some starts, drawn one after the other."""
-    rng = np.random.RandomState(3)
-    return [fuzzy_c_means(X, n_clusters, random_state=rng, **options) for _ in range(starts)]
-
-
 @pytest.fixture
 def traps():
     """Six blobs, unevenly apart: of four clusters, many starts do not end in the best optimum."""
@@ -131,7 +125,8 @@ def traps():
 
 
 def test_restarts_keep_the_start_with_the_lowest_objective(traps):
-    alone = ends_of_starts(traps, 4, 5)
+    rng = np.random.RandomState(3)
+    alone = [fuzzy_c_means(traps, 4, random_state=rng) for _ in range(5)]
     objectives = [each.objective for each in alone]
     lowest = int(np.argmin(objectives))
     assert lowest > 0

@@ -42,13 +42,10 @@ class Page(HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.elements, self.open, self.declarations = [], [], []
+        self.elements, self.open = [], []
         self.feed(text)
         self.close()
         assert self.open == []
-
-    def handle_decl(self, decl):
-        self.declarations.append(decl)
 
     def handle_starttag(self, tag, attrs):
         assert len({name for name, _ in attrs}) == len(attrs), (tag, attrs)

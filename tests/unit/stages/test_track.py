@@ -1,4 +1,6 @@
 import json
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import h5py
 import numpy as np
@@ -74,22 +76,6 @@ def test_only_the_disturbance_is_pushed(tmp_path, fprc_file, settings):
         assert (np.abs(phi[0] - phi[1]).max() > 1.0) == differs
 
 
-class Broken:
-    """The fprc_file, with an output that is not a number at one sample."""
-
-    n_features_in_ = 2
-
-    def __init__(self, at):
-        self.at = at
-
-    def reset(self):
-        self.k = -1
-
-    def step(self, x):
-        self.k += 1
-        return float("nan") if self.k == self.at else 100.0
-
-
 @pytest.fixture
 def made_safe(monkeypatch):
     """Voltages on the valves of each rig that was made safe."""
@@ -108,7 +94,9 @@ def made_safe(monkeypatch):
 def test_aborted_run_keeps_its_rows_and_says_why(
     at, tmp_path, fprc_file, settings, monkeypatch, made_safe
 ):
-    monkeypatch.setattr("fprc.stages.track.load_model", lambda path, classes: Broken(at))
+    step = Mock(side_effect=[100.0] * at + [float("nan")])
+    broken = SimpleNamespace(n_features_in_=2, reset=lambda: None, step=step)
+    monkeypatch.setattr("fprc.stages.track.load_model", lambda path, classes: broken)
     with pytest.raises(RunAbortedError, match=f"sample {at}: the controller gave P_ff = nan"):
         follow(tmp_path, fprc_file, settings, ("pd", "fprc", "fprc_pd"))
     assert made_safe == [[0.0, 0.0]] * 2

@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from fprc.config import Settings, check, from_files
+from fprc.config import Settings, check
 from fprc.config.rig import Rig
 from fprc.studies.calibration.rig_file import parameter_file
 from fprc.studies.calibration.space import decode, free_parameters
@@ -62,18 +62,6 @@ def test_file_holds_only_what_differs_from_the_defaults():
         "fitted": {"name": "mine", "to": ["tables", "C8"]},
         "rig": {"bending": {"relaxation_time_s": [0.25, 5.5]}, "drift": {"sigma_kpa": 1e-5}},
     }
-
-
-def test_file_among_the_rigs_is_the_rig_of_its_name(tmp_path, monkeypatch):
-    rig = copy.deepcopy(RIG)
-    rig["drift"]["sigma_kpa"] = 2.5
-    (tmp_path / "config/rigs").mkdir(parents=True)
-    text = parameter_file(rig, summary(), "mine")
-    (tmp_path / "config/rigs/mine.yaml").write_text(text, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    found = from_files([], {"rig": "mine"})
-    assert found.rig == Rig.model_validate(rig)
-    assert (found.fitted.name, found.fitted.to) == ("mine", ("tables", "C8"))
 
 
 def test_head_names_the_parameters_that_ended_near_an_end_and_no_others():
