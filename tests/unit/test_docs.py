@@ -33,7 +33,7 @@ BLOCKS = {
     "docs/hardware.md": ["needs a sensor on the bus"],
     "docs/running.md": ["tests/workflow/test_module.py"],
     "docs/chamber.md": ["tests/unit/commands/test_import_recording.py"],
-    "docs/own-data.md": ["tests/unit/commands/test_import_recording.py"],
+    "docs/own-data.md": ["tests/unit/commands/test_page.py"],
 }
 #: Targets of other Snakefiles than ours, and the tests that make them.
 TARGETS_ELSEWHERE = {

@@ -17,7 +17,7 @@ from fprc.config import Settings
 from fprc.errors import ConfigError, LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.figures import style
-from fprc.logs import assess, read_columns, read_raw, write_raw
+from fprc.logs import assess, read_columns, read_raw
 from fprc.models import FPRC
 from fprc.stages.preprocess import preprocess
 
@@ -230,32 +230,9 @@ def test_clock_is_found_however_unevenly_it_ticks(tmp_path, capsys, stamps, is_c
 DOCS = Path(__file__).parents[3] / "docs"
 
 
-def first_block(page, language):
-    return (DOCS / page).read_text("utf-8").split(f"```{language}\n")[1].split("```")[0]
-
-
-def test_recording_rehearsed_on_the_page_comes_back(recorded, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    attributes = {
-        "experiment": "sweep",
-        "sample_rate_hz": 200.0,
-        "seed": 1,
-        "software": "x",
-        "rig": {},
-    }
-    for name in ("sweep", "complex"):
-        write_raw(f"data/raw/{name}.h5", recorded[name], source="sim", **attributes)
-    snippet = first_block("own-data.md", "python")
-    exec(compile(snippet, "docs/own-data.md", "exec"), {})
-    Path("sweep.yaml").write_text(first_block("own-data.md", "yaml"))
-    import_or_list("arm_sweep.csv", map_="sweep.yaml", out="mylogs/sweep.h5")
-    log = read_raw("mylogs/sweep.h5", **RATE)
-    for name in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"):
-        assert log.channels[name] == pytest.approx(recorded["sweep"][name], abs=1e-9)
-
-
 def test_several_recordings_of_the_page_are_fitted_both_ways():
-    snippet = first_block("chamber.md", "python")
+    page = (DOCS / "chamber.md").read_text(encoding="utf-8")
+    snippet = page.split("```python\n")[1].split("```")[0]
     rng = np.random.default_rng(0)
     names = {"np": np, "FPRC": FPRC}
     for i in range(1, 5):

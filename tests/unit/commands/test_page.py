@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from fprc.cli import main
+from fprc.logs import read_columns
 
 DOCS = Path(__file__).parents[3] / "docs"
 
@@ -35,6 +36,17 @@ def test_commands_of_the_page_print_what_it_says(tmp_path, monkeypatch, capsys):
     Path("data/raw").mkdir(parents=True)
     for name in ("sweep.h5", "complex.h5"):
         Path(name).rename(f"data/raw/{name}")
-    exec(compile(page.split("```python\n")[1].split("```")[0], "docs/own-data.md", "exec"), {})
+    program, mapping = (
+        page.split(f"```{kind}\n")[1].split("```")[0] for kind in ("python", "yaml")
+    )
+    exec(compile(program, "docs/own-data.md", "exec"), {})
     assert main(["import", "arm_sweep.csv", "--list"]) == 0
     assert f"```\n{capsys.readouterr().out}```" in page
+    Path("sweep.yaml").write_text(mapping)
+    assert main("import arm_sweep.csv --map sweep.yaml --out mylogs/sweep.h5".split()) == 0
+    names = ("time_s", "theta_deg", "p_exp_command_kpa", "p_o_kpa")
+    simulated, imported = (
+        read_columns(path, names).channels for path in ("data/raw/sweep.h5", "mylogs/sweep.h5")
+    )
+    for name in names:
+        assert imported[name] == pytest.approx(simulated[name], abs=1e-9)
