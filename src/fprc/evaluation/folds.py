@@ -46,21 +46,9 @@ def split_rows(
             f"{samples} samples cannot be split into {folds} folds: a fold would be empty; "
             "use 2 folds or more, or a longer log"
         )
-    shuffle = split == "shuffled"
-    chooser = KFold(folds, shuffle=shuffle, random_state=seed if shuffle else None)
-    pairs = list(chooser.split(np.empty(samples)))
-    if shuffle or purge == 0:
-        return pairs
-    purged = [
-        (train[(train < block[0] - purge) | (train > block[-1] + purge)], block)
-        for train, block in pairs
-    ]
-    if not all(len(train) for train, _ in purged):
-        raise EvaluationError(
-            f"a purge of {purge} samples on each side of a block leaves none of {samples} to "
-            "train; reduce evaluation.purge_s, use fewer folds, or a longer log"
-        )
-    return purged
+    if split == "blocked":
+        return split_blocks([samples], folds, 1, purge)
+    return list(KFold(folds, shuffle=True, random_state=seed).split(np.empty(samples)))
 
 
 def _split_recordings(lengths: Sequence[int], folds: int) -> list[Fold]:
@@ -71,3 +59,43 @@ def _split_recordings(lengths: Sequence[int], folds: int) -> list[Fold]:
     recording = np.repeat(np.arange(len(lengths)), lengths)
     chooser = GroupKFold(min(folds, len(lengths)))
     return list(chooser.split(recording, groups=recording))
+
+
+def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int) -> list[Fold]:
+    """Return (training rows, validation rows) of blocks, each inside one recording.
+
+    If there are ``blocks`` recordings or more, every recording is one block. Otherwise recordings
+    are cut into equal blocks, at least ``blocks`` in all unless these would be shorter than
+    ``shortest``; a recording that is shorter itself is one block, or two if it is the only
+    recording.
+
+    Parameters
+    ----------
+    lengths : sequence of int
+        Samples of each recording.
+    shortest : int
+        Samples of the shortest block that a recording is cut into, 1 or more.
+    purge : int
+        Rows of the same recording on each side of a block that do not train.
+
+    Raises
+    ------
+    EvaluationError
+        The purge leaves a block no rows to train.
+    """
+    total, fewest = sum(lengths), 1 if len(lengths) > 1 else 2
+    folds = []
+    for rows in np.split(np.arange(total), np.cumsum(lengths)[:-1]):
+        wanted = 1 if len(lengths) >= blocks else -(-blocks * len(rows) // total)
+        count = max(fewest, min(wanted, len(rows) // shortest))
+        for block in np.array_split(rows, count):
+            first, last = max(rows[0], block[0] - purge), min(rows[-1], block[-1] + purge)
+            train = np.concatenate([np.arange(first), np.arange(last + 1, total)])
+            if not train.size:
+                raise EvaluationError(
+                    f"a block of {len(block)} samples, and {purge} samples on each side of it, "
+                    f"leave none of {total} to train; reduce evaluation.purge_s, or use a longer "
+                    "log"
+                )
+            folds.append((train, block))
+    return folds

@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from fprc.errors import EvaluationError
-from fprc.evaluation.blocks import split_blocks
 from fprc.evaluation.crossval import prepare
-from fprc.evaluation.folds import Fold
+from fprc.evaluation.folds import Fold, split_blocks
 from fprc.experiments.data import Data
 from fprc.experiments.rates import PAPER_HZ, scaled
 from fprc.experiments.settings import Judgement

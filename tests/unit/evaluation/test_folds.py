@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import split_rows
+from fprc.evaluation.folds import split_blocks
 
 sizes = st.tuples(st.integers(2, 8), st.integers(8, 60))
 splits = st.sampled_from(["shuffled", "blocked"])
@@ -78,3 +79,37 @@ def test_folds_of_recordings_keep_each_whole(lengths, folds):
 def test_split_that_gives_no_folds_is_refused(samples, folds, split, more):
     with pytest.raises(EvaluationError):
         split_rows(samples, folds, split, 1, **more)
+
+
+@given(
+    st.lists(st.integers(20, 60), min_size=1, max_size=12),
+    st.integers(2, 10),
+    st.integers(1, 30),
+    st.integers(0, 4),
+)
+def test_blocks_lie_in_one_recording_and_leave_only_their_neighbours_out(
+    lengths, blocks, shortest, purge
+):
+    recording = np.repeat(np.arange(len(lengths)), lengths)
+    folds = split_blocks(lengths, blocks, shortest, purge)
+    assert np.array_equal(np.concatenate([block for _, block in folds]), np.arange(sum(lengths)))
+    for train, block in folds:
+        own = recording[block[0]]
+        assert set(recording[block]) == {own}
+        assert len(block) >= min(shortest, lengths[own] // 2)
+        distance = np.abs(np.arange(sum(lengths))[:, None] - block).min(axis=1)
+        assert np.array_equal(train, np.flatnonzero((recording != own) | (distance > purge)))
+    if shortest == 1:
+        assert len(folds) >= min(blocks, sum(lengths))
+    if len(lengths) >= blocks:
+        assert len(folds) == max(len(lengths), 2)
+
+
+@pytest.mark.parametrize(("shortest", "blocks"), [(100, 10), (101, 9), (400, 2), (2000, 2)])
+def test_short_recording_has_fewer_blocks(shortest, blocks):
+    assert len(split_blocks([1000], 10, shortest, 10)) == blocks
+
+
+def test_purge_that_leaves_a_block_nothing_to_train_is_an_error():
+    with pytest.raises(EvaluationError, match="leave none of 1000 to train"):
+        split_blocks([1000], 10, 400, 500)
