@@ -94,20 +94,24 @@ def over_seeds(
     replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any], trained_on: str
 ) -> pd.DataFrame:
     """Tables II and III over further seeds: mean, standard deviation, range, tidy."""
-    groups = samples(replicates, published, trained_on).groupby(["model", "metric"], sort=False)
-    table = groups["value"].agg(["mean", "std", "min", "max", "count"]).reset_index()
-    table = with_interval(table.rename(columns={"count": "seeds"}))
+    errors = samples(replicates, published, trained_on)
+    table = means_of(errors, "model", "metric")
     table.insert(2, "unit", "kPa")
-    for column in ("published_mean", "source"):
-        # not first(), which leaves out NaN
-        table[column] = groups[column].head(1).to_numpy()
-    return table
+    first = errors.drop_duplicates(["model", "metric"])
+    return table.assign(**{key: first[key].to_numpy() for key in ("published_mean", "source")})
 
 
-def with_interval(table: pd.DataFrame, count: str = "seeds") -> pd.DataFrame:
-    """Add the 95 % interval of the mean by Student's t: ``low`` and ``high``."""
-    half = half_interval(table["std"], table[count])
-    return table.assign(low=table["mean"] - half, high=table["mean"] + half)
+def means_of(samples: pd.DataFrame, *keys: str, count: str = "seeds") -> pd.DataFrame:
+    """Return the mean of ``value`` for each value of the keys, tidy.
+
+    Columns: the keys, ``mean``, ``std``, ``min``, ``max``, the number of samples by the name
+    ``count``, and the mean's 95 % interval by Student's t, ``low`` and ``high``.
+    """
+    groups = samples.groupby(list(keys), sort=False)["value"]
+    table = groups.agg(["mean", "std", "min", "max", "count"]).reset_index()
+    half = half_interval(table["std"], table["count"])
+    table = table.assign(low=table["mean"] - half, high=table["mean"] + half)
+    return table.rename(columns={"count": count})
 
 
 def comparison_page(table: pd.DataFrame) -> pd.DataFrame:

@@ -8,7 +8,7 @@ import pandas as pd
 from fprc.paper import REFERENCE_NAMES
 from fprc.registry import controller_title
 from fprc.tables.drawn import tracking_errors
-from fprc.tables.models import with_interval
+from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, spread
 
 
@@ -31,19 +31,14 @@ def tracking_over_seeds(
     samples = pd.DataFrame(
         {
             **dict(zip(("reference", "controller"), run.split("/"), strict=True)),
-            "rmse_deg": error,
+            "value": error,
             "source": report["source"],
         }
         for report in replicates
         for run, error in report["rmse_deg"].items()
     )
-    groups = samples.groupby(["controller", "reference"], sort=False)
-    table = groups["rmse_deg"].agg(["mean", "std", "min", "max", "count"]).reset_index()
-    table = with_interval(table.rename(columns={"count": "seeds"}))
-    table = table.rename(columns={"mean": "rmse_deg"})
-    table["published_rmse_deg"] = _printed(table, published)
-    table["source"] = groups["source"].first().to_numpy()
-    return table
+    table = means_of(samples, "controller", "reference").rename(columns={"mean": "rmse_deg"})
+    return table.assign(published_rmse_deg=_printed(table, published), source=samples["source"][0])
 
 
 def tracking_page(table: pd.DataFrame) -> pd.DataFrame:

@@ -19,7 +19,7 @@ from fprc.studies.beyond.worlds import (
     measured,
     world_title,
 )
-from fprc.tables.models import with_interval
+from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, markdown, three_digits
 
 Worlds = Sequence[Mapping[str, Any]]
@@ -348,11 +348,9 @@ def _means(table: pd.DataFrame, world: Mapping[str, Any], *keys: str) -> pd.Data
     """Return the mean over units, and its interval, for each value of the keys."""
     # simulations of one rig with several seeds are one unit
     units = table.groupby(["unit", *keys], sort=False)["value"].mean().reset_index()
-    means = units.groupby(list(keys), sort=False)["value"].agg(["mean", "std", "count"])
-    means = means.reset_index().rename(columns={"count": "units"})
-    means = with_interval(means, "units")
+    means = means_of(units, *keys, count="units").drop(columns=["std", "min", "max"])
     means.insert(0, "world", world["name"])
-    return means.drop(columns="std").assign(source=world["source"])
+    return means.assign(source=world["source"])
 
 
 def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, Unit
 from fprc.paper import MODELS
 from fprc.registry import build, title_of
-from fprc.tables.models import with_interval
+from fprc.tables.models import means_of
 from fprc.tables.text import format_mean
 
 #: Below this angle the actuator lies against its stop, deg.
@@ -67,8 +67,7 @@ def over_seeds(cells: Any) -> pd.DataFrame:
         for name in MODELS
         for number, value in cell[name].items()
     )
-    means = table.groupby(["model", "number"], sort=False)["value"].agg(["mean", "std", "count"])
-    return with_interval(means.reset_index().rename(columns={"count": "seeds"}))
+    return means_of(table, "model", "number").drop(columns=["min", "max"])
 
 
 def page(table: pd.DataFrame) -> pd.DataFrame:
