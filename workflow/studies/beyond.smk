@@ -126,10 +126,7 @@ rule join_tuned:
         "../scripts/stage.py"
 
 
-rule tuned:
-    input:
-        PATHS.below("beyond/tuned.yaml"),
-    localrule: True
+STUDY_TARGETS["tuned"] = PATHS.below("beyond/tuned.yaml")
 
 
 rule beyond_tables:
@@ -196,12 +193,8 @@ STUDY_FIGURES |= {
 }
 
 
-rule beyond:
-    input:
-        PATHS.below("beyond/claims.json"),
-        expand(PATHS.below("beyond/figure_{name}.pdf"), name=FIGURES_BEYOND),
-        expand(PATHS.below("beyond/{world}.json"), world=WORLDS),
-        PATHS.below("beyond/capacity.json"),
-        PATHS.below("beyond/training_logs.json"),
-        PATHS.below("beyond/steps.json"),
-    localrule: True
+STUDY_TARGETS["beyond"] = [
+    PATHS.below("beyond/claims.json"),
+    *expand(PATHS.below("beyond/figure_{name}.pdf"), name=FIGURES_BEYOND),
+    *rules.beyond_tables.input,
+]

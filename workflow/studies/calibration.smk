@@ -118,24 +118,16 @@ STUDY_FIGURES["channels_figure"] = of_result(
 )
 
 
-rule calibrate:
-    input:
-        PATHS.below("calibration/rig.yaml"),
-        PATHS.below("calibration/fit.json"),
-    localrule: True
-
-
-rule sensitivity:
-    input:
+STUDY_TARGETS |= {
+    "calibrate": rules.fit_rig.output,
+    "sensitivity": [
         PATHS.below("calibration/sensitivity.md"),
         PATHS.below("calibration/sensitivity_figure.pdf"),
         PATHS.below("calibration/stop.md"),
-    localrule: True
-
-
-rule targets:
-    input:
+    ],
+    "targets": [
         PATHS.below("calibration/targets.md"),
-        PLAN.replicates("models", TARGET_NAMES),
-        PLAN.replicates("control", TARGET_NAMES),
-    localrule: True
+        *PLAN.replicates("models", TARGET_NAMES),
+        *PLAN.replicates("control", TARGET_NAMES),
+    ],
+}

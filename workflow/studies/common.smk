@@ -38,9 +38,9 @@ def family_named(name):
     }
 
 
-#: Jobs that judge families of rigs, tables and figures of the studies, by their rules; rows.smk has
-#: the rules.
-JUDGED, STUDY_TABLES, STUDY_FIGURES = {}, {}, {}
+#: Jobs that judge families of rigs, tables and figures of the studies, by their rules, and the files
+#: of each target; rows.smk has the rules.
+JUDGED, STUDY_TABLES, STUDY_FIGURES, STUDY_TARGETS = {}, {}, {}, {}
 
 
 def of_judgement(stem, words, judge, *models, given=None, priority=0, threads=None, **params):

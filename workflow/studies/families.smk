@@ -159,16 +159,12 @@ rule find_near_print:
         "../scripts/stage.py"
 
 
-rule near_print:
-    input:
-        PATHS.below("near_print/rigs.json"),
-    localrule: True
-
-
-rule families:
-    input:
-        expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
+STUDY_TARGETS |= {
+    "near_print": rules.find_near_print.output,
+    "families": [
+        *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
         PATHS.below("families/figure.pdf"),
-        *CHUNK_FILES.values(),
-        *(on_rigs(part) for part in ("models", "grids", "control")),
-    localrule: True
+        *sum(CHUNK_FILES.values(), []),
+        *sum(map(on_rigs, ("models", "grids", "control")), []),
+    ],
+}

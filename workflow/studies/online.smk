@@ -34,8 +34,7 @@ STUDY_FIGURES["online_figure"] = of_result(
 )
 
 
-rule online:
-    input:
-        expand(PATHS.below("online/{table}.md"), table=("verdicts", "errors")),
-        PATHS.below("online/figure.pdf"),
-    localrule: True
+STUDY_TARGETS["online"] = [
+    *expand(PATHS.below("online/{table}.md"), table=("verdicts", "errors")),
+    PATHS.below("online/figure.pdf"),
+]

@@ -1,4 +1,4 @@
-# The rules of JUDGED, STUDY_TABLES and STUDY_FIGURES.
+# The rules of JUDGED, STUDY_TABLES, STUDY_FIGURES and STUDY_TARGETS.
 
 for rule_name, judged in JUDGED.items():
 
@@ -63,3 +63,13 @@ for rule_name, shown in STUDY_FIGURES.items():
             f"{shown.words}, figure"
         script:
             "../scripts/stage.py"
+
+
+for target, files in STUDY_TARGETS.items():
+
+    rule:
+        name:
+            target
+        input:
+            files,
+        localrule: True
