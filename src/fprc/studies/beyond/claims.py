@@ -25,33 +25,29 @@ from fprc.studies.beyond.worlds import capacities, measured, world_title
 LEAST_NONLINEAR = 0.1
 
 
-class Ratio(NamedTuple):
-    """One measure of one model over that of another; lower is better."""
+class Pair(NamedTuple):
+    """A measure of a model over that of another, or a capacity less another, or less a constant.
 
-    ours: tuple[str, str]  #: model and measure
-    theirs: tuple[str, str]
+    A ratio below 1 is better, and so is a difference above 0.
+    """
+
+    ours: tuple[str, str]  #: model and measure, or set of states and quantity
+    theirs: Any  #: the same, or a constant
     words: str  #: what is measured, for readers
-
-
-class Excess(NamedTuple):
-    """Capacity of a set of states less another set's, or less a constant; higher is better."""
-
-    ours: tuple[str, str]  #: set and quantity
-    theirs: tuple[str, str] | float
-    words: str
+    ratio: bool = True
 
 
 class Claim(NamedTuple):
     """What is claimed, what is compared, and which fits of the rig favour a side."""
 
     text: str
-    parts: Sequence[Ratio | Excess]
+    parts: Sequence[Pair]
     #: By term of the calibration's objective: what its fit favours, and what was fitted.
     favours: Mapping[str, tuple[str, str]]
 
 
-def _of_fprc(other: str, measure: str = "forward", ours: str = "fprc") -> Ratio:
-    return Ratio((ours, measure), (other, measure), measure.replace("_", " "))
+def _of_fprc(other: str, measure: str = "forward", ours: str = "fprc") -> Pair:
+    return Pair((ours, measure), (other, measure), measure.replace("_", " "))
 
 
 _FORWARD = ("FPRC", "FPRC's forward error, at epsilon 0.01")
@@ -96,7 +92,7 @@ CLAIMS = {
         "FPRC whose P_o is 2 kPa low still beats Fuzzy-linear, forward and in tracking, open and "
         "closed loop",
         [
-            Ratio(("fprc", f"{measure}/-2"), ("fuzzy_linear", of), f"{words}, P_o 2 kPa low")
+            Pair(("fprc", f"{measure}/-2"), ("fuzzy_linear", of), f"{words}, P_o 2 kPa low")
             for measure, of, words in (
                 ("shifted", "forward", "forward"),
                 ("open_loop", "open_loop", "open loop"),
@@ -108,9 +104,9 @@ CLAIMS = {
     "B8": Claim(
         "P_o has a nonlinear capacity of 0.1 or more, and its taps more memory than taps of "
         "low-passed theta_d",
-        [Excess(("p_o", "nonlinear"), LEAST_NONLINEAR, "nonlinear capacity of P_o - 0.1"),
-         Excess(("p_o_taps", "memory"), ("theta_lowpass_taps", "memory"),
-                "memory of taps of P_o - of taps of low-passed theta_d")],
+        [Pair(("p_o", "nonlinear"), LEAST_NONLINEAR, "nonlinear capacity of P_o - 0.1", False),
+         Pair(("p_o_taps", "memory"), ("theta_lowpass_taps", "memory"),
+              "memory of taps of P_o - of taps of low-passed theta_d", False)],
         {"C8": _SHARE},
     ),
 }  # fmt: skip
@@ -135,11 +131,8 @@ def judge_world(world: Mapping[str, Any]) -> list[dict[str, Any]]:
         ``mean``, ``low``, ``high`` (interval at the level that Holm's procedure gives),
         ``verdict``. A ratio below 1 supports the claim, as does a difference above 0.
     """
-    models = _table(measured(world), "model", "measure")
-    sets = _table(capacities(world), "set", "quantity")
-    found = [
-        [_part(part, models, sets, world) for part in claim.parts] for claim in CLAIMS.values()
-    ]
+    numbers = _numbers(world)
+    found = [[_part(pair, numbers, world) for pair in claim.parts] for claim in CLAIMS.values()]
     rows = []
     for (name, claim), parts, judged in zip(
         CLAIMS.items(), found, judge_together(found), strict=True
@@ -153,7 +146,7 @@ def judge_world(world: Mapping[str, Any]) -> list[dict[str, Any]]:
                 "id": name,
                 "claim": claim.text,
                 **judged._asdict(),
-                "words": _words(judged, isinstance(claim.parts[0], Excess)),
+                "words": _words(judged, claim.parts[0].ratio),
                 "units": units,
                 "dropped": max(part.dropped for part in parts),
                 "fitted": [why for term, why in claim.favours.items() if term in world["fitted"]],
@@ -174,59 +167,47 @@ BESIDE = (
 
 def beside_b1(world: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return ``text``, ``mean``, ``low``, ``high`` (95 %) of ``BESIDE``; None if not measured."""
-    models = _table(measured(world), "model", "measure")
+    numbers = _numbers(world)
     rows = []
     for text, ours, theirs in BESIDE:
-        ratio = Ratio((ours, "forward"), (theirs, "forward"), "forward")
-        part = _part(ratio, models, pd.DataFrame(), world)
+        part = _part(Pair((ours, "forward"), (theirs, "forward"), "forward"), numbers, world)
         shown = _shown(part, 0.05) if len(part.values) > 1 else {}
         rows.append({"text": text, **{key: shown.get(key) for key in ("mean", "low", "high")}})
     return rows
 
 
-def _words(judged: Judged, difference: bool) -> str:
+def _words(judged: Judged, ratio: bool) -> str:
     """Return a verdict as readers see it."""
-    words = in_words(judged.turned or judged.verdict, not difference)
+    words = in_words(judged.turned or judged.verdict, ratio)
     return f"{words}, unstable" if judged.turned else words
 
 
-def _table(tidy: pd.DataFrame, *columns: str) -> pd.DataFrame:
-    """Return one row per simulated rig and one column per model or set and its measure."""
-    return tidy.pivot_table(index=["unit", "seed"], columns=list(columns), values="value")
+#: Numbers by model and measure, or by set of states and quantity, one per simulated rig.
+Numbers = Mapping[tuple[str, str], pd.Series]
+_NONE = pd.Series(index=pd.MultiIndex.from_arrays([[], []], names=["unit", "seed"]), dtype=float)
 
 
-def _part(
-    part: Ratio | Excess,
-    models: pd.DataFrame,
-    sets: pd.DataFrame,
-    world: Mapping[str, Any],
-) -> Part:
-    if isinstance(part, Ratio):
-        values = np.log(_column(models, part.ours)) - np.log(_column(models, part.theirs))
-        simulated = len(world["cells"])
-    else:
-        theirs = part.theirs if isinstance(part.theirs, float) else _column(sets, part.theirs)
-        values = theirs - _column(sets, part.ours)
-        simulated = len(world.get("capacity") or ())
-    values = values.dropna()
+def _numbers(world: Mapping[str, Any]) -> Numbers:
+    tables = (measured(world), ["model", "measure"]), (capacities(world), ["set", "quantity"])
+    return {
+        (name, measure): rows.set_index(["unit", "seed"])["value"]
+        for table, columns in tables
+        for (name, measure), rows in table.groupby(columns)
+    }
+
+
+def _part(pair: Pair, numbers: Numbers, world: Mapping[str, Any]) -> Part:
+    ours, constant = numbers.get(pair.ours, _NONE), isinstance(pair.theirs, float)
+    theirs: Any = pair.theirs if constant else numbers.get(pair.theirs, _NONE)
+    # below 0 supports the claim; of a difference, readers see ours less theirs
+    values = (np.log(ours) - np.log(theirs) if pair.ratio else theirs - ours).dropna()
     # simulations of one rig with several seeds are one unit
     by_unit = values.groupby(level="unit").mean().to_dict()
-    shared = {"text": _text(part), "values": by_unit, "dropped": simulated - len(values)}
-    if isinstance(part, Ratio):
-        return Part(**shared)
-    # the values are theirs less ours: below 0 supports the claim; readers see ours less theirs
-    return Part(**shared, ratio=False, shown=operator.neg)
-
-
-def _column(table: pd.DataFrame, name: tuple[str, str]) -> pd.Series:
-    return table[name] if name in table else pd.Series(np.nan, index=table.index)
-
-
-def _text(part: Ratio | Excess) -> str:
-    if isinstance(part, Excess):
-        return part.words
-    ours, theirs = (competitor_title(model) for model, _ in (part.ours, part.theirs))
-    return f"{ours} / {theirs} ({part.words})"
+    if not pair.ratio:
+        dropped = len(world.get("capacity") or ()) - len(values)
+        return Part(pair.words, by_unit, False, operator.neg, dropped)
+    text = f"{competitor_title(pair.ours[0])} / {competitor_title(pair.theirs[0])} ({pair.words})"
+    return Part(text, by_unit, dropped=len(world["cells"]) - len(values))
 
 
 def _shown(part: Part, level: float) -> dict[str, Any]:

@@ -10,6 +10,12 @@ from fprc.tables.models import over_seeds
 from fprc.tables.text import spread, three_digits
 from fprc.tables.tracking import tracking_over_seeds
 
+#: What the middle and the range of a family's numbers are.
+_RANGES = (
+    "Of one rig: mean and its 95 % interval over seeds. Of many rigs, one recording of each: "
+    "median and 95 % of the rigs."
+)
+
 #: Sums of deviations from print, shares, in the order of the table.
 SUMS = {
     "median": "Tables II and III, median deviation",
@@ -88,14 +94,16 @@ def sums_of(errors: pd.DataFrame) -> dict[str, float]:
     }
 
 
-def errors_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return the errors that the paper prints, and sums of deviations, a column per family.
+Families = Sequence[Mapping[str, Any]]  #: see ``fprc.studies.stages.families.compare_families``
 
-    Parameters
-    ----------
-    families : sequence of mapping
-        See ``fprc.studies.stages.families.compare_families``.
-    """
+
+def _errors(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
+    """Return the errors that the paper prints, and sums of deviations, a column per family."""
+    table = pd.DataFrame(
+        {"family": family["name"], **row, "source": "sim"}
+        for family in families
+        for row in family["errors"]
+    )
     first = families[0]["errors"]
     page = pd.DataFrame(
         {
@@ -112,20 +120,36 @@ def errors_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
             ),
             *(_percent(family["sums"][name]) for name in SUMS),
         ]
-    return page
+    return table, page, f"Families of rigs: errors, and their deviation from print. {_RANGES}"
 
 
-def claims_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+def _claims(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
     """Return the verdicts of all claims, a column per family."""
+    table = pd.DataFrame(
+        {
+            "family": family["name"],
+            **{key: claim[key] for key in ("id", "claim", "rig", "verdict")},
+            **(claim["holds"] or {"holds": None}),
+            "source": "sim",
+        }
+        for family in families
+        for claim in family["claims"]
+    )
     first = families[0]["claims"]
     page = pd.DataFrame({"Id": [c["id"] for c in first], "Claim": [c["claim"] for c in first]})
     for family in families:
         known = {claim["id"]: claim for claim in family["claims"]}
         page[family["title"]] = [_verdict(known.get(name)) for name in page["Id"]]
-    return page
+    note = (
+        "Claims on families of rigs. Of one rig: the verdict over seeds, and whether the rig was "
+        "fitted to the claim. Of many rigs: on how many the claim holds, and the share with its "
+        "95 % interval, which does not cover the choice of how the rigs were found; grids are not "
+        "judged on them."
+    )
+    return table, page, note
 
 
-def answer_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+def _answer(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
     """Return a row per family: deviation from the printed errors, and worth of the reservoir."""
     rows = []
     for family in families:
@@ -142,7 +166,19 @@ def answer_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
                 "P_o beats low-passed theta_d (B1)": _verdict(worth),
             }
         )
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    note = (
+        "What the reservoir is worth, family by family. Deviations from print: root mean square of "
+        "the logarithms of the training and test errors of single recordings over the printed "
+        "ones; for open-loop Table IV, the largest of the four. Claims are all but those on "
+        "execution times. A ratio below 1 says that P_o is worth more than a low-pass of theta_d. "
+        f"{_RANGES}"
+    )
+    return table, table, note
+
+
+#: Of each table: from the families to the table, tidy, its page, and a note.
+TABLES = {"errors": _errors, "claims": _claims, "answer": _answer}
 
 
 def _verdict(claim: Mapping[str, Any] | None) -> str:

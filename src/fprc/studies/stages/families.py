@@ -23,12 +23,6 @@ from fprc.studies.families.figures import plot_shares
 from fprc.tables.text import format_mean, spread, write_table
 from fprc.yaml_file import read_yaml
 
-#: What the middle and the range of a family's numbers are.
-_RANGES = (
-    "Of one rig: mean and its 95 % interval over seeds. Of many rigs, one recording of each: "
-    "median and 95 % of the rigs."
-)
-
 
 def compare_families(
     published: str,
@@ -130,60 +124,9 @@ def _judged(
     }
 
 
-Families = Sequence[Mapping[str, Any]]
-
-
-def _errors(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
-    """Return the errors that the paper prints, on every family: tidy, as a page, and a note."""
-    table = pd.DataFrame(
-        {"family": family["name"], **row, "source": "sim"}
-        for family in families
-        for row in family["errors"]
-    )
-    note = f"Families of rigs: errors, and their deviation from print. {_RANGES}"
-    return table, tables.errors_page(families), note
-
-
-def _claims(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
-    """Return the verdicts of all claims, on every family."""
-    table = pd.DataFrame(
-        {
-            "family": family["name"],
-            **{key: claim[key] for key in ("id", "claim", "rig", "verdict")},
-            **(claim["holds"] or {"holds": None}),
-            "source": "sim",
-        }
-        for family in families
-        for claim in family["claims"]
-    )
-    note = (
-        "Claims on families of rigs. Of one rig: the verdict over seeds, and whether the rig was "
-        "fitted to the claim. Of many rigs: on how many the claim holds, and the share with its "
-        "95 % interval, which does not cover the choice of how the rigs were found; grids are not "
-        "judged on them."
-    )
-    return table, tables.claims_page(families), note
-
-
-def _answer(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
-    """Return how far each family is from the printed errors, and what the reservoir is worth."""
-    table = tables.answer_page(families)
-    note = (
-        "What the reservoir is worth, family by family. Deviations from print: root mean square of "
-        "the logarithms of the training and test errors of single recordings over the printed "
-        "ones; for open-loop Table IV, the largest of the four. Claims are all but those on "
-        "execution times. A ratio below 1 says that P_o is worth more than a low-pass of theta_d. "
-        f"{_RANGES}"
-    )
-    return table, table, note
-
-
-_TABLES = {"errors": _errors, "claims": _claims, "answer": _answer}
-
-
 def tabulate_families(summary: str, *, table: str, **files: str) -> None:
     """Write one of the tables of the families: errors, claims, or answer."""
-    tidy, page, note = _TABLES[table](read_json(summary)["families"])
+    tidy, page, note = tables.TABLES[table](read_json(summary)["families"])
     write_table(tidy, page, f"{note}\nData: {SOURCES['sim']}.", **files)
 
 
