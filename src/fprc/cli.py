@@ -52,7 +52,8 @@ def _run(arguments: Sequence[str] | None) -> int:
         if error.errno is None:  # of a library, not of the operating system
             raise
         if error.filename is None:
-            _discard_output()
+            # what is left to print, so that Python's flush at exit does not fail too
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(error, BrokenPipeError):  # the reader has closed the pipe, as after `| head`
             return _BROKEN_PIPE
         what = error.filename or "the output cannot be written"
@@ -73,11 +74,6 @@ def _prepare_output() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-
-
-def _discard_output() -> None:
-    """Discard what is left to print, so that Python's flush at exit does not fail too."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @contextmanager

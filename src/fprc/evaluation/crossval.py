@@ -1,7 +1,7 @@
 """Cross-validation, choice of the best fold, and its test."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from numbers import Integral
 from typing import Any, NamedTuple
@@ -43,8 +43,6 @@ class CrossValidated(NamedTuple):
 #: kPa, and the samples of each recording if there are several.
 Samples = tuple[np.ndarray, np.ndarray] | tuple[np.ndarray, np.ndarray, Sequence[int] | None]
 
-Progress = Callable[[int, float, float], None]
-
 
 class Prepared(NamedTuple):
     """Features of a model over some logs; readouts are fitted to rows of them and judged."""
@@ -74,20 +72,10 @@ class Prepared(NamedTuple):
         """Return the fitted model with that readout."""
         return self.model.assembled(self.features, readout)
 
-    def cross_validated(
-        self,
-        log: str,
-        folds: Sequence[Fold],
-        progress: Progress = lambda fold, e_train, e_validation: None,
-    ) -> CrossValidated:
+    def cross_validated(self, log: str, folds: Sequence[Fold]) -> CrossValidated:
         """Train once per fold and keep the best (Sec. III-D); the folds select rows of a log.
 
         A random readout has its own seed in every fold, which no other seed shares.
-
-        Parameters
-        ----------
-        progress : callable
-            Called after each fold with its number, training and validation error.
         """
         rows, y = self.rows[log], self.y[log]
         errors, fits = [], []
@@ -95,10 +83,8 @@ class Prepared(NamedTuple):
             for i, readout in enumerate(_fitted(self.model.make_readout(), rows, y, folds)):
                 predicted = readout.predict(rows)
                 fits.append((predicted, readout))
-                e_train, e_validation = (rmse(y[part], predicted[part]) for part in folds[i])
-                errors.append((e_train, e_validation))
-                progress(i, e_train, e_validation)
-        best = int(np.argmin([np.hypot(*pair) for pair in errors]))
+                errors.append(tuple(rmse(y[part], predicted[part]) for part in folds[i]))
+        best = int(np.argmin(np.hypot(*np.transpose(errors))))
         train_rmse, validation_rmse = zip(*errors, strict=True)
         fit, readout = fits[best]
         return CrossValidated(train_rmse, validation_rmse, best, fit, self.fitted(readout))
@@ -141,7 +127,6 @@ def cross_validate(
     X: np.ndarray,
     y: np.ndarray,
     folds: Sequence[Fold],
-    progress: Progress = lambda fold, e_train, e_validation: None,
     lengths: Sequence[int] | None = None,
 ) -> CrossValidated:
     """Train ``model`` once per fold of one log and keep the best, see ``Prepared``.
@@ -153,7 +138,7 @@ def cross_validate(
         features than ``MOST_BYTES``), or an error is not finite.
     """
     prepared = prepare(model, {"train": (X, y, lengths)}, MOST_BYTES)
-    return prepared.cross_validated("train", folds, progress)
+    return prepared.cross_validated("train", folds)
 
 
 def evaluate(

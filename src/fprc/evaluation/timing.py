@@ -1,5 +1,6 @@
 """Execution times of training and test, batch and sample by sample."""
 
+import logging
 import platform
 import time
 from collections.abc import Callable, Hashable, Mapping
@@ -11,6 +12,8 @@ import numpy as np
 from threadpoolctl import threadpool_info
 
 from fprc.models import SequenceModel
+
+log = logging.getLogger(__name__)
 
 #: Samples of the untimed run before each timed one: it compiles, and it brings code and weights
 #: back into the processor's caches, which the other models have flushed in their turns.
@@ -25,7 +28,6 @@ def time_models(
     fitted: Mapping[Name, tuple[SequenceModel, Log, Log]],
     repeats: int,
     modes: tuple[str, ...] = ("sequential", "batch"),
-    progress: Callable[[str], None] = lambda what: None,
 ) -> dict[Name, list[dict[str, Any]]]:
     """Time fitted models, ``repeats`` times in each mode, each time after a short untimed run.
 
@@ -50,7 +52,7 @@ def time_models(
     for (phase, mode), run in _WORK.items():
         if mode not in modes:
             continue
-        progress(f"{phase}, {mode}")
+        log.info("%s, %s, %d repeats in turn", phase, mode, repeats)
         logs = {
             name: train if phase == "train" else test for name, (_, train, test) in fitted.items()
         }

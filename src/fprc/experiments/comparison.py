@@ -2,9 +2,8 @@
 
 import logging
 from collections.abc import Mapping, Sequence
-from functools import partial
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -21,12 +20,8 @@ from fprc.registry import build, entries
 log = logging.getLogger(__name__)
 
 
-class Judged(NamedTuple):
-    """A model cross-validated on one log and tested on another."""
-
-    validated: CrossValidated
-    report: dict[str, Any]  #: its errors
-    tested: np.ndarray  #: output for the test log
+#: A model cross-validated on one log, its errors, and its output for the test log.
+Judged = tuple[CrossValidated, dict[str, Any], np.ndarray]
 
 
 def compare_models(
@@ -45,13 +40,13 @@ def compare_models(
     chosen = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
     filter_alone = {"readout": "theta", **chosen}
     compared = {
-        "models": [direction.report for direction in by_direction],
+        "models": [report for _, report, _ in by_direction],
         "weights": weight_shares(data["sweep"], judgement),
         "filter_alone": judge_readout(
             filter_alone, train=data["sweep"], test=data["complex"], judgement=judgement
         ),
     }
-    return compared, {name: reports[0].validated.model for name, reports in judged.items()}
+    return compared, {name: validated.model for name, ((validated, *_), *_) in judged.items()}
 
 
 def judge_directions(
@@ -72,11 +67,12 @@ def judge_directions(
     results = []
     for train, test in directions:
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
-        judged = prepared.cross_validated(
-            train,
-            judgement.split_rows(logs[train]),
-            partial(_log_fold, label, judgement.folds),
-        )
+        judged = prepared.cross_validated(train, judgement.split_rows(logs[train]))
+        for fold, errors in enumerate(zip(judged.train_rmse, judged.validation_rmse, strict=True)):
+            log.info(
+                "%s: fold %d of %d: training %.2f, validation %.2f kPa",
+                label, fold + 1, judgement.folds, *errors,
+            )  # fmt: skip
         X, _, parts = samples[train]
         remembering(judged.model, X, parts)
         tested, expected = judged.model.readout_.predict(prepared.rows[test]), prepared.y[test]
@@ -99,7 +95,7 @@ def judge_directions(
                 for half in zip(np.array_split(expected, 2), np.array_split(tested, 2), strict=True)
             ],
         }
-        results.append(Judged(judged, report, tested))
+        results.append((judged, report, tested))
     return results
 
 
@@ -128,10 +124,3 @@ def errors_over_starts(
             for seed in seeds
         ]
     return errors
-
-
-def _log_fold(label: str, folds: int, fold: int, e_train: float, e_validation: float) -> None:
-    log.info(
-        "%s: fold %d of %d: training %.2f, validation %.2f kPa",
-        label, fold + 1, folds, e_train, e_validation,
-    )  # fmt: skip

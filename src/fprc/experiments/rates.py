@@ -51,10 +51,6 @@ def _lowpass_factor(epsilon: float, ratio: float) -> float:
     return 1.0 - (1.0 - epsilon) ** (1.0 / ratio)
 
 
-def _leak_rate(gamma: float, ratio: float) -> float:
-    return float(gamma ** (1.0 / ratio))
-
-
 def _count(samples: int, ratio: float) -> int:
     return max(round(samples * ratio), min(samples, 1))
 
@@ -62,7 +58,7 @@ def _count(samples: int, ratio: float) -> int:
 _SCALES: dict[str, Callable[[Any, float], Any]] = {
     "epsilon": _lowpass_factor,
     "epsilons": _lowpass_factor,
-    "gamma": _leak_rate,
+    "gamma": lambda gamma, ratio: float(gamma ** (1.0 / ratio)),
     "washout": _count,
     "spacing": _count,
 }

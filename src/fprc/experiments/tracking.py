@@ -1,7 +1,7 @@
 """Closed-loop runs of Sec. IV: feedforward, feedback, and both."""
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -130,8 +130,14 @@ class Track(NamedTuple):
         """Run one controller on the rig and return its channels."""
         control, rate_hz = self.control, self.control["sample_rate_hz"]
         period_s = 1.0 / rate_hz
-        push = {} if pushes is None else {"push_kpa": _per_tick(pushes)}
-        device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz, **push)
+        listed = [0.0] if pushes is None else pushes.tolist()
+        device = SimulatedRig(
+            self.rig,
+            seed=self.seed,
+            run=number,
+            sample_rate_hz=rate_hz,
+            push_kpa=lambda tick: listed[min(max(tick, 0), len(listed) - 1)],
+        )
         return run(
             device,
             device,
@@ -319,8 +325,3 @@ def tracking_errors(
             channels = bench.simulate(theta_d, bench.feed(model, inputs), number, feedback=feedback)
             errors[name][reference] = tracking_rmse(channels, settle_s)
     return errors
-
-
-def _per_tick(values: np.ndarray) -> Callable[[int], float]:
-    listed = values.tolist()
-    return lambda tick: listed[min(max(tick, 0), len(listed) - 1)]

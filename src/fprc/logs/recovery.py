@@ -35,12 +35,6 @@ class Findings(NamedTuple):
     statistics: dict[str, Any]  #: statistics from the end mark
 
 
-class _Block(NamedTuple):
-    content: dict[str, Any]
-    at: int
-    raw: bytes
-
-
 def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any], Findings]:
     """Read a journal, even if it is truncated, damaged, or still being written.
 
@@ -65,20 +59,21 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
             f"{path}: not a journal of this version, or both copies of its header are damaged or "
             "cut; give the file *.journal beside the raw log, restore it, or run again"
         )
-    attributes = header.content
+    attributes, at, raw = header
     names = attributes.pop("names")
     # a header at byte 0 is the first copy, so the second one follows
-    start = header.at + (2 if header.at == 0 else 1) * len(header.raw)
-    seed = seed_of(header.raw)
+    start = at + (2 if at == 0 else 1) * len(raw)
+    seed = seed_of(raw)
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
-    end = _find_block(data, END, start, seed)
+    end, *_ = _find_block(data, END, start, seed) or [None]
     # of an end mark that was not written whole, only its beginning may be there
     marker = data.find(END, start)
     stop = marker if marker >= 0 else len(data)
-    appended = end.content["samples"] if end else -(-(stop - start) // record.itemsize)
+    appended = end["samples"] if end else -(-(stop - start) // record.itemsize)
     complete = max((stop - start) // record.itemsize, 0)
     records = np.frombuffer(data, record, complete, start) if complete else np.empty(0, record)
-    right = np.flatnonzero(_checksums(records, seed) == records["crc"])
+    checked = records.view(np.uint8).reshape(complete, record.itemsize)[:, : -UINT32.size]
+    right = np.flatnonzero([zlib.crc32(row, seed) for row in checked] == records["crc"])
     # a disk that returns a page twice, or in another place, loses nothing
     ticks, first = np.unique(records["tick"][right].astype(np.int64), return_index=True)
     kept = right[first]
@@ -88,8 +83,10 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     return channels, attributes, _findings(channels["time_s"], max(appended, 0), missed, end)
 
 
-def _find_block(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block | None:
-    """Return the first block with this marker and a correct checksum."""
+def _find_block(
+    data: bytes, marker: bytes, start: int, seed: int = 0
+) -> tuple[dict[str, Any], int, bytes] | None:
+    """Return content, place and bytes of the first block with this marker and a right checksum."""
     for found in re.compile(re.escape(marker)).finditer(data, start):
         at, text_at = found.start(), found.end() + UINT32.size
         try:
@@ -100,24 +97,19 @@ def _find_block(data: bytes, marker: bytes, start: int, seed: int = 0) -> _Block
         except (struct.error, ValueError, RecursionError):  # cut short, or not JSON
             continue
         if isinstance(content, dict):
-            return _Block(content, at, data[at : crc_at + UINT32.size])
+            return content, at, data[at : crc_at + UINT32.size]
     return None
 
 
-def _checksums(records: np.ndarray, seed: int) -> np.ndarray:
-    rows = records.view(np.uint8).reshape(len(records), records.dtype.itemsize)[:, : -UINT32.size]
-    return np.array([zlib.crc32(row, seed) for row in rows], dtype=np.uint32)
-
-
 def _findings(
-    times_s: np.ndarray, appended: int, missed_ticks: int, end: _Block | None
+    times_s: np.ndarray, appended: int, missed_ticks: int, end: dict[str, Any] | None
 ) -> Findings:
     lost = max(appended - len(times_s), 0)
     reasons = []
     if end is None:
         reasons.append("not closed: the program was killed or the power failed")
-    elif not end.content["complete"]:
-        reasons.append(end.content["reason"] or "stopped early")
+    elif not end["complete"]:
+        reasons.append(end["reason"] or "stopped early")
     if lost:
         reasons.append(f"{lost} of {appended} samples are lost")
     return Findings(
@@ -128,7 +120,7 @@ def _findings(
         closed=end is not None,
         complete=not reasons,
         reason="; ".join(reasons),
-        statistics=end.content["statistics"] if end else {},
+        statistics=end["statistics"] if end else {},
     )
 
 

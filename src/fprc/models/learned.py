@@ -67,7 +67,8 @@ def check_learned(model: Any) -> None:
     columns, names = has.pop("n_features_in_", None), has.pop("feature_names_in_", None)
     if not _COLUMNS.allows(columns):
         raise ValueError(f"n_features_in_ = {columns!r:.60}; must be {_COLUMNS}")
-    if names is not None and not _are_names(names, columns):
+    listed = names.tolist() if isinstance(names, np.ndarray) else []
+    if names is not None and [isinstance(name, str) for name in listed] != [True] * columns:
         raise ValueError(f"feature_names_in_: must be the names of {columns} columns")
     for key, expected in model.learned():
         found = has.pop(key, None)
@@ -82,11 +83,6 @@ def check_learned(model: Any) -> None:
             _check_array(key, found, expected, limits.get(key, USUAL))
     if has:
         raise ValueError(f"{', '.join(has)}: {type(model).__name__} learns no such attribute")
-
-
-def _are_names(names: Any, columns: int) -> bool:
-    listed = names.tolist() if isinstance(names, np.ndarray) else []
-    return len(listed) == columns and all(isinstance(name, str) for name in listed)
 
 
 def _check_within(place: str, part: BaseEstimator) -> None:

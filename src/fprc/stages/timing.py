@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Any
 
 from fprc.artifacts import write_json
@@ -41,7 +40,7 @@ def measure_times(
     fitted = {name: build(name, models, seed).fit(*pairs[0]) for name, pairs in logs.items()}
     work = {name: (model, *logs[name]) for name, model in fitted.items()}
     stepping = {name: pieces for name, pieces in work.items() if has_steps(type(pieces[0]))}
-    timed = time_models(stepping, repeats, progress=partial(_log_mode, repeats))
+    timed = time_models(stepping, repeats)
     others = {name: pieces for name, pieces in work.items() if name not in stepping}
     timed |= time_models(others, repeats, modes=("batch",)) if others else {}
     costs = []
@@ -83,14 +82,10 @@ def measure_times_over_n_c(
     }
     results = []
     for mode, timed in (("batch", fitted), ("sequential", parts)):
-        found = time_models(timed, repeats, modes=(mode,), progress=partial(_log_mode, repeats))
+        found = time_models(timed, repeats, modes=(mode,))
         results += [
             {"model": name, "n_c": n_c, **entry}
             for (name, n_c), entries in found.items()
             for entry in entries
         ]
     write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
-
-
-def _log_mode(repeats: int, what: str) -> None:
-    log.info("%s, %d repeats in turn", what, repeats)

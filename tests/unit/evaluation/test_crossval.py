@@ -137,18 +137,6 @@ def test_every_documented_kind_of_random_state_is_accepted(random_state):
     assert len(judged.train_rmse) == 3
 
 
-def test_progress_hears_of_every_fold_as_it_ends():
-    heard = []
-    judged = cross_validate(
-        MODELS[2],
-        log(),
-        pressure(),
-        split_rows(200, 3, "shuffled", 1),
-        progress=lambda *what: heard.append(what),
-    )
-    assert heard == list(zip(range(3), judged.train_rmse, judged.validation_rmse, strict=True))
-
-
 @pytest.mark.parametrize(
     "model",
     [FPRC(n_c=2, n_y=201), FuzzyLinear(n_c=151), ESN(r=5, n_y=201)],

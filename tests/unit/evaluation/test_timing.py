@@ -78,10 +78,11 @@ def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once(monkeypatc
     monkeypatch.setattr(timing, "WARM_UP", 8)
     calls = {}
 
-    def heard(what):
-        calls[what] = len(Features.calls)
+    def heard(text, phase, mode, repeats):
+        calls[f"{phase}, {mode}"] = len(Features.calls)
 
-    time_model(fitted(), log(20), log(10), repeats=2, progress=heard)
+    monkeypatch.setattr(timing.log, "info", heard)
+    time_model(fitted(), log(20), log(10), repeats=2)
     starts = [*calls.values(), len(Features.calls)]
     work = [Features.calls[a:b] for a, b in zip(starts, starts[1:], strict=False)]
     assert list(calls) == [

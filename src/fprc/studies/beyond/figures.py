@@ -60,7 +60,10 @@ def plot_pairs(table: DataFrame, worlds: Sequence[str], ax: Axes) -> Axes:
     ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
     ax.set_xscale("log")
     _decimal_ticks(ax, table["low"].min(), table["high"].max())
-    ax.set_yticks(range(len(rows)), [f"{name}  {_wrapped(part)}" for name, part in rows])
+    # what is measured is on a second line
+    pairs = [symbols(part).replace(" (", "\n", 1).removesuffix(")") for _, part in rows]
+    labels = [f"{name}  {pair}" for (name, _), pair in zip(rows, pairs, strict=True)]
+    ax.set_yticks(range(len(rows)), labels)
     ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
     ax.tick_params(axis="y", length=0)
     for row in range(1, len(rows)):
@@ -86,11 +89,6 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     ax.set_xticks(sorted(kept))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_locator(NullLocator())
-
-
-def _wrapped(part: str) -> str:
-    """Return a pair with what is measured on a second line."""
-    return symbols(part).replace(" (", "\n", 1).removesuffix(")")
 
 
 def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> Axes:

@@ -174,7 +174,9 @@ def offsets_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
     headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
     order = ["measure", "model"]
     wide = of_world.pivot(index=order, columns=["disturbance", "offset_kpa"], values="mean")
-    rows = of_world[order].drop_duplicates().sort_values("measure", key=_place, kind="stable")
+    places = {measure: place for place, measure in enumerate(MEASURES)}
+    rows = of_world[order].drop_duplicates()
+    rows = rows.sort_values("measure", key=lambda names: names.map(places), kind="stable")
     wide = wide.reindex(index=pd.MultiIndex.from_frame(rows), columns=list(headings.values()))
     page = wide.map(lambda mean: three_digits(mean) or "-").set_axis(list(headings), axis=1)
     page.insert(0, "Model", [competitor_title(model) for _, model in page.index])
@@ -185,10 +187,6 @@ def offsets_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
 def _heading(measure: str) -> str:
     words = MEASURES[measure]
     return words[:1].upper() + words[1:]
-
-
-def _place(measures: pd.Series) -> pd.Series:
-    return measures.map(list(MEASURES).index)
 
 
 def capacity(worlds: Worlds) -> pd.DataFrame:

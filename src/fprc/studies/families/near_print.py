@@ -137,12 +137,12 @@ def assimilate(
     return np.asarray(points + np.linalg.solve(covariance, innovation.T).T @ (off.T @ spread).T)
 
 
-def prior_point(
-    seed: int, drawn: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
-) -> np.ndarray:
-    """Draw a rig at random and return the normal scores of its parameters."""
-    _, shares = draw_rig(seed, drawn, free, on_rig)
-    return np.asarray(ndtri(np.clip(shares, _EDGE, 1.0 - _EDGE)))
+def draw_member(
+    cell: Mapping[str, int], drawn: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
+) -> dict[str, list[float]]:
+    """Draw a rig at random by the seed ``draw`` and return the normal scores of its parameters."""
+    _, shares = draw_rig(cell["draw"], drawn, free, on_rig)
+    return {"point": ndtri(np.clip(shares, _EDGE, 1.0 - _EDGE)).tolist()}
 
 
 def rig_at(point: Sequence[float], free: Sequence[Free], on_rig: RigSettings) -> RigSettings:

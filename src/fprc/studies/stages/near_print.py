@@ -15,7 +15,7 @@ from fprc.studies.calibration.full_models import full_errors, ratios_to_full
 from fprc.studies.calibration.objective import printed_errors
 from fprc.studies.calibration.space import free_parameters
 from fprc.studies.calibration.surrogate import judge_by_surrogate
-from fprc.studies.families.near_print import judge_member, move_near, prior_point, rig_at
+from fprc.studies.families.near_print import draw_member, judge_member, move_near, rig_at
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
@@ -76,7 +76,7 @@ def find_near_print(
     )
     with judging(workers=workers, checkpoint=checkpoint, key=key) as run:
         numbers = range(near_print["seed"], near_print["seed"] + near_print["rigs"])
-        prior = run(partial(_draw, **settings), [{"draw": number} for number in numbers])
+        prior = run(partial(draw_member, **settings), [{"draw": number} for number in numbers])
         seeds = count(near_print["seed"] + near_print["rigs"])
 
         def simulate(points: np.ndarray) -> list[list[float] | None]:
@@ -104,7 +104,3 @@ def find_near_print(
                 ],
             },
         )
-
-
-def _draw(cell: Mapping[str, int], **settings: Any) -> dict[str, list[float]]:
-    return {"point": prior_point(cell["draw"], **settings).tolist()}

@@ -42,7 +42,11 @@ def draw(monkeypatch, tmp_path):
 
     monkeypatch.setattr(stage, "judge_member", judge)
     monkeypatch.setattr(
-        stage, "prior_point", lambda seed, **rest: np.random.default_rng(seed).standard_normal(3)
+        stage,
+        "draw_member",
+        lambda cell, **rest: {
+            "point": np.random.default_rng(cell["draw"]).standard_normal(3).tolist()
+        },
     )
     monkeypatch.setattr(stage, "full_errors", lambda *rest: [dict.fromkeys(ERRORS, 1.25)] * 2)
     monkeypatch.setattr(
