@@ -185,7 +185,7 @@ def look_of(name: str) -> tuple[str, str]:
 def settings_of(name: str, models: Settings) -> dict[str, Any]:
     """Return the part of the section ``models`` that one model reads."""
     selected: dict[str, Any] = {}
-    for path in entries(models)[name].settings:
+    for path in entry_of(name, models).settings:
         section, _, key = path.partition(".")
         if key:
             selected.setdefault(section, {})[key] = models[section][key]
@@ -194,22 +194,14 @@ def settings_of(name: str, models: Settings) -> dict[str, Any]:
     return selected
 
 
-def parameters_at(paths: tuple[str, ...], models: Settings) -> dict[str, Any]:
-    """Return the parameters at some keys of the section ``models``, without its subsections."""
-    parameters: dict[str, Any] = {}
-    for path in paths:
-        section, _, key = path.partition(".")
-        value = models[section][key] if key else models[section]
-        parameters |= value if isinstance(value, Mapping) else {key or section: value}
-    return parameters
-
-
 def parameters_of(name: str, models: Settings) -> dict[str, Any]:
     """Return all parameters that a model is built with, without its seed."""
-    entry = entry_of(name, models)
     if name in models.get("others", {}):
         return dict(models["others"][name]["settings"])
-    return {**parameters_at(entry.settings, models), **entry.fixed}
+    parameters: dict[str, Any] = {}
+    for key, value in settings_of(name, models).items():
+        parameters |= value if isinstance(value, Mapping) else {key: value}
+    return {**parameters, **entry_of(name).fixed}
 
 
 def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceModel":

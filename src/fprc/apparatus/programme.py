@@ -86,7 +86,10 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     if driver and model:  # without a file the law refuses to start
         fitted = load_model(model, outside_class(driver, settings["models"]))
         _refuse_other(fitted, driver, settings["models"], f"{model}, the model of {name}")
-        _try_step(fitted, model)
+        try:  # which also compiles the step before the first tick
+            fitted.step((0.0,) * fitted.n_features_in_)
+        except Exception as error:  # a class from outside may raise any error
+            raise FprcError(f"{model}: makes no step ({error}); train the model again") from error
         attributes |= describe_model(fitted, model)
     law = bench.law(theta_d, controller, fitted)
     channels = (*RAW_CHANNELS, *bench.channels(controller))
@@ -107,14 +110,6 @@ def _refuse_other(fitted: Any, driver: str, models: Mapping[str, Any], which: st
             f"{which}, was fitted to {columns} inputs, must have {len(inputs)}, "
             f"{' and '.join(inputs)}; train it again"
         )
-
-
-def _try_step(fitted: Any, path: str) -> None:
-    """Make a step, which also compiles it before the first tick."""
-    try:
-        fitted.step((0.0,) * fitted.n_features_in_)
-    except Exception as error:  # a class from outside may raise any error
-        raise FprcError(f"{path}: makes no step ({error}); train the model again") from error
 
 
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:

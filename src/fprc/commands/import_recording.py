@@ -151,6 +151,10 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         lines.insert(1, f"clock: {hint}")
     lines += content.notes
     time_s, channels = resample(recording.time_s, recording.channels, rate_hz)
+    notes = {
+        name: (other_quantity(name) if spec["unit"] == "1" else "") + spec["note"]
+        for name, spec in columns.items()
+    }
     attributes: dict[str, Any] = {
         "experiment": mapping.experiment,
         "source": "import",
@@ -162,7 +166,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         "imported_sha256": sha256(source),
         "imported_start_s": recording.start_s,
         "map": json.dumps(mapping.model_dump(exclude_none=True)),
-        "notes": json.dumps(_notes(columns)),
+        "notes": json.dumps({name: note for name, note in notes.items() if note}),
     }
     titles = {
         name: f"{name} from {spec['column']}" + (f": {spec['note']}" if spec["note"] else "")
@@ -210,14 +214,6 @@ def _outputs_beside(raw: str) -> tuple[str, str]:
 def _is_imported(old: Path) -> bool:
     (log,) = attempt_each(read_columns, [old], names=())
     return not isinstance(log, LogError) and log.attributes.get("source") == "import"
-
-
-def _notes(columns: dict[str, dict[str, Any]]) -> dict[str, str]:
-    notes = {
-        name: (other_quantity(name) if spec["unit"] == "1" else "") + spec["note"]
-        for name, spec in columns.items()
-    }
-    return {name: note for name, note in notes.items() if note}
 
 
 def list_source(source: str, map_file: str | None = None) -> None:

@@ -118,15 +118,11 @@ def parser() -> argparse.ArgumentParser:
     for command, run in COMMANDS.items():
         group, _, name = command.rpartition(" ")
         if group and group not in verbs:
-            verbs[group] = _add_group(commands, group)
+            words = _GROUPS[group]
+            first = commands.add_parser(group, help=words, description=f"{words}.")
+            verbs[group] = first.add_subparsers(title="verbs", required=True)
         _add_command(verbs.get(group, commands), name, run)
     return top
-
-
-def _add_group(commands: Any, name: str) -> Any:
-    """Add the first word of commands of two words, and return the place for the second."""
-    group = commands.add_parser(name, help=_GROUPS[name], description=f"{_GROUPS[name]}.")
-    return group.add_subparsers(title="verbs", required=True)
 
 
 def _add_command(commands: Any, name: str, run: str) -> None:

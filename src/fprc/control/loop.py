@@ -78,7 +78,8 @@ def run(
             if reason := stop():
                 raise ControlError(reason)
             now = device.read()
-            _refuse_gaps(now)
+            if gone := [name for name in _NEEDED if not math.isfinite(getattr(now, name))]:
+                raise ControlError(f"no reading of {', '.join(gone)}; check the sensor")
             p_exp, p_i, *more = law(k, now)
             main_v = main_loop.step(p_exp, now.p_exp_kpa)
             reservoir_v = reservoir_loop.step(p_i, now.p_i_kpa)
@@ -113,9 +114,3 @@ def _make_safe(device: Device) -> str:
     except Exception as error:
         return f"\nthe rig could not be made safe: {error}"
     return ""
-
-
-def _refuse_gaps(now: Readings) -> None:
-    gone = [name for name in _NEEDED if not math.isfinite(getattr(now, name))]
-    if gone:
-        raise ControlError(f"no reading of {', '.join(gone)}; check the sensor")

@@ -69,7 +69,11 @@ def write_holder(files: Sequence[int], more: str) -> None:
     """
     command = " ".join([Path(sys.argv[0]).name, *sys.argv[1:]])[:200]
     since = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
-    text = f"process {os.getpid()}{more} of {_user()}, since {since}: {command}\n"
+    try:
+        user = f"user {getpass.getuser()}"
+    except (KeyError, OSError):  # a number without a name, as in a container
+        user = "a user without a name"
+    text = f"process {os.getpid()}{more} of {user}, since {since}: {command}\n"
     for file in files:
         with contextlib.suppress(OSError):  # the lock holds even if the disk is full
             os.truncate(file, 0)
@@ -147,10 +151,3 @@ def _open(path: Path) -> int:
         return os.open(path, flags)
     os.fchmod(file, 0o666)  # for any umask
     return file
-
-
-def _user() -> str:
-    try:
-        return f"user {getpass.getuser()}"
-    except (KeyError, OSError):  # a number without a name, as in a container
-        return "a user without a name"

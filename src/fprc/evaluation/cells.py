@@ -95,22 +95,17 @@ def judging(
                 cell for cell, name in zip(cells, names, strict=True) if name not in finished
             ]
             before = len(cells) - len(pending)
-            for done, (cell, result) in enumerate(_results(judge, pending, workers), before + 1):
-                append({"cell": cell, "result": result})
-                finished[_name(cell)] = result
-                progress(done, len(cells))
+            with parallel_config("loky", inner_max_num_threads=1):
+                pool = Parallel(n_jobs=workers, return_as="generator_unordered")
+                results = pool(delayed(_judged)(judge, cell) for cell in pending)
+                for done, (cell, result) in enumerate(results, before + 1):
+                    append({"cell": cell, "result": result})
+                    finished[_name(cell)] = result
+                    progress(done, len(cells))
             return [{**cell, **finished[name]} for cell, name in zip(cells, names, strict=True)]
 
         yield run
         Path(checkpoint).unlink()
-
-
-def _results(
-    judge: Callable[[Cell], Mapping[str, Any]], cells: Sequence[Cell], workers: int
-) -> Iterator[tuple[Cell, dict[str, Any]]]:
-    with parallel_config("loky", inner_max_num_threads=1):
-        pool = Parallel(n_jobs=workers, return_as="generator_unordered")
-        yield from pool(delayed(_judged)(judge, cell) for cell in cells)
 
 
 def _judged(judge: Callable[[Cell], Mapping[str, Any]], cell: Cell) -> tuple[Cell, dict[str, Any]]:

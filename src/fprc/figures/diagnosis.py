@@ -72,7 +72,9 @@ def plot_channel(
     time_s: np.ndarray, values: np.ndarray, name: str, diagnosis: Mapping[str, Any], ax: Axes
 ) -> Axes:
     """Draw one channel: gaps grey, frozen stretches yellow, extremes thick, steps as lines."""
-    ax.plot(time_s, values, color=style.SIGNALS[_colour(name)], linewidth=0.6)
+    quantity = name.rpartition("_")[0].removesuffix("_command")
+    colour = style.SIGNALS.get(quantity, style.SIGNALS["valve"])  # grey: it has none of its own
+    ax.plot(time_s, values, color=colour, linewidth=0.6)
     for gap in diagnosis["clock"]["gaps"]:
         ax.axvspan(gap["from_s"], gap["to_s"], color=_GAP, linewidth=0.5, zorder=0,
                    label="gap")  # fmt: skip
@@ -92,12 +94,6 @@ def plot_channel(
 
 def _axis(name: str, units: Mapping[str, str]) -> str:
     return f"{name} [{units[name]}]" if units[name] else f"{name}, not in its unit"
-
-
-def _colour(name: str) -> str:
-    """Return the quantity of a channel, which decides its colour; grey if it has none."""
-    quantity = name.rpartition("_")[0].removesuffix("_command")
-    return quantity if quantity in style.SIGNALS else "valve"
 
 
 def _remarks(channel: Mapping[str, Any], clock: Mapping[str, Any]) -> str:

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -58,7 +58,9 @@ def channel_of(file: h5py.File, name: str) -> h5py.Dataset:
         raise LogError(f"is a link to {visible(link.path)}; copy the samples into a dataset here")
     dataset = None if link is None else file.get(name)
     if not isinstance(dataset, h5py.Dataset):
-        raise LogError(f"missing; the file has {_listed(file)}")
+        every = [visible(os.fsdecode(name)) for name in file]  # bytes: the name is not UTF-8
+        more = f" and {len(every) - 12} more" if len(every) > 12 else ""
+        raise LogError(f"missing; the file has {', '.join(every[:12]) or 'none'}{more}")
     if dataset.is_virtual or dataset.external:
         raise LogError("its samples are in another file; copy them into this one")
     if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
@@ -90,10 +92,3 @@ def refuse_never_written(dataset: h5py.Dataset) -> None:
         problem = "" if written else "none was written"
     if dataset.size and problem:
         raise LogError(f"declares {dataset.size:,} numbers, but {problem}; record the file again")
-
-
-def _listed(names: Iterable[str | bytes]) -> str:
-    """Return names as text for a message, at most the first twelve."""
-    every = [visible(os.fsdecode(name)) for name in names]  # bytes: the name is not UTF-8
-    more = f" and {len(every) - 12} more" if len(every) > 12 else ""
-    return (", ".join(every[:12]) or "none") + more

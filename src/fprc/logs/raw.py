@@ -1,6 +1,6 @@
 """Raw logs of experiments, as recorded."""
 
-from collections.abc import Container, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -66,20 +66,6 @@ def write_raw(
         if not (len(values) and np.isnan(values).all())
     }
     write_columns(path, measured, attributes)
-
-
-def _required_channels(attributes: Mapping[str, Any]) -> tuple[str, ...]:
-    recorded = str(attributes.get("source"))
-    source = next((word for word in ("import", "rig") if recorded.startswith(word)), "sim")
-    return needed_by(source, tracking=_is_run(attributes))
-
-
-def _missing_target(attributes: Mapping[str, Any], channels: Container[str]) -> list[str]:
-    """Return the names of both P_exp if an imported log has neither."""
-    imported = str(attributes.get("source")).startswith("import")
-    if not imported or any(name in channels for name in TARGETS.values()):
-        return []
-    return [" or ".join(TARGETS.values())]
 
 
 def _is_run(attributes: Mapping[str, Any]) -> bool:
@@ -154,7 +140,9 @@ def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
 def _gather(path: Path | str, also: tuple[str, ...] = ()) -> tuple[Columns, list[str]]:
     """Read a raw log with the channels and attributes that its kind requires."""
     attributes = gather_columns(path, ())[0].attributes
-    needed = tuple(dict.fromkeys([*_required_channels(attributes), *also]))
+    recorded = str(attributes.get("source"))
+    source = next((word for word in ("import", "rig") if recorded.startswith(word)), "sim")
+    needed = tuple(dict.fromkeys([*needed_by(source, tracking=_is_run(attributes)), *also]))
     required = RUN_ATTRIBUTES if _is_run(attributes) else ()
     log, problems = gather_columns(
         path,
@@ -162,10 +150,9 @@ def _gather(path: Path | str, also: tuple[str, ...] = ()) -> tuple[Columns, list
         tuple(name for name in RAW_CHANNELS if name not in needed),
         (*RAW_ATTRIBUTES, *required),
     )
-    problems += [
-        f"{path}: channel {target}: missing; import one of them"
-        for target in _missing_target(attributes, log.channels)
-    ]
+    if source == "import" and log.channels.keys().isdisjoint(TARGETS.values()):
+        targets = " or ".join(TARGETS.values())
+        problems.append(f"{path}: channel {targets}: missing; import one of them")
     more = _contradictions(attributes)
     time_s = log.channels.get("time_s", np.empty(0))
     if time_s.size and (np.abs(time_s) <= LARGEST).all():

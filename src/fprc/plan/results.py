@@ -50,11 +50,6 @@ def _figure(number: int, stem: str, *made_of: str, **needs: Any) -> Result:
     return Result(f"fig{number}", f"Fig. {number}", (file,), made_of, chapter=chapter, **needs)
 
 
-def _following(number: int, reference: str) -> Result:
-    logs = run_log(reference, "fprc"), run_log(reference, "fprc_pd")
-    return _figure(number, reference, "loops", logs=logs)
-
-
 _TIMES, _OVER_N_C = "timing/times.json", "timing/times_over_n_c.json"
 _SEEDS = tuple(f"tables/table{number}_seeds.md" for number in (2, 3, 4))
 _LOOPS = tuple(
@@ -96,7 +91,8 @@ RESULTS = (
     Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", made_of=("grids/epsilon.json",),
            part_of="fig10", **_BOTH_WITH_P_O),
     _figure(11, "taps", "data", "grids/taps.json", "seeds", **_BOTH_WITH_P_O),
-    *(_following(number, reference) for number, reference in enumerate(REFERENCES, start=12)),
+    *(_figure(number, name, "loops", logs=(run_log(name, "fprc"), run_log(name, "fprc_pd")))
+      for number, name in enumerate(REFERENCES, start=12)),
     _figure(16, "loops", "loops", logs=_LOOPS),
     _figure(17, "disturbance", "loops", channels=RESERVOIR,
             logs=(run_log("disturbance", "fprc_pd"),)),
