@@ -12,11 +12,11 @@ import pytest
 
 from fprc.apparatus import guardian, process, session
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
-from fprc.apparatus.record import record_on_rig
 from fprc.apparatus.session import Stop
 from fprc.devices import pneumatics
 from fprc.errors import ControlError, FprcError, OutputError
 from fprc.logs import journal, read_columns, read_journal
+from fprc.stages.record_on_rig import record_on_rig
 
 TICKS = 8
 VENTED = [0.0, 0.0]

@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose
 
 from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, TapFeatures, lowpass
 from fprc.models.fcm import fuzzy_c_means
-from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import with_bias
+from fprc.models.takagi_sugeno import gaussian_memberships
 
 
 def hysteresis(size):

@@ -31,7 +31,7 @@ NAMED = {
     "models.fprc.FPRC": {PAPER[number] for number in range(6, 13)},
     "models.fprc.FuzzyLinear": {"P_ff of a rule", "output"},
     "models.kernels.blend": {"beta", "beta_bar", "output"},
-    "models.membership.gaussian_memberships": {"beta", "beta_bar"},
+    "models.takagi_sugeno.gaussian_memberships": {"beta", "beta_bar"},
     "models.c_header.c_header": {PAPER[number] for number in (4, 6, 10, 11, 12)},
     "models.ridge_readout.RidgeReadout": {"P_ff of the ESN", "ridge of the ESN"},
     "models.ridge.with_bias": {"P_ff of the ESN", "P_ff of a rule"},

@@ -5,10 +5,10 @@ from typing import Any
 
 from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names, refuse_unknown
-from fprc.apparatus.record import record_on_rig
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files, local_files
 from fprc.registry import model_of_run
+from fprc.stages.record_on_rig import record_on_rig
 
 
 @messages_on_terminal()

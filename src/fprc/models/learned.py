@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from sklearn.base import BaseEstimator
 
-from fprc.models.description import describe
 from fprc.models.limits import MOST_FEATURES, Limit, Whole, check_limits
 
 #: Learned numbers are within, unless the class's LIMITS have the attribute too. A trained model is
@@ -44,6 +43,28 @@ def is_learned(key: str) -> bool:
 def features_of(features: Any) -> int | None:
     """Return the number of features of a fitted map; None if its class is from outside."""
     return features.count_features() if is_ours(features) else None
+
+
+def describe(value: Any, *, seeds: bool = True) -> Any:
+    """Return an estimator as a dict of class and parameters, at any depth.
+
+    Arrays and tuples become lists, numbers of NumPy become Python's; two estimators are equal
+    if their descriptions are. Any other value stays as it is.
+
+    Parameters
+    ----------
+    seeds : bool, default=True
+        Whether the parameters include ``random_state``.
+    """
+    if isinstance(value, BaseEstimator):
+        parameters = value.get_params(deep=False)
+        kept = {key: value for key, value in parameters.items() if seeds or key != "random_state"}
+        return {"class": type(value), "parameters": describe(kept, seeds=seeds)}
+    if isinstance(value, dict):
+        return {key: describe(part, seeds=seeds) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [describe(part, seeds=seeds) for part in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 def check_learned(model: Any) -> None:

@@ -12,8 +12,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
 from fprc.given import read_given
-from fprc.models.description import describe
-from fprc.models.learned import check_learned, is_learned, is_ours
+from fprc.models.learned import check_learned, describe, is_learned, is_ours
 from fprc.models.model_file import MOST_BYTES, model_file, read_model_file
 from fprc.models.sequence import SequenceModel
 

@@ -6,6 +6,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial.distance import cdist
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
@@ -13,7 +14,6 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend, fuzzy_regressors
 from fprc.models.limits import Allows, Limit, OneOf, Seed, Whole, check_limits
-from fprc.models.membership import gaussian_memberships
 from fprc.models.ridge import ridge_weights, with_bias
 
 
@@ -125,3 +125,23 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     def output(self, x: np.ndarray) -> float:
         """Return the output of one row of features, without checks."""
         return blend(x, self.centers_, self.W_out_, float(self.sigma))
+
+
+def gaussian_memberships(X: np.ndarray, centers: np.ndarray, sigma: float) -> np.ndarray:
+    """Normalised memberships beta_bar of each row (Eqs. 10, 11).
+
+    beta_i = exp(-||x - c_i||^2 / (2 sigma^2)), divided by the sum over i. The largest exponent is
+    subtracted first: the result is the same, but a sample far from every centre is not 0 / 0.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_clusters)
+        Rows sum to 1.
+    """
+    # one row per cluster, and in place: NumPy is slow with short rows and new arrays
+    beta = cdist(centers, X, "sqeuclidean")
+    beta /= -2.0 * sigma**2
+    beta -= beta.max(axis=0)
+    np.exp(beta, out=beta)
+    beta /= beta.sum(axis=0)
+    return beta.T

@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
-from fprc.models.membership import gaussian_memberships
+from fprc.models.takagi_sugeno import gaussian_memberships
 
 
 def points(limit):
