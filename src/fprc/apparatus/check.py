@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from fprc.apparatus.session import loops, on_rig
+from fprc.apparatus.session import on_rig
 from fprc.channels import SENSORS, Readings
-from fprc.control import run
+from fprc.control import pressure_loops, run
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError
 
@@ -56,8 +56,9 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     channels = seen.channels
     if armed and not seen.unvented:  # a rig that may not vent must not be filled
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
-        how: dict[str, Any] = loops(control, hardware["valves"]["neutral_v"]) | {"stop": stop}
-        filling = partial(run, law=lambda k, now: setpoints[k], samples=len(setpoints), **how)
+        how = pressure_loops(control, hardware["valves"]["neutral_v"])
+        how |= {"samples": len(setpoints), "stop": stop}
+        filling = partial(run, law=lambda k, now: setpoints[k], **how)
         seen = on_rig(hardware, period_s, filling)
         seen.channels["time_s"] += ends[0] * period_s
         channels = {k: np.append(values, seen.channels[k]) for k, values in channels.items()}

@@ -19,10 +19,10 @@ import numpy as np
 
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.programme import plan
-from fprc.apparatus.session import Stop, loops, on_rig, reserve_pipes
+from fprc.apparatus.session import Stop, on_rig, reserve_pipes
 from fprc.artifacts import refuse_output
 from fprc.channels import RAW_CHANNELS
-from fprc.control import RunAbortedError, run
+from fprc.control import RunAbortedError, pressure_loops, run
 from fprc.devices import Clock, Device
 from fprc.errors import FprcError, LogError
 from fprc.logs.journal import Journal
@@ -95,7 +95,7 @@ def record(
                 clock,
                 experiment.law,
                 experiment.samples,
-                **loops(control, hardware["valves"]["neutral_v"]),
+                **pressure_loops(control, hardware["valves"]["neutral_v"]),
                 extra=experiment.channels[len(RAW_CHANNELS) :],
                 keep=_keeping(journal, experiment.samples, period_s),
                 stop=stop,

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.apparatus.guardian import ARMED, BEAT_S, HEARTBEAT, OPENING, SAFE, vent_until_shown
-from fprc.control import PressurePI, RunAbortedError
+from fprc.control import RunAbortedError
 from fprc.control.clock import Metronome
 from fprc.control.realtime import request_realtime
 from fprc.devices import Clock, Device
@@ -21,7 +21,6 @@ from fprc.errors import DeviceError, FprcError
 
 log = logging.getLogger("fprc.rig")
 
-_LOOPS = ("main_loop", "reservoir_loop")
 #: Shortest suspension of the computer that stops a run, s.
 _SUSPENDED_S = 0.1
 
@@ -105,14 +104,6 @@ def _wait(seconds: float) -> None:
     """Send a heartbeat, then sleep."""
     notify(HEARTBEAT)
     time.sleep(seconds)
-
-
-def loops(control: Mapping[str, Any], neutral_v: float) -> dict[str, PressurePI]:
-    """Return both pressure loops as keyword arguments of ``fprc.control.run``."""
-    period_s = 1.0 / control["sample_rate_hz"]
-    return {
-        name: PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v) for name in _LOOPS
-    }
 
 
 #: File descriptors of the messages to the guardian, and of its heartbeats.

@@ -7,8 +7,9 @@ from fprc import __version__
 from fprc.artifacts import refuse_output, write_text
 from fprc.config import from_files, local_files
 from fprc.errors import FprcError
+from fprc.experiments.tracking import Track
 from fprc.given import read_given
-from fprc.models import Learning, Online, SequenceModel
+from fprc.models import Online, SequenceModel
 from fprc.models.c_header import GENERATED, c_header
 from fprc.models.storage import load_model
 from fprc.provenance import sha256
@@ -64,15 +65,6 @@ def export_c(
 
 def online_model(model: SequenceModel, config: Sequence[str]) -> Online:
     """Return a model as it learns with the settings of a configuration."""
-    settings = from_files(config or local_files())
-    control = settings.control
-    chosen = control.feedforward.model_dump(include=set(Learning._fields))
-    try:
-        return Online(
-            model,
-            Learning(**chosen),
-            1.0 / control.sample_rate_hz,
-            settings.tracking.pressure_limit_kpa,
-        )
-    except ValueError as error:
-        raise FprcError(str(error)) from error
+    settings = from_files(config or local_files()).model_dump(mode="json")
+    bench = Track(settings["tracking"], settings["control"], settings["rig"], settings["seed"])
+    return bench.online(model)

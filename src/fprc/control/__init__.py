@@ -3,7 +3,7 @@
 from fprc.control.hysteresis import hysteresis_law
 from fprc.control.loop import Law, RunAbortedError, run
 from fprc.control.pd import PD
-from fprc.control.pressure import PressurePI
+from fprc.control.pressure import PressurePI, pressure_loops
 from fprc.control.tracking import feedforward, refuse_impossible, tracking_law
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "PressurePI",
     "feedforward",
     "hysteresis_law",
+    "pressure_loops",
     "refuse_impossible",
     "run",
     "tracking_law",

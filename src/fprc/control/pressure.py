@@ -1,9 +1,12 @@
 """PI loop that sets a valve's voltage to control a chamber's pressure."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
+from typing import Any
 
 from fprc.control_laws import pressure_step
+from fprc.devices import NEUTRAL_V
 
 
 @dataclass(eq=False, repr=False)
@@ -26,7 +29,7 @@ class PressurePI:
     ki_v_per_kpa_s: float
     period_s: float
     _: KW_ONLY
-    neutral_v: float = 5.0
+    neutral_v: float = NEUTRAL_V
     limit_v: float = 10.0
     integral_kpa_s: float = field(default=0.0, init=False)
 
@@ -53,3 +56,12 @@ class PressurePI:
             self.limit_v,
         )
         return volts
+
+
+def pressure_loops(control: Mapping[str, Any], neutral_v: float = NEUTRAL_V) -> dict[str, Any]:
+    """Return the loops of both chambers, by the section ``control``, as arguments of ``run``."""
+    period_s = 1.0 / control["sample_rate_hz"]
+    return {
+        name: PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v)
+        for name in ("main_loop", "reservoir_loop")
+    }

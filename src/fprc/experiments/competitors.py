@@ -41,9 +41,9 @@ def period_s(data: Data) -> float:
 
 
 def judge_competitor(
-    name: str, train: Data, test: Data, folds: list[Fold], judgement: Judgement
+    cell: Mapping[str, Any], *, train: Data, test: Data, judgement: Judgement
 ) -> dict[str, Any]:
-    """Return the errors of one competitor with its default settings.
+    """Return the errors of one competitor, the ``model`` of the cell, with its default settings.
 
     Settings that only competitors have are scaled from 200 Hz to the rate of the training log;
     those of ``judgement.models`` are used as they are. The features are computed over each whole
@@ -53,30 +53,27 @@ def judge_competitor(
     -------
     dict
         ``validation_rmse_kpa``, one per block, trained on the others; ``test_rmse_kpa``, trained on
-        all of the training log.
-
-    Raises
-    ------
-    EvaluationError
-        A log does not suit the model: it is too short, or too long for the memory.
+        all of the training log. Or the ``reason`` why a log does not suit the model: it is too
+        short, or too long for the memory.
     """
+    name, folds = cell["model"], recording_blocks(train, judgement)
     rate_hz = train.attributes.get("sample_rate_hz", PAPER_HZ)
     settings = scaled(entry_of(name).fixed, rate_hz / PAPER_HZ)
     model = build(name, judgement.models, judgement.seed, **settings)
-    _refuse_too_long(name, model.get_params(), train, test)
-    logs = {key: log.samples(name) for key, log in (("train", train), ("test", test))}
-    prepared = prepare(model, logs)
-    return {
-        "validation_rmse_kpa": prepared.cross_validated("train", folds).validation_rmse,
-        "test_rmse_kpa": prepared.error(prepared.readout("train"), "test"),
-    }
-
-
-def _refuse_too_long(name: str, parameters: Mapping[str, Any], *logs: Data) -> None:
-    states = parameters.get("r", 1)
-    samples = max(len(data.channels["time_s"]) for data in logs)
+    states = model.get_params().get("r", 1)
+    samples = max(len(data.channels["time_s"]) for data in (train, test))
     if states * samples > _MOST_NUMBERS:
-        raise EvaluationError(
+        why = (
             f"{name}: its {states} states at {samples} samples need too much memory; at most "
             f"{_MOST_NUMBERS // states} samples, or set models.{name}.r"
         )
+        return {"reason": why}
+    logs = {key: log.samples(name) for key, log in (("train", train), ("test", test))}
+    try:
+        prepared = prepare(model, logs)
+        return {
+            "validation_rmse_kpa": prepared.cross_validated("train", folds).validation_rmse,
+            "test_rmse_kpa": prepared.error(prepared.readout("train"), "test"),
+        }
+    except EvaluationError as error:
+        return {"reason": str(error)}

@@ -1,6 +1,7 @@
 """Value of the reservoir's readout: FPRC with P_o, without it, and with substitutes for it."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -42,8 +43,9 @@ def readout_cells(
 def judge_readout(
     cell: Mapping[str, Any], *, train: Data, test: Data, judgement: Judgement
 ) -> dict[str, Any]:
-    """Return the errors of one cell."""
+    """Return the errors of one cell, by its own split if it has one."""
     seed, readout = judgement.seed, cell["readout"]
+    judgement = replace(judgement, split=cell.get("split", judgement.split))
     if readout == "none":
         model = build("fuzzy_linear", judgement.models, seed)
     else:

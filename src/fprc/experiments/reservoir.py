@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fprc.channels import RESERVOIR
-from fprc.control import PressurePI, run
+from fprc.control import pressure_loops, run
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import LogError
 
@@ -63,14 +63,12 @@ def drive(
     """
     before = round(_BEFORE_S * sample_rate_hz)
     commands = np.concatenate([np.full(before, p_i_kpa[0]), p_i_kpa]).tolist()
-    period_s = 1.0 / sample_rate_hz
     device = SimulatedRig(rig, seed=seed, run=number, sample_rate_hz=sample_rate_hz)
     channels = run(
         device,
         device,
         lambda k, now: (0.0, commands[k]),
         len(commands),
-        main_loop=PressurePI(**control["main_loop"], period_s=period_s),
-        reservoir_loop=PressurePI(**control["reservoir_loop"], period_s=period_s),
+        **pressure_loops({**control, "sample_rate_hz": sample_rate_hz}),
     )
     return {name: channels[name][before:] for name in CHANNELS}

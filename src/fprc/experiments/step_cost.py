@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fprc.channels import Readings
-from fprc.control import PressurePI, feedforward, tracking_law
+from fprc.control import feedforward, pressure_loops, tracking_law
 from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.data import Data
 from fprc.experiments.tracking import pd_of
@@ -35,9 +35,7 @@ def step_cost(
         feedforward=feedforward(model),
         feedback=pd_of(control, pressure_limit_kpa),
     )
-    main_loop, reservoir_loop = (
-        PressurePI(**control[name], period_s=period_s) for name in ("main_loop", "reservoir_loop")
-    )
+    main_loop, reservoir_loop = pressure_loops(control).values()
 
     def tick(k: int) -> None:
         now = readings[k]

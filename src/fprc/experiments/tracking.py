@@ -9,7 +9,15 @@ import numpy as np
 
 from fprc import __version__
 from fprc.channels import LEARNING_CHANNELS, TRACKING_CHANNELS
-from fprc.control import PD, Law, PressurePI, feedforward, refuse_impossible, run, tracking_law
+from fprc.control import (
+    PD,
+    Law,
+    feedforward,
+    pressure_loops,
+    refuse_impossible,
+    run,
+    tracking_law,
+)
 from fprc.control.simulated import simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
@@ -128,14 +136,12 @@ class Track(NamedTuple):
         pushes: np.ndarray | None = None,
     ) -> dict[str, np.ndarray]:
         """Run one controller on the rig and return its channels."""
-        control, rate_hz = self.control, self.control["sample_rate_hz"]
-        period_s = 1.0 / rate_hz
         listed = [0.0] if pushes is None else pushes.tolist()
         device = SimulatedRig(
             self.rig,
             seed=self.seed,
             run=number,
-            sample_rate_hz=rate_hz,
+            sample_rate_hz=self.control["sample_rate_hz"],
             push_kpa=lambda tick: listed[min(max(tick, 0), len(listed) - 1)],
         )
         return run(
@@ -143,8 +149,7 @@ class Track(NamedTuple):
             device,
             self.law(theta_d, controller, model),
             len(theta_d),
-            main_loop=PressurePI(**control["main_loop"], period_s=period_s),
-            reservoir_loop=PressurePI(**control["reservoir_loop"], period_s=period_s),
+            **pressure_loops(self.control),
             extra=self.channels(controller),
         )
 

@@ -133,12 +133,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         if not hasattr(self, "readout_"):
             return self.fit(X, y, lengths).remember(X, lengths)
 
-        def check(
-            X: ArrayLike, y: ArrayLike | None, first: bool
-        ) -> tuple[np.ndarray, np.ndarray | None]:
-            return validate_data(self, X, y, reset=False, y_numeric=True, dtype=np.float64)
-
-        rows, targets, parts = join_recordings(X, y, lengths, check)
+        rows, targets, parts = join_recordings(X, y, lengths, self._check_known)
         if not hasattr(self, "information_"):
             self.remember(X, lengths)
         phi = self.readout_.regressors(transform_each(self.features_, rows, parts))
@@ -177,7 +172,9 @@ class SequenceModel(RegressorMixin, BaseEstimator):
 
     def _check_known(
         self, X: ArrayLike, y: ArrayLike | None, first: bool
-    ) -> tuple[np.ndarray, None]:
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        if y is not None:
+            return self._check(X, y, False)
         return validate_data(self, X, reset=False, dtype=np.float64), None
 
     def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> Self:

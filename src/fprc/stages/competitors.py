@@ -8,10 +8,9 @@ import numpy as np
 
 from fprc.artifacts import read_json, write_csv, write_json, write_text
 from fprc.claims.recording import judge_recording
-from fprc.errors import EvaluationError
 from fprc.evaluation.cells import judged_cells
 from fprc.experiments.competitors import ON_RECORDINGS, judge_competitor, period_s, recording_blocks
-from fprc.experiments.data import read_data, refuse_mixture
+from fprc.experiments.data import judge_files, read_data, refuse_mixture
 from fprc.experiments.settings import Judgement
 from fprc.paper import SOURCES
 from fprc.tables.competitors import competitors_page, competitors_table
@@ -30,11 +29,11 @@ def compare_competitors(
     judgement : Mapping
         Arguments of ``fprc.experiments.settings.Judgement``.
     **run
-        ``workers``, ``checkpoint``, ``version`` and ``progress`` of ``judged_cells``.
+        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
     """
-    data, tested = read_data(train), read_data(test)
-    refuse_mixture(data, tested)
-    folds = recording_blocks(data, Judgement(**judgement))
+    data, how = read_data(train), Judgement(**judgement)
+    refuse_mixture(data, read_data(test))
+    folds = recording_blocks(data, how)
     described = {
         "source": data.attributes["source"],
         "seed": judgement["seed"],
@@ -45,7 +44,7 @@ def compare_competitors(
         "overlap": float(np.mean([len(block) / len(rows) for rows, block in folds])),
     }
     with judged_cells(
-        partial(_judge_from_files, train=train, test=test, judgement=judgement),
+        partial(judge_files, judge=judge_competitor, train=train, test=test, judgement=how),
         [{"model": name} for name in ON_RECORDINGS],
         settings=judgement,
         files=[train, test],
@@ -70,15 +69,3 @@ def tabulate_competitors(competitors: str, csv: str, md: str) -> None:
         "recording."
     )
     write_text(md, markdown(competitors_page(table), note))
-
-
-def _judge_from_files(
-    cell: Mapping[str, Any], *, train: str, test: str, judgement: Mapping[str, Any]
-) -> dict[str, Any]:
-    data, how = read_data(train), Judgement(**judgement)
-    try:
-        return judge_competitor(
-            cell["model"], data, read_data(test), recording_blocks(data, how), how
-        )
-    except EvaluationError as error:
-        return {"reason": str(error)}

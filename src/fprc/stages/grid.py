@@ -7,7 +7,7 @@ from typing import Any
 
 from fprc.artifacts import write_json
 from fprc.evaluation.cells import judged_cells
-from fprc.experiments.data import models_for, read_data
+from fprc.experiments.data import judge_files, models_for, read_data
 from fprc.experiments.grids import cells_of, judge_cell, weight_shares
 from fprc.experiments.settings import Judgement
 
@@ -43,20 +43,15 @@ def judge_grid(
         "unit": data.unit,
     }
     with judged_cells(
-        partial(_judge_from_files, train=train, test=test, judgement=Judgement(**judgement)),
+        partial(
+            judge_files, judge=judge_cell, train=train, test=test, judgement=Judgement(**judgement)
+        ),
         possible,
         settings=judgement,
         files=[train, test],
         **run,
     ) as judged:
         write_json(results, {**described, "cells": judged})
-
-
-def _judge_from_files(
-    cell: Mapping[str, Any], *, train: str, test: str, judgement: Judgement
-) -> dict[str, Any]:
-    # each worker process reads the logs itself: they would be large arguments
-    return judge_cell(cell, train=read_data(train), test=read_data(test), judgement=judgement)
 
 
 def weigh(train: str, weights: str, *, judgement: Mapping[str, Any]) -> None:

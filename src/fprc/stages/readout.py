@@ -6,7 +6,7 @@ from typing import Any
 
 from fprc.artifacts import write_json
 from fprc.evaluation.cells import judged_cells
-from fprc.experiments.data import read_data, refuse_mixture
+from fprc.experiments.data import judge_files, read_data, refuse_mixture
 from fprc.experiments.readout import judge_readout, readout_cells
 from fprc.experiments.settings import Judgement
 
@@ -29,11 +29,11 @@ def measure_readout(
         Arguments of ``fprc.experiments.settings.Judgement`` without ``split``, which differs
         between cells.
     **run
-        ``workers``, ``checkpoint``, ``version`` and ``progress`` of ``judged_cells``.
+        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
     """
     data = read_data(train)
     refuse_mixture(data, read_data(test))
-    models = judgement["models"]
+    models, how = judgement["models"], Judgement(**judgement, split="")
     held_out = "recordings" if len(data.lengths) > 1 else "blocked"
     described = {
         "source": data.attributes["source"],
@@ -43,17 +43,10 @@ def measure_readout(
         "own": {key: models["fprc"][key] for key in ("epsilon", "n_u")},
     }
     with judged_cells(
-        partial(_judge_from_files, train=train, test=test, judgement=judgement),
+        partial(judge_files, judge=judge_readout, train=train, test=test, judgement=how),
         readout_cells(models, epsilon, n_u, held_out),
         settings=judgement,
         files=[train, test],
         **run,
     ) as judged:
         write_json(cells, {**described, "cells": judged})
-
-
-def _judge_from_files(
-    cell: Mapping[str, Any], *, train: str, test: str, judgement: Mapping[str, Any]
-) -> dict[str, Any]:
-    how = Judgement(**judgement, split=cell["split"])
-    return judge_readout(cell, train=read_data(train), test=read_data(test), judgement=how)

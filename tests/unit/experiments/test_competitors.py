@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
-from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
 from fprc.experiments import competitors
 from fprc.experiments.competitors import judge_competitor, recording_blocks
@@ -32,8 +31,7 @@ def data_of(channels, *lengths):
 def test_errors_of_a_ridge_are_those_of_its_blocks(seen, judgement):
     """Two recordings of 12 and 8 s: blocks do not cross, features restart, neighbours are out."""
     train, test = data_of(seen["sweep"], 2400, 1600), data_of(seen["complex"])
-    folds = recording_blocks(train, judgement)
-    found = judge_competitor("ridge_p_o", train, test, folds, judgement)
+    found = judge_competitor({"model": "ridge_p_o"}, train=train, test=test, judgement=judgement)
     X, y = train.pair("ridge_p_o")
     taps = TapFeatures(N_Y, n_u=N_U, epsilon=EPSILON).fit(X)
     rows = np.vstack([taps.transform(part) for part in (X[:2400], X[2400:])])
@@ -100,7 +98,7 @@ def test_settings_of_a_competitor_alone_fit_the_rate(
 
     monkeypatch.setattr(competitors, "build", built)
     train = Data(seen["sweep"], {"sample_rate_hz": rate_hz})
-    judge_competitor(name, train, train, recording_blocks(train, judgement), judgement)
+    judge_competitor({"model": name}, train=train, test=train, judgement=judgement)
     assert given == [changed]
 
 
@@ -108,5 +106,5 @@ def test_network_at_too_many_samples_is_refused(seen, judgement):
     large = {**MODELS, "esn": {**MODELS["esn"], "r": 20_000}}
     how = replace(judgement, models=large)
     train = data_of(seen["sweep"])
-    with pytest.raises(EvaluationError, match="at most 3000 samples, or set models.esn.r"):
-        judge_competitor("esn", train, train, recording_blocks(train, how), how)
+    found = judge_competitor({"model": "esn"}, train=train, test=train, judgement=how)
+    assert found["reason"].endswith("at most 3000 samples, or set models.esn.r")

@@ -22,7 +22,7 @@ import numpy as np
 
 from fprc.channels import Readings
 from fprc.compiled import kernel
-from fprc.control import PressurePI, run
+from fprc.control import pressure_loops, run
 from fprc.devices.sim import SimulatedRig
 from fprc.experiments.tracking import Track, pd_of
 
@@ -67,7 +67,7 @@ def follow_up(bench: Track, theta_d: np.ndarray, number: int, state: str) -> dic
     state : {"linear", "p_o", "esn"}
         What the angles are joined by: nothing, three taps of the filtered P_o, or a network.
     """
-    control, period_s = bench.control, 1.0 / bench.control["sample_rate_hz"]
+    control = bench.control
     limit_kpa = bench.tracking["pressure_limit_kpa"]
     ahead = np.append(theta_d, np.repeat(theta_d[-1], _DELAY))
     network, pd = _Network(bench.seed), pd_of(control, limit_kpa)
@@ -111,7 +111,6 @@ def follow_up(bench: Track, theta_d: np.ndarray, number: int, state: str) -> dic
     )
     return run(
         rig, rig, law, len(theta_d),
-        main_loop=PressurePI(**control["main_loop"], period_s=period_s),
-        reservoir_loop=PressurePI(**control["reservoir_loop"], period_s=period_s),
+        **pressure_loops(control),
         extra=("theta_d_deg", "p_ff_kpa", "p_fb_kpa"),
     )  # fmt: skip

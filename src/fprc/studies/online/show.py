@@ -67,10 +67,8 @@ def parts_of(family: Family) -> list[list[Part]]:
     """Return the comparisons of D1 to D4."""
     errors = errors_of(family)
 
-    def overall(
-        model: str, condition: str = "none", learns: bool = True, loop: str = "closed"
-    ) -> dict[int, float]:
-        return _overall(errors.get((model, condition, learns, loop), {}))
+    def overall(model: str, condition: str = "none", loop: str = "closed") -> dict[int, float]:
+        return _overall(errors.get((model, condition, True, loop), {}))
 
     def at(model: str, learns: bool, reference: str) -> dict[int, float]:
         by_unit = errors.get((model, "none", learns, "closed"), {})
