@@ -33,12 +33,6 @@ SIMULATED = {
 }
 
 
-def public_map(name: str) -> dict[str, Any]:
-    """Return the map of a public recording."""
-    mapping: dict[str, Any] = yaml.safe_load((ROOT / f"config/maps/{name}.yaml").read_text("utf-8"))
-    return mapping
-
-
 def in_mm(mapping: Mapping[str, Any]) -> dict[str, Any]:
     """Return the map of a recording in um with its displacement in mm."""
     theta = {**mapping["channels"]["theta_deg"], "scale": 1e3, "note": "displacement x [mm]"}
@@ -78,7 +72,8 @@ def rows(datasets: Path) -> Iterator[str]:
     with tempfile.TemporaryDirectory() as name:
         folders = iter(Path(tempfile.mkdtemp(dir=name)) for _ in range(9))
         for dataset, file in FILES.items():
-            path, mapping = str(datasets / dataset / file), public_map(dataset)
+            path = str(datasets / dataset / file)
+            mapping = yaml.safe_load((ROOT / f"config/maps/{dataset}.yaml").read_text("utf-8"))
             yield row(f"`{dataset}`", readout(next(folders), path, mapping=mapping))
         yield row(f"`{dataset}`, in mm", readout(next(folders), path, mapping=in_mm(mapping)))
         logs = [str(Path(name, f"{experiment}.h5")) for experiment in ("complex", "sweep")]

@@ -9,7 +9,6 @@ from fprc.config import from_files, local_files
 from fprc.errors import FprcError
 from fprc.experiments.tracking import Track
 from fprc.given import read_given
-from fprc.models import Online, SequenceModel
 from fprc.models.c_header import GENERATED, c_header
 from fprc.models.storage import load_model
 from fprc.provenance import sha256
@@ -56,15 +55,12 @@ def export_c(
     fitted = load_model(model)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
     try:
-        online = online_model(fitted, config) if learn else None
+        online = None
+        if learn:
+            settings = from_files(config or local_files()).model_dump(mode="json")
+            parts = (settings[key] for key in ("tracking", "control", "rig", "seed"))
+            online = Track(*parts).online(fitted)
         text = c_header(fitted, path.stem, single=float_, origin=origin, online=online)
     except FprcError as error:
         raise FprcError(f"{model}: {error}") from error
     write_text(path, text)
-
-
-def online_model(model: SequenceModel, config: Sequence[str]) -> Online:
-    """Return a model as it learns with the settings of a configuration."""
-    settings = from_files(config or local_files()).model_dump(mode="json")
-    bench = Track(settings["tracking"], settings["control"], settings["rig"], settings["seed"])
-    return bench.online(model)

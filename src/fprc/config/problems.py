@@ -45,7 +45,10 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
     default = defaults.get(key, PydanticUndefined)
     remedy = "" if default is PydanticUndefined else f"; remove the key for {default!r}"
     if kind == "literal_error":
-        remedy = _nearest_word(str(value), item["ctx"]["expected"]) or remedy
+        # the valid words stand in pydantic's message
+        words = {word.lower(): word for word in re.findall(r"'([^']+)'", item["ctx"]["expected"])}
+        near = difflib.get_close_matches(str(value).lower(), words, n=1, cutoff=0.5)
+        remedy = f"; did you mean {words[near[0]]}?" if near else remedy
     return f"{key}{shown}: {message}{remedy}" if key else message
 
 
@@ -60,10 +63,3 @@ def _nearest(above: list[str], last: str, known: Iterable[str]) -> str:
     if not likely:
         return f"the keys are {in_words(siblings)}"
     return f"did you mean {'.'.join(likely[0])}?"
-
-
-def _nearest_word(text: str, expected: str) -> str:
-    """Return a hint: the valid word, from pydantic's message, that is nearest to a wrong one."""
-    words = {word.lower(): word for word in re.findall(r"'([^']+)'", expected)}
-    near = difflib.get_close_matches(text.lower(), words, n=1, cutoff=0.5)
-    return f"; did you mean {words[near[0]]}?" if near else ""

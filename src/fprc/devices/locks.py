@@ -44,7 +44,14 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
     DeviceError
         A board is in use, by the process that the message names, or cannot be locked.
     """
-    places = [Path(folder)] if folder else _shared()
+    # the folders of the system in the order of every program
+    places = [Path(folder)] if folder else [place.resolve() for place in _SHARED if place.is_dir()]
+    if not places:
+        raise DeviceError(
+            f"no folder for the locks of the boards: {', '.join(map(str, _SHARED))} are missing; "
+            "create a folder and set hardware.boards.lock_folder to it"
+        )
+    places = list(dict.fromkeys(places))
     with contextlib.ExitStack() as held:
         files: list[int] = []
         denied: set[str] = set()
@@ -79,17 +86,6 @@ def write_holder(files: Sequence[int], more: str) -> None:
             os.truncate(file, 0)
             os.lseek(file, 0, os.SEEK_SET)
             os.write(file, text.encode(errors="replace"))
-
-
-def _shared() -> list[Path]:
-    """Return the folders of the system for locks, in the order of every program."""
-    places = [place.resolve() for place in _SHARED if place.is_dir()]
-    if not places:
-        raise DeviceError(
-            f"no folder for the locks of the boards: {', '.join(map(str, _SHARED))} are missing; "
-            "create a folder and set hardware.boards.lock_folder to it"
-        )
-    return list(dict.fromkeys(places))
 
 
 def _lock_in_all(board: str, places: Sequence[Path], denied: set[str]) -> Iterator[int]:

@@ -1,6 +1,7 @@
 """Our numbers of Tables II to IV over the printed ones."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import pandas as pd
 
@@ -33,7 +34,7 @@ def in_one(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
         {
             "table": name,
             "number": _NUMBERS[name.removesuffix("_seeds")],
-            "what": _what(row),
+            "what": f"{name_of}, {number_of}",
             "controller": row.get("controller", ""),
             "unit": "deg" if "rmse_deg" in row else row["unit"],
             "ours": ours,
@@ -44,7 +45,7 @@ def in_one(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
         }
         for name, table in tables.items()
         for row in table.to_dict("records")
-        for ours, published in [_means(row)]
+        for name_of, number_of, ours, published in [_named(row)]
     ]
     return pd.DataFrame(rows, columns=_COLUMNS)
 
@@ -72,13 +73,10 @@ def against_paper(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     )
 
 
-def _means(row: Mapping[str, float]) -> tuple[float, float]:
-    if "rmse_deg" in row:
-        return row["rmse_deg"], row["published_rmse_deg"]
-    return row["mean"], row["published_mean"]
-
-
-def _what(row: Mapping[str, str]) -> str:
-    if "controller" not in row:
-        return f"{title_of(row['model'])}, {ERRORS[row['metric']]}"
-    return f"{controller_title(row['controller'])}, {REFERENCE_NAMES[row['reference']]}"
+def _named(row: Mapping[str, Any]) -> tuple[str, str, float, float]:
+    """Return whose number a row has, which number it is, ours and the printed one."""
+    if "controller" in row:
+        words = controller_title(row["controller"]), REFERENCE_NAMES[row["reference"]]
+        return *words, row["rmse_deg"], row["published_rmse_deg"]
+    words = title_of(row["model"]), ERRORS[row["metric"]]
+    return *words, row["mean"], row["published_mean"]

@@ -294,10 +294,15 @@ def blocks(
     world : str
         The world that the tables of models, offsets, capacities and lengths show.
     """
+    titles = [ledger[0]["title"] for ledger in verdicts["ledgers"]]
+    beside = pd.DataFrame(
+        {"Ratio": of_ratio[0]["text"], **dict(zip(titles, map(_ratio, of_ratio), strict=True))}
+        for of_ratio in zip(*verdicts["beside"], strict=True)
+    )
     pages = {
         "beyond_worlds": pd.DataFrame(verdicts["worlds"]),
         "beyond_claims": claims_page(verdicts["ledgers"]),
-        "beyond_beside": _beside_page(verdicts),
+        "beyond_beside": beside,
         "beyond_fitted": fitted_page(verdicts["ledgers"]),
         "beyond_details": details_page(verdicts["ledgers"]),
         "beyond_correlations": correlations_page(tables["tracking"]),
@@ -308,17 +313,11 @@ def blocks(
         "leaderboard": leaderboard(tables["models"], world),
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
-    notes = {"beyond_offsets": f"{note} {_widest(tables['offsets'], world)}"}
+    offsets_of = tables["offsets"][tables["offsets"]["world"] == world]
+    half = float((offsets_of["high"] - offsets_of["low"]).max() / 2.0)
+    widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
+    notes = {"beyond_offsets": f"{note} Means{widest}."}
     return {name: markdown(page, notes.get(name, note)) for name, page in pages.items()}
-
-
-def _beside_page(verdicts: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the ratios beside B1, which no verdict rests on."""
-    titles = [ledger[0]["title"] for ledger in verdicts["ledgers"]]
-    return pd.DataFrame(
-        {"Ratio": of_ratio[0]["text"], **dict(zip(titles, map(_ratio, of_ratio), strict=True))}
-        for of_ratio in zip(*verdicts["beside"], strict=True)
-    )
 
 
 def _ratio(row: Mapping[str, Any]) -> str:
@@ -326,16 +325,6 @@ def _ratio(row: Mapping[str, Any]) -> str:
         return "-"
     mean, low, high = (three_digits(row[key]) for key in ("mean", "low", "high"))
     return f"{mean} ({low} to {high})"
-
-
-def _widest(table: pd.DataFrame, world: str) -> str:
-    of_world = table[table["world"] == world]
-    half = float((of_world["high"] - of_world["low"]).max() / 2.0)
-    return (
-        f"Means; the widest 95 % interval is ± {three_digits(half)} kPa or deg."
-        if half > 0
-        else "Means."
-    )
 
 
 def _seconds(training: str) -> float:

@@ -99,7 +99,13 @@ def details_page(ledgers: Ledgers) -> pd.DataFrame:
         "Rigs": [row["title"] for row in rows],
         "Verdict": [verdict_of(row) for row in rows],
         "Mean": [means_of(row) for row in rows],
-        "Interval": [_intervals(row) for row in rows],
+        "Interval": [
+            ", ".join(
+                f"{three_digits(part['low'])} to {three_digits(part['high'])}"
+                for part in row["parts"]
+            )
+            for row in rows
+        ],
         "p": ["< 0.001" if row["p"] < 0.001 else three_digits(row["p"]) for row in rows],
         "Subsets that agree": [
             "-" if row["stable"] is None else f"{100 * row['stable']:.0f} %" for row in rows
@@ -108,9 +114,3 @@ def details_page(ledgers: Ledgers) -> pd.DataFrame:
         "Units lost": [str(row["dropped"]) for row in rows],
     }
     return pd.DataFrame(columns, dtype=object)
-
-
-def _intervals(row: Mapping[str, Any]) -> str:
-    return ", ".join(
-        f"{three_digits(part['low'])} to {three_digits(part['high'])}" for part in row["parts"]
-    )

@@ -1,6 +1,5 @@
 """Judge the claims on families of rigs, and show the families side by side."""
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -62,7 +61,7 @@ def compare_families(
     families = []
     for k, name in enumerate(named):
         of_models, of_grids, of_control = (
-            [read_json(path) for path in _share(paths, k, len(named))]
+            [read_json(path) for path in np.array_split(paths, len(named))[k]]
             for paths in (models, grids, controls)
         )
         rig, words = Results(of_models, of_grids, of_control, {}, {}), f"Rig {name}"
@@ -105,13 +104,15 @@ def _judged(
     held = pd.DataFrame({row["id"]: row["verdict"] == REPRODUCED for row in x} for x in ledgers)
     worth = [_worth(ledger) for ledger in ledgers]
     every = [report for rig in rigs for report in rig.replicates]
+    targets = printed_errors(printed)
+    off = [errors[key] / targets[key] for errors in map(errors_of, every) for key in targets]
     return {
         "title": title,
         "description": description,
         "units": len(every),
         "errors": _rows(units),
         "sums": {key: _quantiles(sums[key]) for key in sums},
-        "rms": _rms_deviation(every, printed),
+        "rms": rms(np.log(off)),
         "worth": worth[0] if one_rig else _quantiles([middle for middle, *_ in worth]),
         "claims": [
             {
@@ -181,12 +182,6 @@ def tabulate_targets(
     write_table(table, pd.DataFrame(page), note, **files)
 
 
-def _share(paths: Sequence[str], k: int, count: int) -> Sequence[str]:
-    """Return the k-th of ``count`` equal parts."""
-    size = len(paths) // count
-    return paths[k * size : (k + 1) * size]
-
-
 def _rows(units: Sequence[pd.DataFrame]) -> list[dict[str, Any]]:
     """Return the printed numbers with middle and range: over seeds of one rig, or over rigs."""
     rows = units[0][["number", "published"]].to_dict("records")
@@ -206,14 +201,3 @@ def _quantiles(values: Any) -> list[float]:
 def _worth(ledger: Sequence[Mapping[str, Any]]) -> list[float]:
     (statement,) = next(row["statements"] for row in ledger if row["id"] == "B1")
     return [statement[key] for key in ("mean", "first", "last")]
-
-
-def _rms_deviation(reports: Sequence[Mapping[str, Any]], printed: Mapping[str, Any]) -> float:
-    """Return the root mean square of the logarithms of errors over the printed ones."""
-    targets = printed_errors(printed)
-    off = [
-        math.log(errors[key] / target)
-        for errors in map(errors_of, reports)
-        for key, target in targets.items()
-    ]
-    return rms(np.array(off))
