@@ -7,6 +7,10 @@ CONFIGURED_WORLD = SETTINGS["fitted"]["name"]
 WORLDS = [CONFIGURED_WORLD, *OTHER_RIGS, *SETS]
 #: Names of the figures.
 FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities", "settings")
+#: Names of the tables in Markdown.
+PAGES_BEYOND = (
+    "claims tracking models offsets capacities lengths worlds beside fitted details leaderboard"
+).split()
 CONTEST = {
     "models": paper_models(SETTINGS),
     "tracking": SETTINGS["tracking"],
@@ -137,18 +141,14 @@ rule beyond_tables:
         steps=PATHS.below("beyond/steps.json"),
         over_settings=PATHS.below("beyond/settings.json"),
     output:
+        **{name: PATHS.below(f"beyond/{name}.csv") for name in (*PAGES_BEYOND[:6], "settings")},
         verdicts=PATHS.below("beyond/claims.json"),
-        models=PATHS.below("beyond/models.csv"),
-        claims=PATHS.below("beyond/claims.csv"),
-        tracking=PATHS.below("beyond/tracking.csv"),
-        offsets=PATHS.below("beyond/offsets.csv"),
-        capacities=PATHS.below("beyond/capacities.csv"),
-        lengths=PATHS.below("beyond/lengths.csv"),
-        settings=PATHS.below("beyond/settings.csv"),
+        pages=expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
     log:
         PATHS.messages("beyond_tables"),
     params:
         **stage("studies.show_beyond.tabulate_beyond"),
+        world=CONFIGURED_WORLD,
     message:
         "Beyond the paper: claims B1 to B8, tables"
     script:

@@ -54,7 +54,7 @@ if "readme" not in PLAN.unavailable:
 
 rule calibration_page:
     input:
-        pages=[
+        tables=[
             *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
             PATHS.below("calibration/targets.md"),
             PATHS.below("calibration/sensitivity.md"),
@@ -79,7 +79,7 @@ rule calibration_page:
     localrule: True
     params:
         **stage("studies.documents.update_tables"),
-        page="docs/calibration.md",
+        pages=["docs/calibration.md"],
         pictures=[f"docs/images/{name}.png" for name in ("families", "sensitivity", "channels")],
     message:
         "docs/calibration.md: numbers and pictures from the results"
@@ -89,22 +89,15 @@ rule calibration_page:
 
 rule beyond_page:
     input:
-        **{
-            name: PATHS.below(f"beyond/{name}.csv")
-            for name in ("models", "tracking", "offsets", "capacities", "lengths")
-        },
-        verdicts=PATHS.below("beyond/claims.json"),
+        tables=expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
         figures=expand(PATHS.below("beyond/figure_{name}.png"), name=FIGURES_BEYOND),
     log:
         PATHS.messages("beyond_page"),
     localrule: True
     params:
-        **stage("studies.documents.update_beyond_page"),
-        page="docs/beyond.md",
-        details="docs/beyond-details.md",
-        board="docs/benchmark.md",
+        **stage("studies.documents.update_tables"),
+        pages=["docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
         pictures=[f"docs/images/beyond_{name}.png" for name in FIGURES_BEYOND],
-        world=CONFIGURED_WORLD,
     message:
         "docs/beyond.md, its details and the leaderboard: numbers and pictures from the results"
     script:
@@ -113,7 +106,7 @@ rule beyond_page:
 
 rule drift_page:
     input:
-        pages=expand(PATHS.below("online/{table}.md"), table=("verdicts", "errors")),
+        tables=expand(PATHS.below("online/{table}.md"), table=("verdicts", "errors")),
         figures=[PATHS.below("online/figure.png")],
         made_from=expand(PATHS.below("online/{world}.json"), world=WORLDS),
     log:
@@ -121,7 +114,7 @@ rule drift_page:
     localrule: True
     params:
         **stage("studies.documents.update_tables"),
-        page="docs/drift.md",
+        pages=["docs/drift.md"],
         pictures=["docs/images/drift.png"],
     message:
         "docs/drift.md: numbers and picture from the results"

@@ -277,12 +277,12 @@ def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     return pd.DataFrame(rows).assign(source="sim")
 
 
-def blocks(
+def pages(
     verdicts: Mapping[str, Any],
     tables: Mapping[str, pd.DataFrame],
     world: str,
 ) -> dict[str, str]:
-    """Return the generated blocks of docs/beyond.md, of its details, and of docs/benchmark.md.
+    """Return the tables in Markdown by their names; docs/beyond.md and others show them.
 
     Parameters
     ----------
@@ -299,25 +299,25 @@ def blocks(
         {"Ratio": of_ratio[0]["text"], **dict(zip(titles, map(_ratio, of_ratio), strict=True))}
         for of_ratio in zip(*verdicts["beside"], strict=True)
     )
-    pages = {
-        "beyond_worlds": pd.DataFrame(verdicts["worlds"]),
-        "beyond_claims": claims_page(verdicts["ledgers"]),
-        "beyond_beside": beside,
-        "beyond_fitted": fitted_page(verdicts["ledgers"]),
-        "beyond_details": details_page(verdicts["ledgers"]),
-        "beyond_correlations": correlations_page(tables["tracking"]),
-        "beyond_models": models_page(tables["models"], world),
-        "beyond_offsets": offsets_page(tables["offsets"], world),
-        "beyond_capacity": capacity_page(tables["capacities"], world),
-        "beyond_lengths": lengths_page(tables["lengths"], world),
+    shown = {
+        "worlds": pd.DataFrame(verdicts["worlds"]),
+        "claims": claims_page(verdicts["ledgers"]),
+        "beside": beside,
+        "fitted": fitted_page(verdicts["ledgers"]),
+        "details": details_page(verdicts["ledgers"]),
+        "tracking": correlations_page(tables["tracking"]),
+        "models": models_page(tables["models"], world),
+        "offsets": offsets_page(tables["offsets"], world),
+        "capacities": capacity_page(tables["capacities"], world),
+        "lengths": lengths_page(tables["lengths"], world),
         "leaderboard": leaderboard(tables["models"], world),
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
     offsets_of = tables["offsets"][tables["offsets"]["world"] == world]
     half = float((offsets_of["high"] - offsets_of["low"]).max() / 2.0)
     widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
-    notes = {"beyond_offsets": f"{note} Means{widest}."}
-    return {name: markdown(page, notes.get(name, note)) for name, page in pages.items()}
+    notes = {"offsets": f"{note} Means{widest}."}
+    return {name: markdown(page, notes.get(name, note)) for name, page in shown.items()}
 
 
 def _ratio(row: Mapping[str, Any]) -> str:

@@ -9,7 +9,6 @@ import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
 from fprc.studies import blocks as of_pages
-from fprc.studies.beyond import tables as beyond
 
 log = logging.getLogger(__name__)
 
@@ -47,18 +46,29 @@ def update_readme(
 
 
 def update_tables(
-    pages: Sequence[str], figures: Sequence[str] = (), *, page: str, pictures: Sequence[str] = ()
+    tables: Sequence[str],
+    figures: Sequence[str] = (),
+    *,
+    pages: Sequence[str],
+    pictures: Sequence[str] = (),
 ) -> None:
-    """Replace the generated blocks of a page that are tables, and its pictures.
+    """Replace the generated blocks of pages that are tables, and their pictures.
 
     Parameters
     ----------
-    pages : sequence of str
+    tables : sequence of str
         Tables; a block is named after folder and file.
     figures, pictures : sequence of str
         Figures of the results, and their copies in docs.
+    pages : sequence of str
+        Each block is on the first page that has its marker; the last page has all others.
     """
-    _update(page, _tables(pages))
+    blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in tables}
+    for path in pages:
+        text = _read(path)
+        own = [name for name in blocks if f"<!-- {name}: " in text or path == pages[-1]]
+        write_text(path, _updated(path, {name: blocks.pop(name) for name in own}))
+        log.info("updated %s", path)
     _copy(figures, pictures)
 
 
@@ -69,53 +79,8 @@ def _copy(figures: Sequence[str], pictures: Sequence[str]) -> None:
             temporary.write_bytes(Path(figure).read_bytes())
 
 
-def update_beyond_page(
-    verdicts: str,
-    figures: Sequence[str],
-    *,
-    page: str,
-    details: str,
-    board: str,
-    pictures: Sequence[str],
-    world: str,
-    **csv: str,
-) -> None:
-    """Replace the generated blocks of docs/beyond.md and its details, and the pictures.
-
-    Parameters
-    ----------
-    page : str
-        Page with the table of the claims.
-    details : str
-        Page with the other tables but the leaderboard.
-    board : str
-        Page with the leaderboard.
-    figures, pictures : sequence of str
-        Figures of the results, and their copies in docs.
-    world : str
-        World with the rig of the configuration.
-    **csv : str
-        Tables by name: ``models``, ``tracking``, ``offsets``, ``capacities``, ``lengths``.
-    """
-    found = {name: pd.read_csv(path) for name, path in csv.items()}
-    judged = read_json(verdicts)
-    blocks = beyond.blocks(judged, found, world)
-    _update(board, {"leaderboard": blocks.pop("leaderboard")})
-    _update(page, {"beyond_claims": blocks.pop("beyond_claims")})
-    _update(details, blocks)
-    _copy(figures, pictures)
-
-
-def _tables(pages: Sequence[str]) -> dict[str, str]:
-    return {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in pages}
-
-
 def _read(path: str) -> str:
     return Path(path).read_text(encoding="utf-8")
-
-
-def _markdown(table: pd.DataFrame) -> str:
-    return table.to_markdown(index=False, disable_numparse=True)
 
 
 def _updated(path: str, blocks: Mapping[str, str]) -> str:
@@ -123,11 +88,6 @@ def _updated(path: str, blocks: Mapping[str, str]) -> str:
     for name, block in blocks.items():
         text = of_pages.replace_block(text, name, block, path)
     return text
-
-
-def _update(path: str, blocks: Mapping[str, str]) -> None:
-    write_text(path, _updated(path, blocks))
-    log.info("updated %s", path)
 
 
 def _verdicts(judged: Mapping[str, Any]) -> str:
@@ -142,4 +102,5 @@ def _verdicts(judged: Mapping[str, Any]) -> str:
         }
         for claim in judged["claims"]
     ]
-    return f"{_markdown(pd.DataFrame(rows))}\n\n{judged['note']}"
+    table = pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)
+    return f"{table}\n\n{judged['note']}"

@@ -1,11 +1,12 @@
 """Tables, figures and page of the comparison beyond the paper."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from fprc.artifacts import read_json, write_csv, write_json
+from fprc.artifacts import read_json, write_csv, write_json, write_text
 from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
@@ -21,6 +22,9 @@ def tabulate_beyond(
     steps: str,
     over_settings: str,
     verdicts: str,
+    pages: Sequence[str],
+    *,
+    world: str,
     **csv: str,
 ) -> None:
     """Judge B1-B8 in every world, and write the tables.
@@ -35,22 +39,26 @@ def tabulate_beyond(
         Errors over epsilon and n_c.
     verdicts : str
         Outcome: what each world is, and the rows of ``judge_world`` for each.
+    pages : sequence of str
+        Tables in Markdown, named after ``tables.pages``.
+    world : str
+        World whose models, offsets, capacities and lengths the pages show.
     **csv : str
         Tables by name: ``models``, ``claims``, ``tracking``, ``offsets``, ``capacities``,
         ``lengths``, ``settings``.
     """
     found = [world_of(read_json(path)) for path in worlds]
     capacities = read_json(capacity)["cells"]
-    for world in found:
-        world["capacity"] = [row for row in capacities if row["family"] == world["name"]]
+    for each in found:
+        each["capacity"] = [row for row in capacities if row["family"] == each["name"]]
     found[0]["training_length"] = read_json(training)["cells"]
     found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
-    ledgers = [judge_world(world) for world in found]
+    ledgers = list(map(judge_world, found))
     outcome = {
         "source": "sim",
         "worlds": tables.worlds_page(found).to_dict("records"),
         "ledgers": ledgers,
-        "beside": [beside_b1(world) for world in found],
+        "beside": list(map(beside_b1, found)),
     }
     by_model = tables.models(found)
     made = {
@@ -62,10 +70,12 @@ def tabulate_beyond(
         "lengths": tables.lengths(found),
         "settings": tables.over_settings(read_json(over_settings)["cells"]),
     }
-    paths = [csv[name] for name in made]
     write_json(verdicts, outcome)
-    for path, table in zip(paths, made.values(), strict=True):
-        write_csv(path, table)
+    for name, table in made.items():
+        write_csv(csv[name], table)
+    texts = tables.pages(outcome, made, world)
+    for path in pages:
+        write_text(path, texts[Path(path).stem])
 
 
 def draw_pairs(claims: str, pdf: str, png: str, *, worlds: Sequence[str]) -> Mapping[str, Any]:

@@ -136,7 +136,7 @@ def test_tables_replace_the_blocks_that_are_named_after_folder_and_file(tmp_path
     text = "# Title\n\n{}\nBetween.\n{}\nEnd.\n"
     old = [block(name, "old") for name in ("rigs_spread", "rigs_repeats")]
     page.write_text(text.format(*old), encoding="utf-8")
-    update_tables([str(path) for path in tables.values()], page=str(page))
+    update_tables([str(path) for path in tables.values()], pages=[str(page)])
     new = [block(f"rigs_{name}", f"Table of {name}.") for name in ("spread", "repeats")]
     assert page.read_text(encoding="utf-8") == text.format(*new)
 

@@ -5,12 +5,13 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from fprc.studies.stages.documents import update_beyond_page
+from fprc.studies.stages.documents import update_tables
 from fprc.studies.stages.show_beyond import draw_settings, draw_tracking, tabulate_beyond
 from fprc.tables.text import read_markdown
 
 DOCS = Path(__file__).parents[4] / "docs"
 CSV = ("models", "claims", "tracking", "offsets", "capacities", "lengths", "settings")
+PAGES = (*CSV[:-1], "worlds", "beside", "fitted", "details", "leaderboard")
 
 
 #: FPRC is 20 % better with P_o at epsilon 0.01, on every seed but one.
@@ -51,8 +52,8 @@ def tabulated(make_world, tmp_path_factory):
     tabulate_beyond(
         [path["dry"], path["viscous"]],
         *(path[name] for name in ("capacity", "training", "steps", "settings", "verdicts")),
-        **tables,
-    )
+        [str(tmp_path / f"beyond/{name}.md") for name in PAGES], world="dry", **tables,
+    )  # fmt: skip
     return path["verdicts"], tables
 
 
@@ -74,16 +75,16 @@ def test_page_and_leaderboard_have_the_numbers_of_the_tables(tabulated, tmp_path
         for name in ("beyond.md", "beyond-details.md", "benchmark.md")
     )
     (tmp_path / "figure.png").write_bytes(b"picture")
-    given = {name: tables[name] for name in CSV if name not in ("claims", "settings")}
+    given = [str(Path(verdicts).with_name("beyond") / f"{name}.md") for name in PAGES]
     for _ in range(2):  # the blocks stay where they are
-        update_beyond_page(
-            verdicts, **given, figures=[str(tmp_path / "figure.png")],
-            page=page, details=details, board=board,
-            pictures=[str(tmp_path / "picture.png")], world="dry",
+        update_tables(
+            given, [str(tmp_path / "figure.png")], pages=[page, board, details],
+            pictures=[str(tmp_path / "picture.png")],
         )  # fmt: skip
     assert (tmp_path / "picture.png").read_bytes() == b"picture"
-    block = Path(board).read_text(encoding="utf-8").split("<!-- leaderboard: generated -->\n")[1]
-    _, leaders = read_markdown(block.split("<!-- leaderboard: end -->")[0])
+    text = Path(board).read_text(encoding="utf-8")
+    block = text.split("<!-- beyond_leaderboard: generated -->\n")[1]
+    _, leaders = read_markdown(block.split("<!-- beyond_leaderboard: end -->")[0])
     table = pd.read_csv(tables["models"])
     forward = table[(table["world"] == "dry") & (table["measure"] == "forward")]
     best = forward[~forward["model"].str.endswith(("_oracle", "_matched"))]["mean"].min()
