@@ -103,19 +103,3 @@ PEERS = {
     "jax": ("lax.scan in JAX", jax_scan),
     "esnfed": ("esnfed", esnfed),
 }
-
-
-def scikit_fuzzy(X: np.ndarray, centers: np.ndarray) -> float:
-    """Return the objective that scikit-fuzzy's fuzzy c-means reaches from these centres.
-
-    It stops when the root of the sum of squared changes of the memberships is below 0.005, as in
-    its examples.
-    """
-    from skfuzzy import cmeans
-
-    # it begins at memberships, not at centres
-    away = ((X[:, None, :] - centers) ** 2).sum(axis=2).T
-    closeness = 1.0 / np.maximum(away, np.finfo(float).eps)
-    begin = closeness / closeness.sum(axis=0)
-    _, u, _, distance, *_ = cmeans(X.T, len(centers), m=2, error=0.005, maxiter=10_000, init=begin)
-    return float(np.sum((u * distance) ** 2))

@@ -93,7 +93,7 @@ def fuzzy_c_means(
     thinned = X[::coarse]
     if len(thinned) < 10 * n_clusters:
         thinned = X
-    converge = {"fprc": _converge, "scikit-fuzzy": _converge_skfuzzy}[clustering]
+    converge = {"fprc": _converge, "scikit-fuzzy": converge_skfuzzy}[clustering]
     rng = check_random_state(random_state)
 
     found, optima = list[Clusters](), list[float]()
@@ -141,7 +141,8 @@ def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) 
     return best._replace(memberships=best.memberships.T)
 
 
-def _converge_skfuzzy(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
+def converge_skfuzzy(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
+    """Return what scikit-fuzzy's fuzzy c-means reaches from these centres."""
     try:
         from skfuzzy import cmeans
     except ImportError as error:

@@ -102,37 +102,6 @@ def play_log(X, half_widths):
 
 
 @kernel
-def delay(history, x, spacing, row):
-    """Insert the sample ``x``, and write every ``spacing``-th sample to the front of ``row``.
-
-    Parameters
-    ----------
-    history : ndarray of shape (n_inputs, span)
-        Samples of each input, the latest first, changed in place.
-    """
-    n_inputs, span = history.shape
-    at = 0
-    for i in range(n_inputs):
-        for j in range(span - 1, 0, -1):
-            history[i, j] = history[i, j - 1]
-        history[i, 0] = x[i]
-        for j in range(0, span, spacing):
-            row[at] = history[i, j]
-            at += 1
-
-
-@kernel
-def multiply(row, factors):
-    """Write the product of each row of ``factors``, indices into ``row``, to the end of ``row``."""
-    first = row.size - len(factors)
-    for m in range(len(factors)):
-        product = row[factors[m, 0]]
-        for j in range(1, factors.shape[1]):
-            product *= row[factors[m, j]]
-        row[first + m] = product
-
-
-@kernel
 def blend(x, centers, W_out, sigma):
     """Return beta_bar W_out [1, x] of one row of features (Eqs. 10-12).
 

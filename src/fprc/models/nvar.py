@@ -7,7 +7,6 @@ from math import comb
 import numpy as np
 
 from fprc.models.features import FeatureMap, taps
-from fprc.models.kernels import delay, multiply
 from fprc.models.learned import Learned
 from fprc.models.limits import LARGEST, SMALLEST_SCALE, Limit, Whole
 
@@ -103,6 +102,9 @@ class NVAR(FeatureMap):
         self._history = np.repeat(((x - self.mean_) / self.scale_)[:, None], self._span(), axis=1)
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        delay(self._history, (x - self.mean_) / self.scale_, self.spacing, self._row)
-        multiply(self._row, self._products)
+        self._history[:, 1:] = self._history[:, :-1]
+        self._history[:, 0] = (x - self.mean_) / self.scale_
+        linear = self._history[:, :: self.spacing].ravel()
+        self._row[: linear.size] = linear
+        self._row[linear.size :] = linear[self._products].prod(axis=1)
         return self._row
