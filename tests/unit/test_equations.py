@@ -17,7 +17,7 @@ PAPER = {
 
 #: What each docstring that names an equation is about.
 NAMED = {
-    "control.hysteresis.hysteresis_law": {"P_i"},
+    "control.loop.hysteresis_law": {"P_i"},
     "evaluation.weights.normalised_weights": {"min-max", "weight shares"},
     "studies.calibration.surrogate._FuzzyModels.shares": {"min-max", "weight shares"},
     "models.echo.echo_states": {"x(k+1)"},

@@ -1,7 +1,6 @@
 """Controllers and the sampled control loop."""
 
-from fprc.control.hysteresis import hysteresis_law
-from fprc.control.loop import Law, RunAbortedError, run
+from fprc.control.loop import Law, RunAbortedError, hysteresis_law, run
 from fprc.control.pd import PD
 from fprc.control.pressure import PressurePI, pressure_loops
 from fprc.control.tracking import feedforward, refuse_impossible, tracking_law

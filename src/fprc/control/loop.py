@@ -114,3 +114,20 @@ def _make_safe(device: Device) -> str:
     except Exception as error:
         return f"\nthe rig could not be made safe: {error}"
     return ""
+
+
+def hysteresis_law(
+    p_exp_kpa: np.ndarray, k_in_kpa_per_deg: float, reservoir_limit_kpa: float
+) -> Law:
+    """Return the law with setpoints P_exp(k) and P_i(k) = K_in theta(k).
+
+    P_i is clamped between 0 and the reservoir's limit (Sec. II-B, Eq. 1). ``p_exp_kpa`` has one
+    number per sample.
+    """
+    commands = np.asarray(p_exp_kpa, dtype=float).tolist()
+
+    def law(k: int, now: Readings) -> tuple[float, float]:
+        p_i = min(max(k_in_kpa_per_deg * now.theta_deg, 0.0), reservoir_limit_kpa)
+        return commands[k], p_i
+
+    return law

@@ -11,13 +11,34 @@ from sklearn.base import BaseEstimator, clone
 
 from fprc.errors import EvaluationError
 from fprc.evaluation.folds import Fold
-from fprc.evaluation.metrics import rmse
 from fprc.models import SequenceModel
 from fprc.models.learned import features_of
 from fprc.models.recordings import transform_each
+from fprc.signals import rms
 
 #: Most bytes of the features of a log; training takes up to twice as many.
 MOST_BYTES = 2 << 30
+
+
+def rmse(truth: np.ndarray, prediction: np.ndarray) -> float:
+    """Return the root mean square of the difference, in the unit of both.
+
+    Raises
+    ------
+    EvaluationError
+        The shapes differ, or the result is not a finite number.
+    """
+    if np.shape(truth) != np.shape(prediction):
+        raise EvaluationError(
+            f"truth has the shape {np.shape(truth)}, but the prediction {np.shape(prediction)}"
+        )
+    error = rms(truth - prediction)
+    if not np.isfinite(error):
+        raise EvaluationError(
+            f"the RMSE over {len(truth)} samples is {error}: the model's output is not finite; "
+            "check its settings, rho and alpha first"
+        )
+    return error
 
 
 @contextmanager

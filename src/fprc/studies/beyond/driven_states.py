@@ -76,7 +76,18 @@ def judge_capacity(
     u = rng.uniform(-1.0, 1.0, holds)
     low, high = capacity["angle_range_deg"]
     theta_d = np.repeat(low + 0.5 * (high - low) * (u + 1.0), hold)
-    p_o, repeated = (_p_o(rig, control, theta_d, seed, run) for run in _RUNS)
+    # P_i = K_in theta_d; the actuator stays vented
+    p_o, repeated = (
+        simulate_tracking(
+            SimulatedRig(rig, seed=seed, run=run, sample_rate_hz=control["sample_rate_hz"]),
+            control,
+            theta_d,
+            np.zeros_like(theta_d),
+            control["reservoir_limit_kpa"],
+            feedback=False,
+        )["p_o_kpa"]
+        for run in _RUNS
+    )
     noise = float(np.std(p_o - repeated) / np.sqrt(2.0) / np.std(p_o))
     noisy = theta_d + noise * np.std(theta_d) * rng.standard_normal(len(theta_d))
     epsilon, n_u = models["fprc"]["epsilon"], models["fprc"]["n_u"]
@@ -100,16 +111,6 @@ def judge_capacity(
         for name, states in sets.items()
     }
     return [{"seed": seed, "noise_of_p_o": noise, "sets": found}]
-
-
-def _p_o(
-    rig: Mapping[str, Any], control: Mapping[str, Any], theta_d: np.ndarray, seed: int, run: int
-) -> np.ndarray:
-    """Return P_o of a run with P_i = K_in theta_d; the actuator stays vented."""
-    device = SimulatedRig(rig, seed=seed, run=run, sample_rate_hz=control["sample_rate_hz"])
-    vented = np.zeros_like(theta_d)
-    limit_kpa = control["reservoir_limit_kpa"]
-    return simulate_tracking(device, control, theta_d, vented, limit_kpa, feedback=False)["p_o_kpa"]
 
 
 def _at_ends(network: EchoStates, theta_d: np.ndarray, hold: int, before: int) -> np.ndarray:

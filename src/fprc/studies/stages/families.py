@@ -6,21 +6,52 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.stats import binomtest
 
 from fprc.artifacts import read_json, write_json
-from fprc.claims.finding import REPRODUCED, Results
+from fprc.claims import numbers
+from fprc.claims.finding import REPRODUCED, Results, Statement
 from fprc.claims.ledger import judge_claims
-from fprc.claims.paper import CLAIMS, TIMED
+from fprc.claims.paper import ASSUMED, CLAIMS, TIMED, Claim
+from fprc.claims.statements import Printed
 from fprc.errors import FprcError
 from fprc.figures import style
 from fprc.paper import SOURCES
-from fprc.signals import rms
+from fprc.signals import LEVEL, rms
 from fprc.studies.calibration.objective import errors_of, printed_errors
 from fprc.studies.families import tables
-from fprc.studies.families.claims import JUDGED_BY_RIG, WORTH, share_of
 from fprc.studies.families.figures import plot_shares
 from fprc.tables.text import format_mean, spread, write_table
 from fprc.yaml_file import read_yaml
+
+
+def _over_lowpass(results: Results, printed: Printed) -> list[Statement]:
+    errors = [report["filter_alone"]["test_rmse_kpa"] for report in results.replicates]
+    ratio = numbers.error(results, "sweep", "fprc", "test") / np.array(list(map(np.mean, errors)))
+    return [Statement("FPRC / FPRC on low-passed theta_d, test", ratio, high=1.0)]
+
+
+#: B1 on one rig: what P_o is worth there.
+WORTH = Claim("B1", "P_o beats low-passed theta_d, forward", "-", _over_lowpass)
+
+#: Claims that Tables II to IV, weights and loops decide; the others need grids or times, or are
+#: assumed.
+JUDGED_BY_RIG = (
+    *(claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != ASSUMED), WORTH,
+)  # fmt: skip
+
+
+def share_of(held: np.ndarray) -> dict[str, Any]:
+    """Return on how many rigs something holds, their number, the share and its Wilson interval."""
+    holds = int(held.sum())
+    interval = binomtest(holds, held.size).proportion_ci(LEVEL, method="wilson")
+    return {
+        "holds": holds,
+        "rigs": held.size,
+        "share": holds / held.size,
+        "low": float(interval.low),
+        "high": float(interval.high),
+    }
 
 
 def compare_families(

@@ -13,8 +13,8 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
 from fprc.studies.calibration.space import decode, free_parameters
 from fprc.studies.families import family as families
-from fprc.studies.families.claims import share_of
 from fprc.studies.families.family import draw_rig, judge_tables, unit_of
+from fprc.studies.stages.families import share_of
 
 PATHS = [
     "bending.stiffness_kpa_per_deg",
