@@ -103,7 +103,7 @@ def load_hysteresis(
     else:
         tolerance = from_files([]).quality.rate_tolerance
         log = read_raw(raw, experiment=experiment, sample_rate_hz=None, rate_tolerance=tolerance)
-    selected = select_channels(log, str(log.path), target)
+    selected = select_channels(log, target)
     inputs = [name for name in ("theta_deg", "p_o_kpa") if name in log.channels]
     output = TARGETS[selected.attributes["target"]]
     data = np.column_stack([log.channels[name] for name in inputs])

@@ -76,15 +76,13 @@ def judge_files(
     return judge(cell, train=read_data(train), test=read_data(test), judgement=judgement)
 
 
-def select_channels(source: Columns, raw: str, target: str) -> Data:
+def select_channels(source: Columns, target: str) -> Data:
     """Return the channels and attributes of a raw log that the models need.
 
     An imported log may have only one P_exp, commanded or measured; then that one is used.
 
     Parameters
     ----------
-    raw : str
-        The log's file, for the warning.
     target : {"command", "measured"}
         P_exp that the models learn.
     """
@@ -92,7 +90,7 @@ def select_channels(source: Columns, raw: str, target: str) -> Data:
     for name, note in notes.items():
         log.warning("warning: %s: %s", visible(name), visible(note))
     if TARGETS[target] not in source.channels:
-        log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], raw)
+        log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], source.path)
         target = next(name for name in TARGETS if name != target)
     channels = {
         "time_s": source.channels["time_s"],

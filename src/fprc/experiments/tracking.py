@@ -208,6 +208,19 @@ class Track(NamedTuple):
             regressors=given.regressors,
         )
 
+    def error(
+        self,
+        reference: str,
+        fed: "np.ndarray | Fed",
+        pushes: np.ndarray | None = None,
+        *,
+        feedback: bool,
+    ) -> float:
+        """Follow a reference as ``simulate`` does, and return the RMSE, deg."""
+        theta_d, number = self.reference(reference), TRACKING_RUNS[reference]
+        run = self.simulate(theta_d, fed, number, pushes, feedback=feedback)
+        return tracking_rmse(run, self.tracking["references"][reference]["settle_s"])
+
     def follow(
         self, reference: str, controller: str, model: SequenceModel | None
     ) -> dict[str, np.ndarray]:
@@ -325,8 +338,7 @@ def tracking_errors(
     for reference in REFERENCES:
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         inputs = bench.inputs(theta_d, number)
-        settle_s = bench.tracking["references"][reference]["settle_s"]
         for name, feedback in loops.items():
-            channels = bench.simulate(theta_d, bench.feed(model, inputs), number, feedback=feedback)
-            errors[name][reference] = tracking_rmse(channels, settle_s)
+            fed = bench.feed(model, inputs)
+            errors[name][reference] = bench.error(reference, fed, feedback=feedback)
     return errors

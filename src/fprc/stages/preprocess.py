@@ -75,12 +75,12 @@ def read_recordings(
         rate_tolerance=limits["rate_tolerance"],
     )
     recordings, reports = [], []
-    for path, source in zip(paths, sources, strict=True):
+    for source in sources:
         report = assess(source, sample_rate_hz=sample_rate_hz, **limits)
         for warning in warnings(report):
             log.warning("warning: %s", warning)
         reports.append(report)
-        recordings.append(select_channels(source, path, target))
+        recordings.append(select_channels(source, target))
         passed = sum(check["passed"] for check in report["checks"].values())
         log.info("%d of %d quality checks passed", passed, len(report["checks"]))
     return recordings, reports

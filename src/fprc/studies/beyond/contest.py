@@ -13,7 +13,7 @@ from fprc.evaluation.timing import WARM_UP, machine, time_steps
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire, simulate
 from fprc.experiments.settings import RigSettings, Unit
-from fprc.experiments.tracking import TRACKING_RUNS, Track, columns_for, tracking_rmse
+from fprc.experiments.tracking import TRACKING_RUNS, Track, columns_for
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
 from fprc.registry import COMPETITORS, build, competitor, parameters_of
@@ -243,11 +243,8 @@ def _follow(
     errors: dict[str, dict[str, float]] = {"open_loop_deg": {}, "closed_loop_deg": {}}
     for reference, inputs in followed.items():
         p_ff_kpa = model.predict(columns_for(name, inputs))
-        theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         for loop, feedback in zip(errors, (False, True), strict=True):
-            run = bench.simulate(theta_d, p_ff_kpa, number, feedback=feedback)
-            settle_s = bench.tracking["references"][reference]["settle_s"]
-            errors[loop][reference] = tracking_rmse(run, settle_s)
+            errors[loop][reference] = bench.error(reference, p_ff_kpa, feedback=feedback)
     return errors
 
 

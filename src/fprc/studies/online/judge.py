@@ -91,12 +91,13 @@ def judge_online(
                 rows += _followed_up(bench)
     except (FprcError, ValueError, np.linalg.LinAlgError) as error:
         return [{"seed": seed, "failed": in_one_line(error)}]
-    return [{"seed": seed, "rows": rows}]
+    keys = ("model", "condition", "learns", "loop", "reference", "rmse_deg")
+    return [{"seed": seed, "rows": [dict(zip(keys, row, strict=True)) for row in rows]}]
 
 
 def _followed(
     bench: Track, condition: str, models: Mapping[str, SequenceModel]
-) -> list[dict[str, Any]]:
+) -> list[tuple[Any, ...]]:
     rows = []
     trained = bench.control["feedforward"]
     benches = {
@@ -115,40 +116,23 @@ def _followed(
             for learns, bench in benches.items():
                 for loop, feedback in LOOPS.items():
                     fed = bench.feed(model, given)
-                    run = bench.simulate(theta_d, fed, number, pushes, feedback=feedback)
-                    rows.append(_row(bench, reference, run, name, condition, learns, loop))
+                    error = bench.error(reference, fed, pushes, feedback=feedback)
+                    rows.append((name, condition, learns, loop, reference, error))
         if condition in conditions(False):
-            nothing = np.zeros(len(theta_d))
-            run = bench.simulate(theta_d, nothing, number, pushes, feedback=True)
-            rows.append(_row(bench, reference, run, "pd", condition, False, "closed"))
+            error = bench.error(reference, np.zeros(len(theta_d)), pushes, feedback=True)
+            rows.append(("pd", condition, False, "closed", reference, error))
     return rows
 
 
-def _row(
-    bench: Track,
-    reference: str,
-    run: Mapping[str, np.ndarray],
-    model: str,
-    condition: str,
-    learns: bool,
-    loop: str,
-) -> dict[str, Any]:
-    settle_s = bench.tracking["references"][reference]["settle_s"]
-    return {
-        "model": model, "condition": condition, "learns": learns, "loop": loop,
-        "reference": reference, "rmse_deg": tracking_rmse(run, settle_s),
-    }  # fmt: skip
-
-
-def _followed_up(bench: Track) -> list[dict[str, Any]]:
+def _followed_up(bench: Track) -> list[tuple[Any, ...]]:
     """Return the errors of the authors' next scheme, with each of its states."""
     rows = []
     for reference in REFERENCES:
         theta_d = bench.reference(reference)
         for state in STATES:
             run = follow_up(bench, theta_d, TRACKING_RUNS[reference], state)
-            row = _row(bench, reference, run, f"follow_up_{state}", "none", True, "closed")
-            if not math.isfinite(row["rmse_deg"]):
-                raise FprcError(f"{state} on {reference}: the error is {row['rmse_deg']}")
-            rows.append(row)
+            error = tracking_rmse(run, bench.tracking["references"][reference]["settle_s"])
+            if not math.isfinite(error):
+                raise FprcError(f"{state} on {reference}: the error is {error}")
+            rows.append((f"follow_up_{state}", "none", True, "closed", reference, error))
     return rows
