@@ -80,8 +80,8 @@ def search(
     rounds : int
         Those from each start. A round judges a point for each parameter, and 24 more.
     checkpoint : path
-        See ``artifacts.resuming``; the head is ``key`` with ``starts`` and ``rounds``, the entries are
-        the judgements of points that were judged together. A file with another head is kept.
+        See ``artifacts.resuming``; the head is ``key`` with ``starts`` and ``rounds``, the entries
+        are the judgements of points that were judged together. A file with another head is kept.
     key : str
         Hash of everything that the judgements depend on.
     seconds : float
