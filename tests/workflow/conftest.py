@@ -302,8 +302,8 @@ def calibrated(smoked, shared):
     def make(folder):
         copy = _copied(smoked[0], folder)
         files = ("calibration/channels.pdf",)
-        # on one core a job starts no workers, each of which would import the libraries
-        one = ("--cores", "1")
+        # a job with one thread starts no workers, each of which would import the libraries
+        single = ("--cores", "2", "--max-threads", "1")
         made = copy.studies(
             "families",
             "near_print",
@@ -312,9 +312,9 @@ def calibrated(smoked, shared):
             "online",
             "tuned",
             *(f"results/smoke/{name}" for name in files),
-            cores=one,
+            cores=single,
         )
-        done = copy.studies("sensitivity", "calibrate", "--config", FEW_FREE, cores=one)
+        done = copy.studies("sensitivity", "calibrate", "--config", FEW_FREE, cores=single)
         done.returncode = made.returncode or done.returncode
         done.stdout = made.stdout + done.stdout
         return done
