@@ -30,15 +30,9 @@ COMMAND = {"column": "p_exp_command_kpa", "unit": "kPa"}
 
 
 @pytest.fixture
-def drawn():
-    """Requested by tests that use the picture."""
-
-
-@pytest.fixture(autouse=True)
-def undrawn(request, monkeypatch):
-    """Draw no picture in the other tests: drawing takes longer than all else."""
-    if "drawn" not in request.fixturenames:
-        monkeypatch.setattr(style, "save", touch)
+def undrawn(monkeypatch):
+    """Draw no picture: drawing takes longer than all else."""
+    monkeypatch.setattr(style, "save", touch)
 
 
 def touch(fig, data, png):
@@ -47,7 +41,7 @@ def touch(fig, data, png):
 
 
 @pytest.fixture
-def bring(recorded, tmp_path):
+def bring(recorded, tmp_path, undrawn):
     """Import a simulated sweep, written as CSV, with the given channels."""
 
     def bring(channels, time_s=None, **more):
@@ -134,7 +128,7 @@ def test_import_that_fails_leaves_everything_as_it_was(bring, monkeypatch, old, 
 
 
 @pytest.mark.parametrize("name", [r"$\frac{$", "$x$ `b` | <i>", "=1, a\n\x1b[2J", "日本"])
-def test_column_of_any_name_is_imported_and_drawn(tmp_path, drawn, name):
+def test_column_of_any_name_is_imported_and_drawn(tmp_path, name):
     table = pd.DataFrame({"t": np.arange(20) / 200.0, name: np.arange(20.0), "p": np.ones(20)})
     table.to_csv(tmp_path / "log.csv", index=False)
     theta = {"column": name, "unit": "deg", "note": f"from {name}"}
@@ -180,7 +174,7 @@ def test_newtons_are_not_taken_for_kilopascals_and_not_mixed_with_them(bring, ca
 # --- command line ---------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 def test_words_of_the_listing_are_those_of_the_map(tmp_path, capsys, matlab_files):
     """Names of nested parts: tests/unit/logs/test_arrays.py."""
     count = np.arange(50.0)
@@ -248,6 +242,7 @@ def draft(path, capsys, *more):
     return capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_draft_of_names_that_tell_all_is_a_map_that_imports(recorded, tmp_path, capsys):
     sweep = recorded["sweep"]
     columns = {

@@ -84,6 +84,8 @@ NAN, INFINITY = float("nan"), float("inf")
         ("models.alpha", False),
         ("models.alpha", NAN),
         ("models.fprc.n_c", 1.5),
+        ("control.main_loop.kp_v_per_kpa", 0.0),
+        ("control.reservoir_loop.kp_v_per_kpa", -0.03),
         ("models.fprc.n_c", "many"),
         ("models.fprc.n_c", None),
         ("models.fprc.n_c", [1]),

@@ -1,7 +1,6 @@
 import json
 import uuid
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
 
@@ -42,14 +41,10 @@ def sweep(tmp_path):
         ):
             found = run(judge, asked)
             raise InterruptedError
-        return found, judged_in(trace)
+        return found, sorted(int(path.name.split("-")[0]) for path in trace.iterdir())
 
     go.checkpoint = tmp_path / "sub" / "sweep.jsonl"
     return go
-
-
-def judged_in(trace):
-    return sorted(int(path.name.split("-")[0]) for path in Path(trace).iterdir())
 
 
 def lines(path):

@@ -7,7 +7,7 @@ from fprc.experiments import tracking
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.measures import measure_hysteresis, measure_pressure_error
-from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, pd_of, tracking_rmse
+from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, tracking_rmse
 from fprc.models import FPRC, FuzzyLinear
 from fprc.paper import CONTROLLERS, REFERENCES
 from fprc.registry import has_feedback
@@ -137,13 +137,6 @@ def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, 
 def test_controller_does_not_start_without_the_model_it_needs(bench, controller):
     with pytest.raises(ControlError):
         bench.law(np.full(10, 20.0), controller, None)
-
-
-def test_law_and_gains_are_those_of_the_configuration(control):
-    own = {"feedback": "positional", "pd": {"kp_kpa_per_deg": 2.0, "kd_kpa_s_per_deg": 0.0}}
-    incremental, positional = pd_of(control, 9.0), pd_of(control | own, 9.0)
-    assert [incremental.step(4.0, 0.0) for _ in range(5)] == [2.0, 4.0, 6.0, 8.0, 8.0]
-    assert [positional.step(4.0, 0.0) for _ in range(5)] == [8.0] * 5
 
 
 @pytest.mark.slow
