@@ -164,11 +164,11 @@ def test_test_log_that_is_shorter_than_the_taps_is_refused_with_the_models_name(
         prepare(MODELS[1], {"train": (log(), pressure(), None), "test": short})
 
 
-def log(phase=0.0):
-    time = np.arange(200) / 10.0 + phase
+def log():
+    time = np.arange(200) / 10.0
     return np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.sin(time - 0.5)])
 
 
-def pressure(phase=0.0):
-    time = np.arange(200) / 10.0 + phase
+def pressure():
+    time = np.arange(200) / 10.0
     return 175.0 + 120.0 * np.sin(time + 0.2) + 20.0 * np.sin(time) ** 2

@@ -40,6 +40,8 @@ MODELS = {
     "feature_model": FeatureModel(SideBySide(MAPS), RidgeReadout(alpha=1.0)),
 }
 
+COLUMNS = {"esn": 1, "fprc": 2, "fuzzy_linear": 1, "feature_model": 1}
+
 ESTIMATORS = [
     public
     for public in vars(fprc.models).values()
@@ -52,7 +54,7 @@ ESTIMATORS = [
 
 @pytest.fixture(params=MODELS)
 def fitted(request):
-    X, y = inputs(request.param, 300), pressure(300)
+    X, y = inputs(COLUMNS[request.param], 300), pressure(300)
     return clone(MODELS[request.param]).fit(X, y)
 
 
@@ -71,7 +73,7 @@ def test_steps_after_a_reset_to_x0_continue_a_log_that_held_x0(fitted):
 
 @pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
 def test_step_of_a_fuzzy_model_allocates_less_than_one_array_of_its_rules(name):
-    X = inputs(name, 300)
+    X = inputs(COLUMNS[name], 300)
     model = clone(MODELS[name]).set_params(n_c=20).fit(X, pressure(300))
     steps(model, X)
     tracemalloc.start()
@@ -104,7 +106,7 @@ def test_taps_longer_than_the_log_are_refused(name):
     key = {"feature_model": "features__taps__n_y"}.get(name, "n_y")
     model = clone(MODELS[name]).set_params(**{key: 41})
     with pytest.raises(ValueError, match="n_samples = 40.*41.*longer log"):
-        model.fit(inputs(name, 40), pressure(40))
+        model.fit(inputs(COLUMNS[name], 40), pressure(40))
 
 
 @pytest.mark.parametrize("bad", [1.01e9, -1e10, 1e300])
@@ -206,28 +208,23 @@ def test_defaults_are_those_of_the_paper():
 )
 def test_parameter_outside_its_documented_limits_is_refused_by_name(estimator, parameter):
     with pytest.raises(ValueError, match=rf"\b{parameter}\b"):
-        estimator.fit(inputs("fprc", 40), pressure(40))
+        estimator.fit(inputs(2, 40), pressure(40))
 
 
 def steps(model, X):
     return np.array([model.step(x) for x in X])
 
 
-def name_of(model):
-    return next(name for name, known in MODELS.items() if type(known) is type(model))
-
-
-def inputs(name, size, rate=1.0):
-    """Return a bending angle, and for FPRC a reservoir's pressure that lags behind it."""
+def inputs(columns, size, rate=1.0):
+    """Return a bending angle, and if asked for a reservoir's pressure that lags behind it."""
     time = rate * np.arange(size) / 10.0
     theta = 20.0 + 15.0 * np.sin(time)
-    if name != "fprc":
-        return theta[:, None]
-    return np.column_stack([theta, 100.0 + 0.3 * theta + 2.0 * np.sin(time - 0.5)])
+    pressure = 100.0 + 0.3 * theta + 2.0 * np.sin(time - 0.5)
+    return np.column_stack([theta, pressure])[:, :columns]
 
 
 def other_inputs(model):
-    return inputs(name_of(model), 80, rate=1.7)
+    return inputs(model.n_features_in_, 80, rate=1.7)
 
 
 def pressure(size):
