@@ -2,7 +2,6 @@ import logging
 import re
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,7 +15,6 @@ from fprc.commands.import_recording import _quoted, import_or_list
 from fprc.config import Settings
 from fprc.errors import ConfigError, LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
-from fprc.figures import style
 from fprc.logs import assess, read_columns, read_raw
 from fprc.models import FPRC
 from fprc.stages.preprocess import preprocess
@@ -27,17 +25,6 @@ RATE = {"experiment": "sweep", "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 LIMITS = Settings().quality.model_dump()
 ANGLE = {"column": "theta_deg", "unit": "deg"}
 COMMAND = {"column": "p_exp_command_kpa", "unit": "kPa"}
-
-
-@pytest.fixture
-def undrawn(monkeypatch):
-    """Draw no picture: drawing takes longer than all else."""
-    monkeypatch.setattr(style, "save", touch)
-
-
-def touch(fig, data, png):
-    Path(png).touch()
-    plt.close(fig)
 
 
 @pytest.fixture

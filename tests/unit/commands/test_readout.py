@@ -57,7 +57,7 @@ def write_recording(folder):
 
 
 @pytest.fixture
-def stopped(monkeypatch):
+def stopped(monkeypatch, undrawn):
     """Interrupt the command before it judges anything; knows what it was to judge."""
     stop = Mock(side_effect=KeyboardInterrupt)
     monkeypatch.setattr(readout_command, "_compete", stop)
@@ -138,6 +138,7 @@ def test_one_command_goes_from_a_recording_to_a_report(finished):
     assert not logging.getLogger("fprc").handlers
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_further_recordings_train_too_and_are_validated_whole(recording, tmp_path):
     paths = further(tmp_path, 3, 4)
     assert run(tmp_path, recording(start_s=1), "--train", *paths) == 0

@@ -51,10 +51,6 @@ def written(tmp_path):
     return write
 
 
-def test_nothing_gives_the_defaults():
-    assert typed(check({})) == Settings()
-
-
 def test_error_tells_place_value_limit_and_remedy():
     assert message({"models": {"fprc": {"n_c": 0}}}) == (
         "1 error in the configuration:\n"

@@ -1,4 +1,5 @@
 import math
+from itertools import count
 
 import pytest
 
@@ -148,31 +149,27 @@ def test_heart_beats_at_every_sample_that_reached_both_valves_and_at_no_other(
     assert [volts for channel, volts in written(bench) if channel == 6] == [5.0, 0.0, 5.0]
 
 
-def test_one_reading_of_no_pressure_is_not_believed(bench, hardware, build):
+@pytest.mark.parametrize(
+    ("volts", "said"),
+    [
+        (lambda look: 2.6 if look % 5 else 1.0, "MAY BE UNDER PRESSURE"),
+        (lambda look: 1.01, "p_exp_kpa never changed: frozen sensor"),
+    ],
+    ids=["one reading in five", "frozen"],
+)
+def test_reading_of_no_pressure_that_shows_nothing_is_not_believed(
+    bench, hardware, build, volts, said
+):
     hardware["valves"]["vent_s"] = 1.0
     rig = build()
     hardware["boards"]["main_output"] = 5
+    looks = count(1)
 
-    def glitch(seconds):
+    def wait(seconds):
         bench.wait(seconds)
-        glitch.looks += 1
-        bench.shared.inputs[0] = 1.0 if glitch.looks % 5 == 0 else 2.6
+        bench.shared.inputs[0] = volts(next(looks))
 
-    glitch.looks = 0
-    rig._venting["sleep"] = glitch
-    with pytest.raises(DeviceError, match="MAY BE UNDER PRESSURE"):
-        rig.close()
-
-
-def test_sensor_that_is_frozen_shows_nothing(bench, hardware, build):
-    hardware["valves"]["vent_s"] = 1.0
-    rig = build()
-
-    def freeze(seconds):
-        bench.wait(seconds)
-        bench.shared.inputs[0] = 1.01
-
-    bench.shared.inputs[0] = 1.01
-    rig._venting["sleep"] = freeze
-    with pytest.raises(DeviceError, match="p_exp_kpa never changed: frozen sensor"):
+    bench.shared.inputs[0] = volts(0)
+    rig._venting["sleep"] = wait
+    with pytest.raises(DeviceError, match=said):
         rig.close()

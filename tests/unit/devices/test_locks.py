@@ -2,6 +2,7 @@ import errno
 import logging
 import os
 import subprocess
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -106,12 +107,8 @@ def test_user_who_can_write_nowhere_is_refused_and_both_folders_are_named(folder
 
 
 def test_rig_that_is_opened_from_a_program_has_its_boards_alone(bench, settings):
-    hardware = settings["hardware"]
-
-    def build():
-        rig = HardwareRig(hardware, bench.elapsed, sleep=bench.wait, now=bench.elapsed)
-        return rig
-
+    clock = {"sleep": bench.wait, "now": bench.elapsed}
+    build = partial(HardwareRig, settings["hardware"], bench.elapsed, **clock)
     rig = build()
     calls = bench.shared.calls
     with pytest.raises(DeviceError, match="AIO000 is in use by process"):
