@@ -52,74 +52,65 @@ if "readme" not in PLAN.unavailable:
             "../scripts/stage.py"
 
 
-rule calibration_page:
-    input:
+#: By rule: pages of the documentation, their tables, and their figures by the pictures in docs.
+SHOWN_ON = {
+    "calibration_page": SimpleNamespace(
+        pages=["docs/calibration.md"],
         tables=[
             *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
-            PATHS.below("calibration/targets.md"),
-            PATHS.below("calibration/sensitivity.md"),
-            PATHS.below("calibration/stop.md"),
+            *expand(
+                PATHS.below("calibration/{table}.md"), table=("targets", "sensitivity", "stop")
+            ),
         ],
-        figures=[
-            PATHS.below(f"{name}.png")
-            for name in (
-                "families/figure",
-                "calibration/sensitivity_figure",
-                "calibration/channels",
-            )
-        ],
+        figures={
+            "docs/images/families.png": PATHS.below("families/figure.png"),
+            "docs/images/sensitivity.png": PATHS.below("calibration/sensitivity_figure.png"),
+            "docs/images/channels.png": PATHS.below("calibration/channels.png"),
+        },
         made_from=[
             *CHUNK_FILES.values(),
             PATHS.below("calibration/sensitivity.json"),
             *PLAN.replicates("models", TARGET_NAMES),
             *PLAN.replicates("control", TARGET_NAMES),
         ],
-    log:
-        PATHS.messages("calibration_page"),
-    localrule: True
-    params:
-        **stage("studies.documents.update_tables"),
-        pages=["docs/calibration.md"],
-        pictures=[f"docs/images/{name}.png" for name in ("families", "sensitivity", "channels")],
-    message:
-        "docs/calibration.md: numbers and pictures from the results"
-    script:
-        "../scripts/stage.py"
-
-
-rule beyond_page:
-    input:
-        tables=expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
-        figures=expand(PATHS.below("beyond/figure_{name}.png"), name=FIGURES_BEYOND),
-    log:
-        PATHS.messages("beyond_page"),
-    localrule: True
-    params:
-        **stage("studies.documents.update_tables"),
+    ),
+    "beyond_page": SimpleNamespace(
         pages=["docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
-        pictures=[f"docs/images/beyond_{name}.png" for name in FIGURES_BEYOND],
-    message:
-        "docs/beyond.md, its details and the leaderboard: numbers and pictures from the results"
-    script:
-        "../scripts/stage.py"
-
-
-rule drift_page:
-    input:
-        tables=expand(PATHS.below("online/{table}.md"), table=("verdicts", "errors")),
-        figures=[PATHS.below("online/figure.png")],
-        made_from=expand(PATHS.below("online/{world}.json"), world=WORLDS),
-    log:
-        PATHS.messages("drift_page"),
-    localrule: True
-    params:
-        **stage("studies.documents.update_tables"),
+        tables=expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
+        figures={
+            f"docs/images/beyond_{name}.png": PATHS.below(f"beyond/figure_{name}.png")
+            for name in FIGURES_BEYOND
+        },
+        made_from=[],
+    ),
+    "drift_page": SimpleNamespace(
         pages=["docs/drift.md"],
-        pictures=["docs/images/drift.png"],
-    message:
-        "docs/drift.md: numbers and picture from the results"
-    script:
-        "../scripts/stage.py"
+        tables=expand(PATHS.below("online/{table}.md"), table=("verdicts", "errors")),
+        figures={"docs/images/drift.png": PATHS.below("online/figure.png")},
+        made_from=expand(PATHS.below("online/{world}.json"), world=WORLDS),
+    ),
+}
+
+for rule_name, shown in SHOWN_ON.items():
+
+    rule:
+        name:
+            rule_name
+        input:
+            tables=shown.tables,
+            figures=list(shown.figures.values()),
+            made_from=shown.made_from,
+        log:
+            PATHS.messages(rule_name),
+        localrule: True
+        params:
+            **stage("studies.documents.update_tables"),
+            pages=shown.pages,
+            pictures=list(shown.figures),
+        message:
+            f"{', '.join(shown.pages)}: numbers and pictures from the results"
+        script:
+            "../scripts/stage.py"
 
 
 if "check" not in PLAN.unavailable:
