@@ -105,31 +105,27 @@ def test_wrong_lengths_are_refused(lengths, problem, model, recordings):
         model.predict(np.vstack(X), lengths=lengths)
 
 
-def test_list_beside_lengths_is_refused(model, recordings):
-    X, y = recordings
-    with pytest.raises(ValueError, match="lengths must be left out"):
-        model.fit(X, y, lengths=LENGTHS)
+def with_nan(x):
+    return np.where(np.arange(len(x))[:, None] == 4, np.nan, x)
 
 
-def test_output_must_be_a_list_of_as_many_recordings(model, recordings):
-    X, y = recordings
-    for wrong in (y[:2], np.concatenate(y), [1.0, 2.0, 3.0]):
-        with pytest.raises(ValueError, match="X has 3 recordings; y must be a list"):
-            model.fit(X, wrong)
+#: What is given to ``fit`` for three recordings, and what is said about it.
+WRONG = [
+    (lambda X, y: (X, y, LENGTHS), "lengths must be left out"),
+    (lambda X, y: (X, y[:2]), "X has 3 recordings; y must be a list"),
+    (lambda X, y: (X, np.concatenate(y)), "X has 3 recordings; y must be a list"),
+    (lambda X, y: (X, [1.0, 2.0, 3.0]), "X has 3 recordings; y must be a list"),
+    (lambda X, y: ([*X[:2], with_nan(X[2])], y), "recording 3 of 3: Input X contains NaN"),
+    (lambda X, y: (X, [y[0], y[1][:-1], y[2]]), "2 of 3: .*inconsistent numbers of samples"),
+    (lambda X, y: ([X[0], X[1][:3], X[2]], [y[0], y[1][:3], y[2]]), "2 of 3: n_samples = 3 is"),
+    (lambda X, y: ([X[0], np.ones((7, 3)), X[2]], y), "recording 2 of 3: X has 3 features"),
+]
 
 
-def test_faulty_recording_is_named(model, recordings):
-    X, y = recordings
-    faulty = [X[0], X[1], X[2].copy()]
-    faulty[2][4, 0] = np.nan
-    with pytest.raises(ValueError, match="recording 3 of 3: Input X contains NaN"):
-        model.fit(faulty, y)
-    with pytest.raises(ValueError, match="recording 2 of 3: .*inconsistent numbers of samples"):
-        model.fit(X, [y[0], y[1][:-1], y[2]])
-    with pytest.raises(ValueError, match="recording 2 of 3: n_samples = 3 is less than"):
-        model.fit([X[0], X[1][:3], X[2]], [y[0], y[1][:3], y[2]])
-    with pytest.raises(ValueError, match="recording 2 of 3: X has 3 features"):
-        model.fit([X[0], np.ones((9, 3)), X[2]], [y[0], np.ones(9), y[2]])
+@pytest.mark.parametrize(("wrong", "problem"), WRONG)
+def test_recordings_that_do_not_go_together_are_refused(wrong, problem, model, recordings):
+    with pytest.raises(ValueError, match=problem):
+        model.fit(*wrong(*recordings))
 
 
 def test_tables_with_columns_in_another_order_are_refused():
