@@ -13,6 +13,8 @@ from fprc.figures import style
 from fprc.logs import write_columns, write_raw
 from fprc.models import FPRC, save_model
 from fprc.paper import REFERENCES
+from fprc.stages.preprocess import preprocess
+from fprc.stages.record import record
 
 # `make quick` asks for fewer examples, .ci/weekly for more
 EXAMPLES = int(os.environ.get("FPRC_EXAMPLES", "25"))
@@ -74,6 +76,24 @@ def recorded(signals):
     for values in (array for log in channels.values() for array in log.values()):
         values.setflags(write=False)
     return channels
+
+
+@pytest.fixture(scope="session")
+def make_data():
+    """Record and preprocess an experiment as the main run does; return raw log and data."""
+
+    def make(folder, name, settings, seed):
+        raw, data, quality = (str(folder / f"{name}{end}") for end in (".h5", ".data.h5", ".json"))
+        signal = settings["experiments"][name]
+        rig = {key: settings[key] for key in ("control", "rig")}
+        record(raw, experiment=name, signal=signal, seed=seed, **rig)
+        preprocess(
+            raw, data, quality, experiment=name, target="command", sample_rate_hz=200.0,
+            limits=settings["quality"],
+        )  # fmt: skip
+        return raw, data
+
+    return make
 
 
 @pytest.fixture(scope="session")

@@ -12,8 +12,6 @@ from fprc.config import from_files
 from fprc.datasets import load_hysteresis
 from fprc.errors import ConfigError
 from fprc.logs import read_columns, write_raw
-from fprc.stages.preprocess import preprocess
-from fprc.stages.record import record
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = from_files([]).model_dump(mode="json")
@@ -24,24 +22,9 @@ def sweep():
     return load_hysteresis("sweep")
 
 
-@pytest.fixture(scope="module")
-def logs(tmp_path_factory):
-    """Raw log and data of the sweep, as the workflow makes them."""
-    folder = tmp_path_factory.mktemp("logs")
-    raw, data, quality = (str(folder / name) for name in ("sweep.h5", "data.h5", "quality.json"))
-    record(
-        raw, experiment="sweep", signal=SETTINGS["experiments"]["sweep"],
-        control=SETTINGS["control"], rig=SETTINGS["rig"], seed=1,
-    )  # fmt: skip
-    preprocess(
-        raw, data, quality, experiment="sweep", target="command", sample_rate_hz=200.0,
-        limits=SETTINGS["quality"],
-    )  # fmt: skip
-    return raw, read_columns(data, ("theta_deg", "p_o_kpa", "p_target_kpa")).channels
-
-
-def test_data_are_those_of_the_workflow(sweep, logs):
-    _, ours = logs
+def test_data_are_those_of_the_workflow(sweep, make_data, tmp_path):
+    _, path = make_data(tmp_path, "sweep", SETTINGS, 1)
+    ours = read_columns(path, ("theta_deg", "p_o_kpa", "p_target_kpa")).channels
     assert_array_equal(sweep.data, np.column_stack([ours["theta_deg"], ours["p_o_kpa"]]))
     assert_array_equal(sweep.target, ours["p_target_kpa"])
 

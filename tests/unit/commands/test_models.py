@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 import yaml
@@ -13,8 +15,6 @@ from fprc.models import load_model
 from fprc.plan.arguments import judgement
 from fprc.registry import build
 from fprc.stages.judge import judge
-from fprc.stages.preprocess import preprocess
-from fprc.stages.record import record
 
 pytestmark = pytest.mark.slow
 
@@ -39,33 +39,20 @@ def settings(few):
 
 
 @pytest.fixture(scope="module")
-def recorded_by_rule(settings, tmp_path_factory):
-    """Raw logs of both experiments, and one more sweep, as the workflow's stage writes them."""
+def by_rule(make_data, settings, tmp_path_factory):
+    """Raw log and data of both experiments, as the workflow's stages write them."""
     folder = tmp_path_factory.mktemp("raw")
-
-    def by_rule(experiment, path, seed):
-        path.parent.mkdir(exist_ok=True)
-        record(
-            str(path), experiment=experiment, signal=settings["experiments"][experiment],
-            control=settings["control"], rig=settings["rig"], seed=seed,
-        )  # fmt: skip
-        return path
-
-    by_rule("sweep", folder / "other" / "sweep.h5", 4)
-    return {name: by_rule(name, folder / f"{name}.h5", 3) for name in ("sweep", "complex")}
+    return {name: make_data(folder, name, settings, 3) for name in ("sweep", "complex")}
 
 
 @pytest.fixture(scope="module")
-def prepared(recorded_by_rule, settings, tmp_path_factory):
-    """Data of both experiments, as the workflow's stage writes them."""
-    folder = tmp_path_factory.mktemp("data")
-    data = [str(folder / f"{experiment}.h5") for experiment in recorded_by_rule]
-    for (experiment, raw), path in zip(recorded_by_rule.items(), data, strict=True):
-        preprocess(
-            str(raw), path, f"{path}.json", experiment=experiment, target="command",
-            sample_rate_hz=200.0, limits=settings["quality"],
-        )  # fmt: skip
-    return data
+def recorded_by_rule(by_rule):
+    return {name: Path(raw) for name, (raw, _) in by_rule.items()}
+
+
+@pytest.fixture(scope="module")
+def prepared(by_rule):
+    return [data for _, data in by_rule.values()]
 
 
 @pytest.fixture
@@ -129,9 +116,11 @@ def test_model_and_prediction_are_those_of_the_workflow(
         np.testing.assert_array_equal(table[key], values)
 
 
-def test_logs_of_the_same_name_train_together(recorded_by_rule, few, settings, inside):
-    sweep = recorded_by_rule["sweep"]
-    raw = [sweep, sweep.parent / "other" / "sweep.h5"]
+def test_logs_of_the_same_name_train_together(
+    recorded_by_rule, make_data, few, settings, inside, tmp_path_factory
+):
+    other, _ = make_data(tmp_path_factory.mktemp("other"), "sweep", settings, 4)
+    raw = [recorded_by_rule["sweep"], Path(other)]
     assert run("train", *raw, "--config", few, "--seed", 7, "--out", "mine.h5") == 0
     logs = [read_columns(path, needed_by("sim")).channels for path in raw]
     X = [np.column_stack([log["theta_deg"], log["p_o_kpa"]]) for log in logs]

@@ -13,8 +13,6 @@ from fprc.plan import arguments
 from fprc.registry import build
 from fprc.stages.grid import weigh
 from fprc.stages.judge import judge
-from fprc.stages.preprocess import preprocess
-from fprc.stages.record import record
 from fprc.stages.replicate import replicate
 
 pytestmark = pytest.mark.slow
@@ -61,21 +59,10 @@ def errors(settings, on_rig, judgement, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def logs(settings, tmp_path_factory):
-    """Logs of both experiments, made by the main run's stages with this seed."""
+def logs(settings, make_data, tmp_path_factory):
+    """Data of both experiments, made by the main run's stages with this seed."""
     folder = tmp_path_factory.mktemp("main")
-    paths = {}
-    for name, signal in settings["experiments"].items():
-        raw, paths[name] = str(folder / f"{name}_raw.h5"), str(folder / f"{name}.h5")
-        record(
-            raw, experiment=name, signal=signal, control=settings["control"],
-            rig=settings["rig"], seed=SEED,
-        )  # fmt: skip
-        preprocess(
-            raw, paths[name], str(folder / f"{name}.json"), experiment=name, target="command",
-            sample_rate_hz=200.0, limits=settings["quality"],
-        )  # fmt: skip
-    return paths
+    return {name: make_data(folder, name, settings, SEED)[1] for name in settings["experiments"]}
 
 
 def judge_both(model, logs, judgement, folder):
