@@ -60,13 +60,3 @@ def test_sums_are_of_each_table_and_loop(table):
     assert sums["largest"] == pytest.approx(tables.max())
     assert sums["open_loop"] == pytest.approx(0.0)
     assert sums["closed_loop"] == sums["closed_loop_median"] == pytest.approx(0.2)
-
-
-@pytest.mark.parametrize("controller", [None, "fprc", "fprc_pd"])
-def test_missing_part_has_no_sums(table, controller):
-    lacking = table["table"] != "IV" if controller is None else table["controller"] == controller
-    with pytest.raises(ValueError, match="missing"):
-        sums_of(table[~lacking])
-    table.loc[table.index[-1], "deviation"] = np.nan
-    with pytest.raises(ValueError, match="missing"):
-        sums_of(table)
