@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.stats import ttest_1samp
 
@@ -59,6 +59,7 @@ def test_superior_and_inferior_are_t_tests(values, level):
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=6))
+@example([0.03, 0.03])  # neither, although either alone would be decided
 def test_holm_is_the_closure_of_bonferroni(p):
     """A claim is decided if Bonferroni rejects every set of claims that it is in."""
     everything = range(len(p))
