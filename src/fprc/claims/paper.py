@@ -262,7 +262,7 @@ CLAIMS = (
                       cut / s.printed_cuts(p)[name], 1 / 1.5, 1.5)
             for name, cut in s.cuts(r).items()
         ],
-        half_fitted_by=("closed_loop",), shown_in=_TRACKING,
+        half_fitted_by=("closed_loop", "closed_sweep"), shown_in=_TRACKING,
     ),
     Claim(
         "C13c", "feedback cuts less of the error at higher frequencies",
@@ -272,7 +272,7 @@ CLAIMS = (
                       s.cuts(r)[faster] / s.cuts(r)[slower], low=1.0)
             for slower, faster in pairwise(("sine_0p2", "sine_0p5", "sweep"))
         ],
-        shown_in=_TRACKING,
+        half_fitted_by=("closed_sweep",), shown_in=_TRACKING,
     ),
     Claim(
         "C14", "P_ff predominates over P_fb in FPRC+PD", "P_ff predominates",
@@ -299,7 +299,7 @@ CLAIMS = (
                       n.measured(r, "sweep", "last_third_deg")
                       / n.measured(r, "sweep", "first_third_deg"), low=1.0),
         ],
-        shown_in=("fig14",),
+        half_fitted_by=("closed_sweep",), shown_in=("fig14",),
     ),
     Claim(
         "C16",

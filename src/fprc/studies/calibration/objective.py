@@ -39,14 +39,21 @@ class Aim(NamedTuple):
 
     errors: Mapping[str, float]  #: RMSEs by "trained on/model/phase", kPa
     open_loop: Mapping[str, float]  #: RMSEs by reference, deg
+    closed_sweep: float  #: RMSE of FPRC+PD in the sweep, deg
     ranges: Mapping[str, tuple[float, float]]  #: of the rig's ``properties``
     fit: Sequence[str]  #: names of the terms that count, see ``TERMS``
 
 
 def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
     """Return the aim of the search."""
-    open_loop = published["table_4_tracking_rmse_deg"]["fprc"]
-    return Aim(printed_errors(published), open_loop, calibration["plausible"], calibration["fit"])
+    tracking = published["table_4_tracking_rmse_deg"]
+    return Aim(
+        errors=printed_errors(published),
+        open_loop=tracking["fprc"],
+        closed_sweep=tracking["fprc_pd"]["sweep"],
+        ranges=calibration["plausible"],
+        fit=calibration["fit"],
+    )
 
 
 def printed_errors(published: Mapping[str, Any]) -> dict[str, float]:
@@ -246,25 +253,27 @@ def _c18(judged: Judged, aim: Aim) -> list[float]:
 
 
 def _open_loop(judged: Judged, aim: Aim) -> list[float]:
-    return [
-        _far(math.log(_mean(judged, "open_loop", key) / printed)) / _TRACKING
-        for key, printed in aim.open_loop.items()
-    ]
+    return [_tracked(judged, "open_loop", key, printed) for key, printed in aim.open_loop.items()]
 
 
 def _closed_loop(judged: Judged, aim: Aim) -> list[float]:
-    """Feedback at the printed gains is stable and helps; how much it helps is no target."""
+    """Feedback at the printed gains is stable and helps on every reference."""
     return [
         _above(_mean(judged, "closed_loop", key) / _mean(judged, "open_loop", key), _LEFT)
         for key in aim.open_loop
     ]
 
 
+def _closed_sweep(judged: Judged, aim: Aim) -> list[float]:
+    """How much feedback helps in the sweep; this says which inertia, and the others judge it."""
+    return [_tracked(judged, "closed_loop", "sweep", aim.closed_sweep)]
+
+
 #: Terms of the objective by their names in ``calibration.fit``.
 TERMS = {
     "tables": _tables, "orders": _orders, "plausible": _plausible, "C8": _c8, "C9a": _c9a,
     "C9b": _c9b, "C11": _c11, "C12": _c12, "C18": _c18, "open_loop": _open_loop,
-    "closed_loop": _closed_loop,
+    "closed_loop": _closed_loop, "closed_sweep": _closed_sweep,
 }  # fmt: skip
 
 
@@ -292,6 +301,10 @@ def _far(deviation: float) -> float:
     """Return a deviation of which the part beyond ``_NEAR`` counts ``_FAR_WEIGHT`` times."""
     beyond = max(abs(deviation) - _NEAR, 0.0)
     return math.copysign(abs(deviation) + (_FAR_WEIGHT - 1.0) * beyond, deviation)
+
+
+def _tracked(judged: Judged, loop: str, reference: str, printed: float) -> float:
+    return _far(math.log(_mean(judged, loop, reference) / printed)) / _TRACKING
 
 
 def _above(ratio: float, limit: float) -> float:

@@ -134,7 +134,8 @@ def _steps(
     deviations_of: Callable[[Sequence[float]], np.ndarray],
 ) -> Iterator[_Here]:
     """Yield the best point after each step of a round."""
-    slopes, radius = _slopes(here, judged), _RADIUS
+    slopes, near = _slopes(here, judged)
+    here, radius = min(here, *near, key=_loss), _RADIUS
     for _ in range(_STEPS):
         radii = [min(share * radius, _MOST) for share in _REACH]
         points = [_least_within(r, here, slopes, deviations_of) for r in radii]
@@ -167,19 +168,22 @@ def _here(
 
 def _slopes(
     here: _Here, judged: Callable[[Sequence[np.ndarray]], list[_Here | None]]
-) -> np.ndarray:
-    """Return how the numbers change along each parameter, of shape (n_numbers, n_parameters).
+) -> tuple[np.ndarray, list[_Here]]:
+    """Return how the numbers change along each parameter, and the neighbours that show it.
 
-    A parameter whose neighbour is impossible has the slope 0.
+    The slopes have the shape (n_numbers, n_parameters). A parameter whose neighbour is impossible
+    has the slope 0.
     """
     steps = np.where(here.point + _STEP <= 1.0, _STEP, -_STEP)
     points = [
         here.point + step * axis for step, axis in zip(steps, np.eye(len(steps)), strict=True)
     ]
-    return np.column_stack([
+    neighbours = judged(points)
+    slopes = np.column_stack([
         np.zeros(len(here.numbers)) if near is None else (near.numbers - here.numbers) / step
-        for near, step in zip(judged(points), steps, strict=True)
+        for near, step in zip(neighbours, steps, strict=True)
     ])  # fmt: skip
+    return slopes, [near for near in neighbours if near]
 
 
 def _corrected(slopes: np.ndarray, here: _Here, new: _Here) -> np.ndarray:
@@ -197,13 +201,19 @@ def _least_within(
     slopes: np.ndarray,
     deviations_of: Callable[[Sequence[float]], np.ndarray],
 ) -> np.ndarray:
-    """Return the point within ``radius`` at which the linear model's loss is least."""
+    """Return the point within ``radius`` at which the linear model's loss is least.
+
+    A parameter that moves the numbers more than most has a smaller radius in proportion, because
+    what it does is far from linear sooner.
+    """
+    effects = np.linalg.norm(slopes, axis=0)
+    radii = radius / np.maximum(effects / max(float(np.median(effects)), 1e-9), 1.0)
 
     def residuals(step: np.ndarray) -> np.ndarray:
         deviations = deviations_of((here.numbers + slopes @ step).tolist())
-        return np.concatenate([deviations, _DAMPING * step / radius])
+        return np.concatenate([deviations, _DAMPING * step / radii])
 
-    low, high = np.maximum(-radius, -here.point), np.minimum(radius, 1.0 - here.point)
+    low, high = np.maximum(-radii, -here.point), np.minimum(radii, 1.0 - here.point)
     begin = np.clip(np.zeros(len(low)), low + 1e-9, high - 1e-9)
     fit = least_squares(residuals, begin, bounds=(low, high), diff_step=1e-3, max_nfev=25)
     return np.clip(here.point + fit.x, 0.0, 1.0)
