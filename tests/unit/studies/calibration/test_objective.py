@@ -55,7 +55,7 @@ GOOD = {
     "open_loop": OPEN_LOOP,
     "closed_loop": {name: 0.5 * value for name, value in OPEN_LOOP.items()},
 }
-AIM = Aim(ERRORS, OPEN_LOOP, RANGES, tuple(TERMS))
+AIM = Aim(ERRORS, OPEN_LOOP, 0.5 * OPEN_LOOP["sweep"], RANGES, tuple(TERMS))
 #: What counts as close, and the room to spare, as logarithms.
 CLOSE, HELD, TRACKED, ROOM, WIDE = 0.05, 0.025, 0.06, math.exp(-0.05), math.exp(-0.12)
 
@@ -135,6 +135,10 @@ STATEMENTS = {
     "open loop": (
         "open_loop", lambda r: {"open_loop": OPEN_LOOP | {"sweep": 3.0 * r}}, 1.0, 1.0, TRACKED,
     ),
+    "closed loop of the sweep": (
+        "closed_sweep", lambda r: {"closed_loop": {"sine_0p2": 1.0, "sweep": 1.5 * r}},
+        1.0, 1.0, TRACKED,
+    ),
     "closed loop": (
         "closed_loop", lambda r: {"closed_loop": {"sine_0p2": 1.0, "sweep": 3.0 * r}},
         0.0, 0.8 * ROOM, HELD,
@@ -151,7 +155,7 @@ def test_term_is_zero_within_its_limits_and_grows_beyond_them(what, share):
     least, most = SPANS.get(what, (0.1, 8.0))
     ratio = least * (most / least) ** share
     beyond = max(math.log(low / ratio) if low else 0.0, math.log(ratio / high), 0.0)
-    if term in ("tables", "open_loop"):  # beyond 10 % an error counts three times
+    if term in ("tables", "open_loop", "closed_sweep"):  # beyond 10 % an error counts three times
         beyond += 2.0 * max(beyond - 0.1, 0.0)
     assert loss(term, change(ratio)) == pytest.approx((beyond / close) ** 2, rel=1e-6, abs=1e-12)
 
@@ -326,5 +330,6 @@ def test_target_is_what_the_tables_print():
     }  # fmt: skip
     assert aim.open_loop == PRINTED["table_4_tracking_rmse_deg"]["fprc"]
     assert set(aim.open_loop) == set(REFERENCES)
+    assert aim.closed_sweep == 1.7
     assert aim.ranges == calibration["plausible"]
     assert aim.fit == calibration["fit"]
