@@ -8,7 +8,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick style fast types kernels lint site tests faults test damage test-kill reproduce-twice processors \
 	slurm slurm-programs test-slurm chromium docs check layers lowest newest fault-matrix fuzz loop-benchmark benchmark \
-	benchmark-all container test-container cut release release-tools test-release clean
+	container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -162,9 +162,6 @@ benchmark: .venv/.ready  ## compare speed with other libraries, for docs/running
 	python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
 	  --target .venv/benchmark --requirement tools/benchmark/requirements.txt
 	$(MEASURE).speed --page docs/running.md
-
-benchmark-all: .venv/.ready  ## compare the workflow with an uncompiled one: half an hour
-	$(MEASURE).whole --cores $(CORES) --page docs/running.md
 
 # pip would compile on one processor, and the tests of the libraries too.
 .venv/.ready: environment.txt pyproject.toml

@@ -24,6 +24,7 @@ import pandas as pd
 from sklearn.cluster import kmeans_plusplus
 from threadpoolctl import threadpool_limits
 
+from fprc.artifacts import write_text
 from fprc.config import from_files
 from fprc.datasets import load_hysteresis
 from fprc.evaluation.timing import machine
@@ -31,9 +32,12 @@ from fprc.experiments.tracking import Track
 from fprc.models import FPRC, EchoStates
 from fprc.models.echo import aligned, echo_states
 from fprc.models.fcm import converge_skfuzzy, fuzzy_c_means
+from fprc.studies.blocks import replace_block
 from fprc.tables.text import three_digits
-from tools.benchmark import load, refuse_other_kernels, show
 from tools.benchmark.peers import PEERS, Peer
+
+#: Variables that select kernels of OpenBLAS other than the processor's own.
+KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE")
 
 #: States that differ by less are the same.
 SAME = 1e-12
@@ -195,7 +199,7 @@ def circumstances() -> str:
     here = machine()
     return (
         f"Measured on {date.today().isoformat()} on one core of {os.cpu_count()} of {here['cpu']}, "
-        f"with the BLAS kernels {here['blas']}; {load()}."
+        f"with the BLAS kernels {here['blas']}; {_load()}."
     )
 
 
@@ -219,6 +223,13 @@ def report(samples: int, rounds: int, starts: int) -> str:
     return "\n\n".join(parts)
 
 
+def _load() -> str:
+    """Return how busy the machine is; this process keeps one core busy itself."""
+    now = os.getloadavg()[0]
+    busy = ": others used the machine, so compare ratios, not times" if now > 1.5 else ""
+    return f"load average {now:.1f}{busy}"
+
+
 def _markdown(table: pd.DataFrame) -> str:
     text: str = table.to_markdown(index=False, disable_numparse=True)
     return text
@@ -232,12 +243,16 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--starts", type=int, default=5, help="of the clustering")
     given = parser.parse_args()
-    refuse_other_kernels()
+    if chosen := [name for name in KERNELS if name in os.environ]:
+        raise SystemExit(f"{', '.join(chosen)} would slow BLAS down; unset it, as `make` does")
     if hasattr(os, "sched_setaffinity"):  # before JAX counts the cores
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     with threadpool_limits(1):
         found = report(given.samples, given.rounds, given.starts)
-    show({"benchmark": found}, given.page)
+    print(found)
+    if given.page:
+        text = given.page.read_text(encoding="utf-8")
+        write_text(given.page, replace_block(text, "benchmark", found, str(given.page)))
 
 
 if __name__ == "__main__":
