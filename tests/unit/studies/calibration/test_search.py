@@ -188,6 +188,7 @@ def test_impossible_start_is_passed_over(run):
 ENDS = np.cumsum(BATCHES).tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stops_at", [0, *(end + 1 for end in ENDS[:-1])])
 def test_interrupted_search_goes_on_as_if_nothing_had_been(run, undisturbed, stops_at):
     expected, points, kept = undisturbed()
