@@ -110,10 +110,6 @@ test-slurm: slurm  ## the smoke run through Slurm; `make test` runs one job of e
 recordings: .venv/.ready  ## evaluate the recordings of docs/own-data.md: DATASETS=folder with the public ones
 	python tools/recordings.py $(DATASETS)
 
-# Variables can select kernels of BLAS that are older than the processor; `make processors` wants that,
-# a measurement of speed does not.
-MEASURE = PYTHONPATH=".venv/benchmark:$$PYTHONPATH" env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE python -m tools.benchmark
-
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
 	$(STUDIES) readme calibration_page beyond_page
 
@@ -157,11 +153,13 @@ damage: .venv/.ready  ## damage every byte of small logs; CI damages one of elev
 loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on this computer
 	python tests/faults/benchmark_loop.py
 
-# The libraries have their own folder, so that nothing else finds them.
+# The libraries have their own folder, so that nothing else finds them. Variables can select kernels of
+# BLAS that are older than the processor; `make processors` wants that, a measurement of speed does not.
 benchmark: .venv/.ready  ## compare speed with other libraries, for docs/running.md: some minutes
 	python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
 	  --target .venv/benchmark --requirement tools/benchmark/requirements.txt
-	$(MEASURE).speed --page docs/running.md
+	PYTHONPATH=".venv/benchmark:$$PYTHONPATH" env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE \
+	  python -m tools.benchmark.speed --page docs/running.md
 
 # pip would compile on one processor, and the tests of the libraries too.
 .venv/.ready: environment.txt pyproject.toml

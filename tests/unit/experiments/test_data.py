@@ -70,6 +70,13 @@ def test_logs_that_do_not_go_together_are_refused_with_every_reason():
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("other", [{"source": "sim"}, {"p_target_unit": "N"}])
+def test_models_are_not_compared_on_logs_of_different_kinds(other):
+    logs = {"sweep": recording(60), "complex": recording(110, **other)}
+    with pytest.raises(LogError, match="|".join(other.values())):
+        compare_models(logs, replace(JUDGEMENT, split="blocked", purge_s=0.0))
+
+
 def test_tables_restart_features_at_each_recording(joined):
     logs = {"sweep": joined, "complex": recording(110, experiment="complex")}
     results, fitted = compare_models(logs, replace(JUDGEMENT, split="blocked", purge_s=0.0))
