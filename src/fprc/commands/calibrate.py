@@ -71,7 +71,9 @@ def calibrate_from_files(
         )
     stem = Path(out).with_suffix("")
     refuse_output(out, ".yaml", ours=lambda old: WRITTEN.encode() in read_given(old))
-    refuse_output(f"{stem}.json", ".json", ours=lambda old: is_json_with(old, "check_loss", "fit"))
+    refuse_output(
+        f"{stem}.json", ".json", ours=lambda old: is_json_with(old, "loss_at_start", "fit")
+    )
     with threadpool_limits(1):
         calibrate(
             str(PUBLISHED) if published is None else published,

@@ -57,10 +57,13 @@ class FirstSearch(Section):
         description="terms of its objective, of those in calibration.fit; none: no first search",
     )
     rounds: int = quantity(
-        2, (1, 1000), "rounds from each start, each of a rig for each free parameter and 24 more"
+        5, (1, 1000), "rounds, each of a rig for each free parameter and 24 more"
     )
     starts: int = quantity(
-        9, (1, 1000), "rigs at which it begins: that of the configuration, and random ones near it"
+        16,
+        (1, 1000),
+        "rigs at which it begins: that of the configuration, and random ones near it; each round "
+        "goes on from the better half",
     )
 
 
@@ -135,15 +138,16 @@ class Calibration(Section):
         "is at least a fifth below FPRC, closed_sweep for its printed error in the sweep",
     )  # fmt: skip
     seeds: NotEmpty[int] = quantity(
-        (21, 22, 23), (0, 2**31),
+        (21, 22), (0, 2**31),
         "noise seeds of the objective; with few, the search fits the noise",
     )  # fmt: skip
     grid_seeds: int = quantity(
         1, (1, 1000), "number of these seeds that also judge the grids of C9, C11 and C12"
     )
-    check_seeds: NotEmpty[int] = quantity(
+    full_seeds: NotEmpty[int] = quantity(
         (41, 42, 43, 44, 45, 46, 47, 48), (0, 2**31),
-        "noise seeds on which the fitted rig is compared with the starting rig",
+        "noise seeds on which the full models judge the rig where a search begins, and the fitted "
+        "one",
     )  # fmt: skip
     taps: Distinct[int] = quantity(
         (2, 4, 7, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
@@ -158,7 +162,7 @@ class Calibration(Section):
         unit="min",
     )  # fmt: skip
     stride: int = quantity(5, (1, 1000), "the surrogate models fit every n-th row", unit="samples")
-    esn_nodes: int = quantity(150, (1, 4000), "reservoir size of the surrogate ESN")
+    esn_nodes: int = quantity(100, (1, 4000), "reservoir size of the surrogate ESN")
     restarts: int = quantity(
         5, (1, 1000),
         "starts of the surrogate's clusterings; with one, errors jump where a clustering ends "

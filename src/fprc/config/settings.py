@@ -162,7 +162,7 @@ class Settings(Section):
 
     @model_validator(mode="after")
     def _further_seeds_are_fresh(self) -> "Settings":
-        known = {self.seed, *self.calibration.seeds, *self.calibration.check_seeds}
+        known = {self.seed, *self.calibration.seeds, *self.calibration.full_seeds}
         seen = [seed for seed in self.evaluation.replicate_seeds if seed in known]
         if seen:
             raise ValueError(

@@ -17,7 +17,7 @@ from fprc.config.rig import Rig
 from fprc.errors import FprcError
 from fprc.experiments.settings import RigSettings
 from fprc.provenance import hash_of
-from fprc.studies.calibration.full_models import full_errors, ratios_to_full
+from fprc.studies.calibration.full_models import judge_fully, ratios_to_full
 from fprc.studies.calibration.objective import Aim, Objective, aim_of, logs_of
 from fprc.studies.calibration.search import SearchResult, search
 from fprc.studies.calibration.space import (
@@ -28,7 +28,7 @@ from fprc.studies.calibration.space import (
     resolved,
     starts_near,
 )
-from fprc.studies.calibration.surrogate import judge_by_surrogate
+from fprc.studies.calibration.surrogate import LOOPS, judge_by_surrogate
 
 log = logging.getLogger(__name__)
 
@@ -62,10 +62,10 @@ def fit_rig(
     only. It begins at several points, since a single one often leads to a valley without a good
     rig. Then one search for all of ``calibration.fit`` follows for each number in
     ``calibration.rounds``, on all seeds; each begins at the best point of the one before. All use
-    cheap surrogates of the models, whose errors are
-    multiplied by the ratio of the full models' errors to their own, measured where each search
-    begins: the ratio changes along the way. At the end the full models judge the fitted rig on
-    the seeds of the objective.
+    cheap surrogates of the models. Where a search begins, the full models judge the rig on
+    ``calibration.full_seeds``, and the search multiplies the surrogate's errors by the ratios of
+    theirs to its own: the ratios change along the way, and few seeds are no fair sample. At the
+    end the full models judge the fitted rig on these seeds.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def fit_rig(
         rounds and rigs are those of all.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
-    seeds, check_seeds = calibration["seeds"], calibration["check_seeds"]
+    seeds = calibration["seeds"]
     first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
     planned = [
         {"fit": calibration["fit"], "rounds": rounds, "seeds": seeds, "starts": 1}
@@ -104,18 +104,17 @@ def fit_rig(
         at = done[-1].best if done else start_rig
         changed = {**calibration, **plan}
         done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
-    best, objective, estimate, result = done[-1]
-    log.info("judging the fitted rig with the full models, on the seeds of the objective")
+    best, objective, estimate, judge, result = done[-1]
+    log.info("judging the fitted rig with the full models")
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
         "software": f"fprc {__version__}",
         "seeds": list(seeds),
-        **_outcome(objective, full_errors(best, seeds, workers, judgement), estimate(best, seeds)),
+        "full_seeds": list(calibration["full_seeds"]),
+        **_outcome(objective, judge(best), estimate(best, seeds)),
+        "median_deviation_at_start": float(np.median(_off(judge(start_rig), objective.aim))),
         "loss_at_start": objective.loss(estimate(start_rig, seeds)),
         "loss": result.loss,
-        "check_seeds": list(check_seeds),
-        "check_loss_at_start": objective.loss(estimate(start_rig, check_seeds)),
-        "check_loss": objective.loss(estimate(best, check_seeds)),
         "rig_sha256": hash_of(best.rig),
         "searches": [
             {"fit": list(plan["fit"]), "rounds": end.result.rounds}
@@ -137,7 +136,8 @@ class Searched(NamedTuple):
 
     best: RigSettings
     objective: Objective
-    estimate: Callable[[RigSettings, Sequence[int]], list[dict[str, Any]]]  #: judges a rig on seeds
+    estimate: Callable[[RigSettings, Sequence[int]], list[dict[str, Any]]]  #: by the surrogate
+    judge: Callable[[RigSettings], list[dict[str, dict[str, float]]]]  #: by the full models
     result: SearchResult
 
 
@@ -164,10 +164,19 @@ def _searched(
         grids=_in_order(grids, calibration["taps"]),
         tracking=tracking,
     )
+    judge = partial(
+        judge_fully,
+        seeds=calibration["full_seeds"],
+        workers=workers,
+        judgement=judgement,
+        tracking=tracking,
+        loops={
+            name: feedback for name, feedback in LOOPS.items() if name in _measures(calibration)
+        },
+    )
     log.info("judging the rig at which the search begins, with the full models")
     like = estimate(start_rig, seeds)
-    ratios = ratios_to_full(full_errors(start_rig, seeds, workers, judgement), like)
-    objective = Objective(aim, ratios, like)
+    objective = Objective(aim, ratios_to_full(judge(start_rig), like), like)
     # a search that ran out of time goes on if it is given more
     settings = {key: value for key, value in calibration.items() if key != "minutes"}
     depends_on = [asdict(start_rig), judgement, settings, grids, tracking, aim, version]
@@ -183,21 +192,23 @@ def _searched(
         progress=partial(log.info, "round %d of %d, least loss %.4f, %.0f s"),
     )
     best = replace(start_rig, rig=resolved(decode(result.point, start_rig.rig, free)))
-    return Searched(best, objective, estimate, result)
+    return Searched(best, objective, estimate, judge, result)
 
 
 def _outcome(
     objective: Objective,
-    errors: Sequence[Mapping[str, float]],
+    full: Sequence[Mapping[str, Mapping[str, float]]],
     judged: Sequence[Mapping[str, Any]],
 ) -> dict[str, Any]:
-    """Describe a rig by the full models' errors, and the surrogate's terms and properties."""
-    residuals = relative(errors, objective.aim)
-    off = np.abs(list(residuals.values()))
+    """Describe a rig by the full models' errors, and the surrogate's terms and properties.
+
+    The median and the largest deviation are of Tables II and III.
+    """
+    off = _off(full, objective.aim)
     return {
         "fit": list(objective.aim.fit),
-        "targets_kpa": dict(objective.aim.errors),
-        "residuals": residuals,
+        "printed": objective.aim.printed,
+        "residuals": relative(full, objective.aim),
         "median_deviation": float(np.median(off)),
         "largest_deviation": float(np.max(off)),
         "terms": objective.losses(judged),
@@ -206,8 +217,12 @@ def _outcome(
             for name in judged[0]["properties"]
         },
         "plausible": dict(objective.aim.ranges),
-        "surrogate_ratios": dict(objective.ratios),
+        "surrogate_ratios": objective.ratios,
     }
+
+
+def _off(full: Sequence[Mapping[str, Mapping[str, float]]], aim: Aim) -> np.ndarray:
+    return np.abs(list(relative(full, aim)["errors"].values()))
 
 
 def judge_seeds(
@@ -220,7 +235,7 @@ def judge_seeds(
     tracking: Mapping[str, Any],
 ) -> list[dict[str, Any]]:
     """Return the surrogate's measures of each seed; grids are judged on the first ones only."""
-    wanted = {_NEEDS[term] for term in calibration["fit"] if term in _NEEDS}
+    wanted = _measures(calibration)
     surrogate = {key: calibration[key] for key in ("stride", "esn_nodes", "restarts")}
     return [
         judge_by_surrogate(
@@ -229,6 +244,10 @@ def judge_seeds(
         )
         for i, seed in enumerate(seeds)
     ]  # fmt: skip
+
+
+def _measures(calibration: Mapping[str, Any]) -> set[str]:
+    return {_NEEDS[term] for term in calibration["fit"] if term in _NEEDS}
 
 
 def judge_point(
@@ -249,11 +268,16 @@ def judge_point(
     return logs if np.isfinite(logs).all() else None
 
 
-def relative(errors: Sequence[Mapping[str, float]], aim: Aim) -> dict[str, float]:
+def relative(
+    full: Sequence[Mapping[str, Mapping[str, float]]], aim: Aim
+) -> dict[str, dict[str, float]]:
     """Return by what share each error, averaged over seeds, deviates from the printed one."""
     return {
-        key: float(np.mean([seed[key] for seed in errors]) / printed - 1.0)
-        for key, printed in aim.errors.items()
+        measure: {
+            key: float(np.mean([seed[measure][key] for seed in full]) / printed - 1.0)
+            for key, printed in aim.printed[measure].items()
+        }
+        for measure in full[0]
     }
 
 

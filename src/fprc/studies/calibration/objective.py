@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.paper import MODELS, PRINTED
+from fprc.paper import MODELS, PRINTED, REFERENCES
 from fprc.signals import loop_growth, width_at_middle
 
 Channels = Mapping[str, np.ndarray]
@@ -37,9 +37,9 @@ _MARGIN, _WIDE = 0.05, 0.12
 class Aim(NamedTuple):
     """Targets of the search: numbers that the paper prints, and plausible ranges."""
 
-    errors: Mapping[str, float]  #: RMSEs by "trained on/model/phase", kPa
-    open_loop: Mapping[str, float]  #: RMSEs by reference, deg
-    closed_sweep: float  #: RMSE of FPRC+PD in the sweep, deg
+    #: RMSEs: ``errors`` by "trained on/model/phase", kPa; ``open_loop`` and ``closed_loop`` of FPRC
+    #: by reference, deg
+    printed: Mapping[str, Mapping[str, float]]
     ranges: Mapping[str, tuple[float, float]]  #: of the rig's ``properties``
     fit: Sequence[str]  #: names of the terms that count, see ``TERMS``
 
@@ -48,9 +48,11 @@ def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
     """Return the aim of the search."""
     tracking = published["table_4_tracking_rmse_deg"]
     return Aim(
-        errors=printed_errors(published),
-        open_loop=tracking["fprc"],
-        closed_sweep=tracking["fprc_pd"]["sweep"],
+        printed={
+            "errors": printed_errors(published),
+            "open_loop": {name: tracking["fprc"][name] for name in REFERENCES},
+            "closed_loop": {name: tracking["fprc_pd"][name] for name in REFERENCES},
+        },
         ranges=calibration["plausible"],
         fit=calibration["fit"],
     )
@@ -132,7 +134,7 @@ class Objective(NamedTuple):
     """Deviations of the surrogate's measures from an aim."""
 
     aim: Aim
-    ratios: Mapping[str, float]  #: of the full models' errors to the surrogate's, on one rig
+    ratios: Mapping[str, Mapping[str, float]]  #: see ``full_models.ratios_to_full``
     like: Sequence[Mapping[str, Any]]  #: measures of any rig, for their structure
 
     def judged(self, logs: Sequence[float]) -> Sequence[Mapping[str, Any]]:
@@ -144,7 +146,10 @@ class Objective(NamedTuple):
         scaled = [
             {
                 **seed,
-                "errors": {key: ratio * seed["errors"][key] for key, ratio in self.ratios.items()},
+                **{
+                    measure: {key: ratio * seed[measure][key] for key, ratio in ratios.items()}
+                    for measure, ratios in self.ratios.items()
+                },
             }
             for seed in judged
         ]
@@ -180,7 +185,7 @@ def _with_numbers(like: Any, numbers: Iterator[float]) -> Any:
 def _tables(judged: Judged, aim: Aim) -> list[float]:
     return [
         _far(math.log(_mean(judged, "errors", key) / printed)) / _TABLES
-        for key, printed in aim.errors.items()
+        for key, printed in aim.printed["errors"].items()
     ]
 
 
@@ -253,20 +258,20 @@ def _c18(judged: Judged, aim: Aim) -> list[float]:
 
 
 def _open_loop(judged: Judged, aim: Aim) -> list[float]:
-    return [_tracked(judged, "open_loop", key, printed) for key, printed in aim.open_loop.items()]
+    return [_tracked(judged, aim, "open_loop", name) for name in aim.printed["open_loop"]]
 
 
 def _closed_loop(judged: Judged, aim: Aim) -> list[float]:
     """Feedback at the printed gains is stable and helps on every reference."""
     return [
         _above(_mean(judged, "closed_loop", key) / _mean(judged, "open_loop", key), _LEFT)
-        for key in aim.open_loop
+        for key in aim.printed["open_loop"]
     ]
 
 
 def _closed_sweep(judged: Judged, aim: Aim) -> list[float]:
     """How much feedback helps in the sweep; this says which inertia, and the others judge it."""
-    return [_tracked(judged, "closed_loop", "sweep", aim.closed_sweep)]
+    return [_tracked(judged, aim, "closed_loop", "sweep")]
 
 
 #: Terms of the objective by their names in ``calibration.fit``.
@@ -303,7 +308,8 @@ def _far(deviation: float) -> float:
     return math.copysign(abs(deviation) + (_FAR_WEIGHT - 1.0) * beyond, deviation)
 
 
-def _tracked(judged: Judged, loop: str, reference: str, printed: float) -> float:
+def _tracked(judged: Judged, aim: Aim, loop: str, reference: str) -> float:
+    printed = aim.printed[loop][reference]
     return _far(math.log(_mean(judged, loop, reference) / printed)) / _TRACKING
 
 

@@ -28,10 +28,12 @@ def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str
         median=100 * summary["median_deviation"],
         largest=100 * summary["largest_deviation"],
         shown_seeds=", ".join(map(str, summary["seeds"])),
+        shown_full_seeds=", ".join(map(str, summary["full_seeds"])),
         count=len(summary["parameters"]),
         rows="\n".join(
-            f"#   {key}: {summary['targets_kpa'][key]:g} kPa, {100 * value:+.1f} %"
-            for key, value in summary["residuals"].items()
+            f"#   {measure}/{key}: {summary['printed'][measure][key]:g}, {100 * value:+.1f} %"
+            for measure, residuals in summary["residuals"].items()
+            for key, value in residuals.items()
         ),
         edges=_edges(summary["parameters"]),
     )
@@ -49,8 +51,9 @@ _HEAD = """\
 # Fitted over {count} parameters within the ranges of `calibration` ({evaluations} rigs), on the
 # noise seeds {shown_seeds},
 # to the terms that `fitted.to` names; everything else is predicted.
-# Deviation from print on the seeds of the fit, full models: median {median:.1f} %, largest
-# {largest:.1f} %:
+# Full models on the seeds {shown_full_seeds},
+# printed errors (tables in kPa, loops in deg) and deviations from them; of the tables
+# {median:.1f} % in the median and {largest:.1f} % at most:
 {rows}
 {edges}
 """

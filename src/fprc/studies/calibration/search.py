@@ -5,8 +5,8 @@ numbers are almost linear in it; the loss, with its limits and squares, is not. 
 search therefore measures how all numbers change along each parameter, minimises the loss over this
 linear model within several distances, judges the points that this gives, goes on from the best of
 them, and corrects the model by what they showed: the method of Gauss and Newton, with Broyden's
-update. The numbers have more than one valley, so a search may begin at several points. It resumes
-from a checkpoint after a kill.
+update. The numbers have more than one valley, so a search may begin at several points; after each
+round it leaves the worse half of them. It resumes from a checkpoint after a kill.
 """
 
 import math
@@ -34,6 +34,9 @@ _RADIUS, _LEAST, _MOST, _SHRINK = 0.15, 0.01, 0.4, 0.4
 #: Weight of the step's length beside the deviations, and share of a correction that the model takes
 #: over: numbers of one pair of points are noisy.
 _DAMPING, _CORRECTED = 0.3, 0.7
+
+#: A round that lowers the loss by a smaller share is the last: the next would hardly differ.
+_WORTH = 0.01
 
 
 class SearchResult(NamedTuple):
@@ -76,9 +79,10 @@ def search(
     judge : callable
         Picklable; takes a point and returns its numbers, or None if it is impossible.
     starts : ndarray of shape (n_starts, n_parameters)
-        The search begins at each of them; what is best of all is returned.
+        The search begins at each of them. Each round goes on from the better half of those of the
+        round before.
     rounds : int
-        Those from each start. A round judges a point for each parameter, and 24 more.
+        Those of the start that is best. A round judges a point for each parameter, and 24 more.
     checkpoint : path
         See ``artifacts.resuming``; the head is ``key`` with ``starts`` and ``rounds``, the entries
         are the judgements of points that were judged together. A file with another head is kept.
@@ -111,18 +115,23 @@ def search(
             return [_here(*pair, deviations_of) for pair in zip(points, found, strict=True)]
 
         try:
+            points = []
             for start in starts:
-                (here,) = judged([start])
-                if here is None:
-                    continue
-                best = min(best, here, key=_loss)
-                for _ in range(rounds):
+                points += [here for here in judged([start]) if here]
+                best = min([best, *points], key=_loss)
+            planned = [math.ceil(len(points) / 2**round_) for round_ in range(rounds)]
+            for count in planned:
+                ended, before = [], best.loss
+                for here in sorted(points, key=_loss)[:count]:
                     begun += 1
                     for after in _steps(here, judged, deviations_of):
                         best = min(best, after, key=_loss)
                         elapsed_s = time.monotonic() - begin_s
-                        progress(begun, rounds * len(starts), best.loss, elapsed_s)
-                    here = after
+                        progress(begun, sum(planned), best.loss, elapsed_s)
+                    ended.append(after)
+                points = ended
+                if count <= 1 and best.loss > (1.0 - _WORTH) * before:
+                    break
         except TimeoutError:
             finished = False
     return SearchResult(best.point, best.loss, begun, evaluations, finished)

@@ -28,7 +28,7 @@ _TRAINED = 0.8
 MEASURES = ("shares", "epsilon", "n_c", "taps", "open_loop", "closed_loop")
 
 #: Whether a loop has feedback.
-_LOOPS = {"open_loop": False, "closed_loop": True}
+LOOPS = {"open_loop": False, "closed_loop": True}
 
 
 def judge_by_surrogate(
@@ -90,7 +90,7 @@ def judge_by_surrogate(
             ]
             for u in grids["n_u"]
         ]
-    if loops := {name: feedback for name, feedback in _LOOPS.items() if name in measures}:
+    if loops := {name: feedback for name, feedback in LOOPS.items() if name in measures}:
         model = build("fprc", models, seed)
         features = model.make_features().fit(np.zeros((100, 2)))
         model = model.assembled(features, fuzzy["sweep", "fprc"])

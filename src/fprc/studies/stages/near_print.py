@@ -11,7 +11,7 @@ import numpy as np
 from fprc.artifacts import write_json
 from fprc.evaluation.cells import checkpoint_key, judging
 from fprc.experiments.settings import RigSettings
-from fprc.studies.calibration.full_models import full_errors, ratios_to_full
+from fprc.studies.calibration.full_models import judge_fully, ratios_to_full
 from fprc.studies.calibration.objective import printed_errors
 from fprc.studies.calibration.space import free_parameters
 from fprc.studies.calibration.surrogate import judge_by_surrogate
@@ -64,9 +64,9 @@ def find_near_print(
     log.info("judging the rig of the configuration, for the surrogate's ratios")
     start, seeds_of_ratios = settings["on_rig"], range(near_print["seed"] - 2, near_print["seed"])
     ratios = ratios_to_full(
-        full_errors(start, seeds_of_ratios, workers, judgement),
+        judge_fully(start, seeds_of_ratios, workers, judgement, tracking={}, loops={}),
         [judge_by_surrogate(start, seed, models, surrogate, {}, {}) for seed in seeds_of_ratios],
-    )
+    )["errors"]
     judge = partial(
         judge_member,
         **settings,

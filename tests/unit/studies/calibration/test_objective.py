@@ -55,7 +55,9 @@ GOOD = {
     "open_loop": OPEN_LOOP,
     "closed_loop": {name: 0.5 * value for name, value in OPEN_LOOP.items()},
 }
-AIM = Aim(ERRORS, OPEN_LOOP, 0.5 * OPEN_LOOP["sweep"], RANGES, tuple(TERMS))
+AIM = Aim(
+    {loop: GOOD[loop] for loop in ("errors", "open_loop", "closed_loop")}, RANGES, tuple(TERMS)
+)
 #: What counts as close, and the room to spare, as logarithms.
 CLOSE, HELD, TRACKED, ROOM, WIDE = 0.05, 0.025, 0.06, math.exp(-0.05), math.exp(-0.12)
 
@@ -320,7 +322,7 @@ PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 def test_target_is_what_the_tables_print():
     calibration = Settings().calibration.model_dump(mode="json")
     aim = aim_of(PRINTED, calibration)
-    assert aim.errors == {
+    assert aim.printed["errors"] == {
         "sweep/esn/train": 11.5, "sweep/esn/test": 16.5,
         "sweep/fprc/train": 11.6, "sweep/fprc/test": 11.0,
         "sweep/fuzzy_linear/train": 14.9, "sweep/fuzzy_linear/test": 16.7,
@@ -328,8 +330,8 @@ def test_target_is_what_the_tables_print():
         "complex/fprc/train": 9.07, "complex/fprc/test": 26.2,
         "complex/fuzzy_linear/train": 13.5, "complex/fuzzy_linear/test": 51.5,
     }  # fmt: skip
-    assert aim.open_loop == PRINTED["table_4_tracking_rmse_deg"]["fprc"]
-    assert set(aim.open_loop) == set(REFERENCES)
-    assert aim.closed_sweep == 1.7
+    for loop, controller in (("open_loop", "fprc"), ("closed_loop", "fprc_pd")):
+        assert aim.printed[loop] == PRINTED["table_4_tracking_rmse_deg"][controller]
+        assert set(aim.printed[loop]) == set(REFERENCES)
     assert aim.ranges == calibration["plausible"]
     assert aim.fit == calibration["fit"]

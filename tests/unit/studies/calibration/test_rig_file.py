@@ -25,8 +25,9 @@ def summary(**changes):
         "software": "fprc 9.8.7",
         "fit": ["tables", "C8"],
         "seeds": list(range(21, 31)),
-        "targets_kpa": {"sweep/esn/train": 11.5, "complex/fprc/test": 26.2},
-        "residuals": {"sweep/esn/train": 0.0123, "complex/fprc/test": -0.21},
+        "full_seeds": [41, 42],
+        "printed": {"errors": {"sweep/esn/train": 11.5}, "open_loop": {"sweep": 2.67}},
+        "residuals": {"errors": {"sweep/esn/train": 0.0123}, "open_loop": {"sweep": -0.21}},
         "median_deviation": 0.0456,
         "largest_deviation": 0.21,
         "evaluations": 1120,
@@ -70,7 +71,8 @@ def test_head_names_the_parameters_that_ended_near_an_end_and_no_others():
     )
     parameters = [{"path": path, "share": share} for path, share in shares.items()]
     head = " ".join(head_of(parameter_file(RIG, summary(parameters=parameters), "mine")))
-    assert "median 4.6 %" in head
-    assert "sweep/esn/train: 11.5 kPa, +1.2 %" in head
+    assert "4.6 %" in head
+    assert "errors/sweep/esn/train: 11.5, +1.2 %" in head
+    assert "open_loop/sweep: 2.67, -21.0 %" in head
     edges = head.partition("an end of their range: ")[2].replace("# ", "").rstrip(".")
     assert edges.split(", ") == [PATHS[k] for k in (0, 1, 4, 5)]

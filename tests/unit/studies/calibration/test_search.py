@@ -7,9 +7,9 @@ import pytest
 
 from fprc.studies.calibration.search import search
 
-#: Batches of points, in three dimensions, of a search from two starts: a start, and in each round
-#: the neighbours and six steps of four.
-ROUNDS, BATCHES = 1, (1, 3, 4, 4, 4, 4, 4, 4) * 2
+#: Batches of points, in three dimensions, of a search from two starts: the starts, and in the round
+#: of each the neighbours and six steps of four.
+ROUNDS, BATCHES = 1, (1, 1, *(3, 4, 4, 4, 4, 4, 4) * 2)
 TARGET = np.array([0.02, 0.5, 0.97])
 
 
@@ -116,6 +116,20 @@ def test_lowest_of_the_valleys_below_the_starts_is_found(run, starts, least):
     )
     assert found.loss == pytest.approx(least, abs=1e-6)
     assert found.point == pytest.approx([0.2 if least else 0.8], abs=1e-3)
+
+
+def test_each_round_leaves_the_worse_half_of_the_starts_and_the_last_that_gains_nothing_ends(run):
+    """Five plateaus: no step improves any start, so each round is seen in one neighbour."""
+    levels, starts = [3.0, 1.0, 5.0, 2.0, 4.0], np.linspace(0.1, 0.9, 5)[:, None]
+    found = run(
+        judge=lambda point: point.tolist(),
+        deviations_of=lambda numbers: np.array([levels[int(numbers[0] * 5.0)]]),
+        starts=starts,
+        rounds=9,
+    )
+    neighbours = [sum(point[0] == start + 0.03 for point in run.points) for start in starts[:, 0]]
+    assert neighbours == [2, 4, 1, 3, 1]
+    assert (found.loss, found.rounds, found.finished) == (1.0, 5 + 3 + 2 + 1, True)
 
 
 def test_minimum_outside_the_cube_is_found_on_its_face_and_no_point_leaves_it(run):
@@ -225,7 +239,7 @@ def clock(monkeypatch, run):
 
 @pytest.mark.parametrize(
     ("seconds", "evaluations", "rounds"),
-    [(0.0, 1, 1), (1.0, 1, 1), (1.5, 4, 1), (ENDS[7], ENDS[7], 1), (ENDS[7] + 0.5, ENDS[8], 2)],
+    [(0.0, 1, 0), (1.0, 1, 0), (2.0, 2, 1), (2.5, 5, 1), (ENDS[8], ENDS[8], 2)],
 )
 @pytest.mark.usefixtures("clock")
 def test_nothing_but_the_start_is_judged_after_the_time_limit(

@@ -48,7 +48,9 @@ def draw(monkeypatch, tmp_path):
             "point": np.random.default_rng(cell["draw"]).standard_normal(3).tolist()
         },
     )
-    monkeypatch.setattr(stage, "full_errors", lambda *rest: [dict.fromkeys(ERRORS, 1.25)] * 2)
+    monkeypatch.setattr(
+        stage, "judge_fully", lambda *rest, **more: [{"errors": dict.fromkeys(ERRORS, 1.25)}] * 2
+    )
     monkeypatch.setattr(
         stage, "judge_by_surrogate", lambda *rest: {"errors": dict.fromkeys(ERRORS, 1.0)}
     )
