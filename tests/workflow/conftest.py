@@ -289,7 +289,7 @@ def smoked_copy(smoked, tmp_path):
 
 #: Settings of a calibration with few parameters; tests/unit/studies/calibration has them all.
 FEW_FREE = (
-    "calibration={full_seeds: [41], free: [bending.friction_kpa, bending.friction_per_kpa, "
+    "calibration={free: [bending.friction_kpa, bending.friction_per_kpa, "
     "drift.sigma_kpa, drift.time_s, reservoir.back_pressure_gain, "
     "reservoir.squeeze_damping_kpa_s_per_ml], ranges: {}}"
 )
