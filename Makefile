@@ -19,7 +19,7 @@ paper: .venv/.ready  ## every table and figure of the paper, into results/
 smoke: .venv/.ready  ## the same rules with small settings, into results/smoke
 	snakemake --cores $(CORES) smoke
 
-quick: .venv/.ready  ## style, types and the fast unit tests, side by side, while you work
+quick: .venv/.ready  ## style, types and the paper's fast unit tests, side by side, while you work
 	@$(MAKE) --no-print-directory --jobs 2 style fast
 
 style: .venv/.ready
@@ -27,9 +27,10 @@ style: .venv/.ready
 	ruff format --quiet --check .
 	mypy
 
+# Nothing of the paper imports the studies: pytest -m "not slow" tests/unit/studies
 fast: .venv/.ready
 	FPRC_EXAMPLES=10 $(ONE_THREAD) pytest --quiet --numprocesses $(CORES) --dist loadfile \
-	  -m "not slow" tests/unit $(PYTEST)
+	  -m "not slow" tests/unit --ignore tests/unit/studies $(PYTEST)
 
 types: .venv/.ready  ## type-check src
 	mypy

@@ -50,7 +50,7 @@ pytestmark = [
 
 _ASKED = os.environ.get("FPRC_EXAMPLES")
 FUZZ = settings(
-    max_examples=int(_ASKED or "15"), deadline=None, derandomize=not _ASKED,
+    max_examples=int(_ASKED or "6"), deadline=None, derandomize=not _ASKED,
     suppress_health_check=list(HealthCheck),
 )  # fmt: skip
 

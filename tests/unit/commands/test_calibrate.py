@@ -29,7 +29,7 @@ def fit(monkeypatch):
         files = {"published": published, "fitted": fitted, "report": report}
         calibrate.calls.append(files | settings)
         Path(fitted).write_text(f"# {WRITTEN}\nrig: {{drift: {{time_s: 3.5}}}}\n", encoding="utf-8")
-        write_json(report, {"fit": [], "check_loss": 1.0})
+        write_json(report, {"fit": [], "loss_at_start": 1.0})
 
     calibrate.calls = []
     monkeypatch.setattr(command, "calibrate", calibrate)
@@ -67,6 +67,7 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
         {
             "calibration": {
                 "seeds": [5, 6],
+                "full_seeds": [41],
                 "taps": [1, 3],
                 "rounds": [1],
                 "first": {"fit": [], "rounds": 1},
