@@ -162,12 +162,15 @@ benchmark: .venv/.ready  ## compare speed with other libraries, for docs/running
 	PYTHONPATH=".venv/benchmark:$$PYTHONPATH" env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE \
 	  python -m tools.benchmark.speed --page docs/running.md
 
-# pip would compile on one processor, and the tests of the libraries too.
+# The file pins everything, so there is nothing to resolve, and several processes can install it. pip
+# would compile on one processor, and the tests of the libraries too.
 .venv/.ready: environment.txt pyproject.toml
 	$(PYTHON) -c 'import sys; v = sys.version_info[:2]; (3, 11) <= v <= (3, 13) or sys.exit(f"fprc needs Python 3.11, 3.12 or 3.13, this is {v[0]}.{v[1]}; use: make PYTHON=python3.12 ...")'
 	$(PYTHON) -m venv .venv
-	python -m pip install --quiet --disable-pip-version-check --no-compile --requirement environment.txt
+	grep -v '^#' environment.txt | xargs -P $(CORES) -n 21 \
+	  python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps
 	python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	python -m pip check
 	-python -m compileall -q -j $(CORES) -x '/tests?/' .venv/lib
 	touch $@
 
