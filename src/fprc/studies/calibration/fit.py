@@ -104,7 +104,7 @@ def fit_rig(
         at = done[-1].best if done else start_rig
         changed = {**calibration, **plan}
         done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
-    best, objective, estimate, judge, result = done[-1]
+    best, objective, estimate, judge, _, result = done[-1]
     log.info("judging the fitted rig with the full models")
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
@@ -112,7 +112,7 @@ def fit_rig(
         "seeds": list(seeds),
         "full_seeds": list(calibration["full_seeds"]),
         **_outcome(objective, judge(best), estimate(best, seeds)),
-        "median_deviation_at_start": float(np.median(_off(judge(start_rig), objective.aim))),
+        "median_deviation_at_start": float(np.median(_off(done[0].began, objective.aim))),
         "loss_at_start": objective.loss(estimate(start_rig, seeds)),
         "loss": result.loss,
         "rig_sha256": hash_of(best.rig),
@@ -138,6 +138,7 @@ class Searched(NamedTuple):
     objective: Objective
     estimate: Callable[[RigSettings, Sequence[int]], list[dict[str, Any]]]  #: by the surrogate
     judge: Callable[[RigSettings], list[dict[str, dict[str, float]]]]  #: by the full models
+    began: list[dict[str, dict[str, float]]]  #: of the rig where it began, by the full models
     result: SearchResult
 
 
@@ -175,8 +176,8 @@ def _searched(
         },
     )
     log.info("judging the rig at which the search begins, with the full models")
-    like = estimate(start_rig, seeds)
-    objective = Objective(aim, ratios_to_full(judge(start_rig), like), like)
+    began, like = judge(start_rig), estimate(start_rig, seeds)
+    objective = Objective(aim, ratios_to_full(began, like), like)
     # a search that ran out of time goes on if it is given more
     settings = {key: value for key, value in calibration.items() if key != "minutes"}
     depends_on = [asdict(start_rig), judgement, settings, grids, tracking, aim, version]
@@ -192,7 +193,7 @@ def _searched(
         progress=partial(log.info, "round %d of %d, least loss %.4f, %.0f s"),
     )
     best = replace(start_rig, rig=resolved(decode(result.point, start_rig.rig, free)))
-    return Searched(best, objective, estimate, judge, result)
+    return Searched(best, objective, estimate, judge, began, result)
 
 
 def _outcome(
