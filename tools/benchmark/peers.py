@@ -1,6 +1,7 @@
 """The same computations with other libraries, and with plain NumPy."""
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import NamedTuple
 
 import numpy as np
@@ -36,20 +37,24 @@ def numpy_loop(features: EchoStates) -> Peer:
     return Peer(states, step)
 
 
-def reservoirpy(features: EchoStates) -> Peer:
-    """Return ReservoirPy's network; its leak is 1 - gamma."""
-    from reservoirpy.nodes import Reservoir
-
-    network = Reservoir(
+def reservoirpy(features: EchoStates, package: str = "reservoirpy") -> Peer:
+    """Return ReservoirPy's network of one of its two backends; its leak is 1 - gamma."""
+    network = import_module(f"{package}.nodes").Reservoir(
         W=features.W_r_, Win=features.w_in_, bias=np.zeros(features.r), lr=1.0 - features.gamma
     )
     network.initialize(np.zeros((1, features.w_in_.shape[1])))
 
     def states(X: np.ndarray) -> np.ndarray:
         network.reset()
-        return network.run(X)
+        return np.asarray(network.run(X))
 
-    return Peer(states, network.step)
+    return Peer(states, lambda theta: np.asarray(network.step(theta)))
+
+
+def reservoirpy_jax(features: EchoStates) -> Peer:
+    """Return ReservoirPy's network in JAX, in float64."""
+    import_module("jax").config.update("jax_enable_x64", True)
+    return reservoirpy(features, "reservoirpy.jax")
 
 
 def jax_scan(features: EchoStates) -> Peer:
@@ -96,10 +101,11 @@ def esnfed(features: EchoStates) -> Peer:
     return Peer(lambda X: network.harvest(X)[:, 1 + inputs :], None)
 
 
-#: By package: its label in the table, and how to make the peer.
+#: By label in the table: its package, and how to make the peer.
 PEERS = {
-    "numpy": ("a loop in NumPy", numpy_loop),
-    "reservoirpy": ("ReservoirPy", reservoirpy),
-    "jax": ("lax.scan in JAX", jax_scan),
+    "a loop in NumPy": ("numpy", numpy_loop),
+    "ReservoirPy": ("reservoirpy", reservoirpy),
+    "ReservoirPy in JAX": ("reservoirpy", reservoirpy_jax),
+    "lax.scan in JAX": ("jax", jax_scan),
     "esnfed": ("esnfed", esnfed),
 }

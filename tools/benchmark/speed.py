@@ -72,7 +72,7 @@ def networks(features: EchoStates, X: np.ndarray, rounds: int) -> pd.DataFrame:
     ``features`` must be fitted and have no washout.
     """
     sides, missing = {OURS: ours(features)}, []
-    for package, (label, make) in PEERS.items():
+    for label, (package, make) in PEERS.items():
         try:
             sides[f"{label} {version(package)}"] = make(features)
         except PackageNotFoundError:
@@ -126,14 +126,15 @@ def _sum(numbers: np.ndarray) -> float:
 
 
 def bandwidth(features: EchoStates, X: np.ndarray, rounds: int) -> str:
-    """Return a sentence: how fast a step reads W_r, beside plain reading."""
+    """Return sentences: how fast a step reads W_r and multiplies, beside what this core can do."""
     few = X[:1000]
     same = aligned(features.W_r_.astype(np.float32).ravel())
-    large = np.ones(1 << 26, np.float32)
+    large, square = np.ones(1 << 26, np.float32), np.ones((1000, 1000), np.float32)
     work = {
         "step": partial(_stepped, features.advance, few),
         "same": lambda: [_sum(same) for _ in few],
         "large": lambda: _sum(large),
+        "product": lambda: square @ square,
     }
     features.reset(few[0])
     for run in work.values():
@@ -144,11 +145,16 @@ def bandwidth(features: EchoStates, X: np.ndarray, rounds: int) -> str:
         name: read[name] / statistics.median(times) / 1e9 for name, times in seconds.items()
     }
     share = statistics.median(a / b for a, b in zip(seconds["same"], seconds["step"], strict=True))
+    gflop = {"step": 2e-9 * same.size * len(few), "product": 2e-9 * len(square) ** 3}
+    rate = {name: gflop[name] / statistics.median(seconds[name]) for name in gflop}
     return (
         f"A step of ours reads W_r, {same.nbytes / 1e6:.2f} MB in float32, at "
         f"{gb_per_s['step']:.3g} GB/s. That is {100 * share:.0f} % of what this core reaches when "
         f"it only adds up as many numbers again and again ({gb_per_s['same']:.3g} GB/s, from its "
-        f"caches); from memory beyond them it reads {gb_per_s['large']:.3g} GB/s."
+        f"caches); from memory beyond them it reads {gb_per_s['large']:.3g} GB/s. It "
+        f"multiplies and adds {rate['step']:.3g} billion numbers a second, "
+        f"{100 * rate['step'] / rate['product']:.0f} % of what BLAS reaches in a product of "
+        f"matrices ({rate['product']:.3g} billion), which reads each number many times."
     )
 
 
