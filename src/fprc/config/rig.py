@@ -139,7 +139,7 @@ class Bending(Section):
 
 
 class Drift(Section):
-    """Slow changes that no model can predict: creep, Mullins effect, sensor slip."""
+    """A random torque that nothing measures and whose cause the model does not name."""
 
     sigma_kpa: float = quantity(
         8.0, (0, 15), "standard deviation of the Ornstein-Uhlenbeck torque", "fitted"
