@@ -18,6 +18,6 @@ rule ledger:
         **stage("claims.write_ledger"),
         fitted=SETTINGS["fitted"],
     message:
-        "Claims C1 to C18"
+        "Claims C1 to C19"
     script:
         "../scripts/stage.py"

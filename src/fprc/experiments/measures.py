@@ -1,4 +1,4 @@
-"""Measures of closed-loop runs and hysteresis loops, for claims C13-C18."""
+"""Measures of closed-loop runs and hysteresis loops, for claims C13 to C19."""
 
 from collections.abc import Mapping
 from typing import Any
