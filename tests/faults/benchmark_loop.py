@@ -29,17 +29,19 @@ def main() -> None:
     )
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        told = measure(Path(name), options.seconds, options.priority)
+        measured = measure(Path(name), options.seconds, options.priority)
     load = ", ".join(f"{value:.1f}" for value in os.getloadavg())
     print(f"{os.cpu_count()} processors, load average {load}")
-    print(f"{told['samples']} samples of {told['planned']}, {told['overruns']} overruns")
+    print(
+        f"{measured['samples']} samples of {measured['planned']}, {measured['overruns']} overruns"
+    )
     for key, what in (
         ("jitter_p50_s", "50 %"),
         ("jitter_p99_s", "99 %"),
         ("jitter_p99_9_s", "99.9 %"),
         ("jitter_max_s", "at most"),
     ):
-        print(f"late by {1e3 * told[key]:8.3f} ms, {what}")
+        print(f"late by {1e3 * measured[key]:8.3f} ms, {what}")
 
 
 def measure(folder: Path, seconds: float, priority: int) -> dict:

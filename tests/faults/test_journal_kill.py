@@ -79,9 +79,9 @@ def test_samples_appended_before_the_disk_was_full_are_all_there(tmp_path, limit
 
     path = tmp_path / "run.journal"
     process = child(path, preexec_fn=small_files, stderr=subprocess.PIPE)
-    said, error = process.communicate(timeout=60)
+    output, error = process.communicate(timeout=60)
     assert process.returncode == 1
-    reported = int(said.split()[-1])
+    reported = int(output.split()[-1])
     assert f"sample {reported} could not be written (File too large)" in error
     assert limit - 100 < path.stat().st_size <= limit
     findings = read(path)

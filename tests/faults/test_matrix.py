@@ -244,7 +244,7 @@ def asked_to_stop(bench, settings, begin):
 PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
 REJECTED, FROZEN, GOES_ON = "a rejected reading", "frozen sensor", "nothing: the run continues"
 FAILED = "the controller's error"
-#: What fails, how, at which tick, what is said, what ends the run, and how many ticks later.
+#: What fails, how, at which tick, the message, what ends the run, and how many ticks later.
 FAULTS = [
     ("angle sensor: dropout, one packet", bus(1, 1), 20, "angle", REJECTED, 0),
     ("angle sensor: spike of +90 deg, one packet", bus(3, 1), 20, "theta_deg", REJECTED, 0),
@@ -279,9 +279,9 @@ FAULTS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("fault", "make", "begin", "said", "ends", "until"), FAULTS)
+@pytest.mark.parametrize(("fault", "make", "begin", "message", "ends", "until"), FAULTS)
 def test_part_that_fails_in_mid_run_ends_it_vented(
-    bench, settings, record, matrix, fault, make, begin, said, ends, until
+    bench, settings, record, matrix, fault, make, begin, message, ends, until
 ):
     ticks = 200 if until else 100
     found = record(ticks, **make(bench, settings, begin))
@@ -292,7 +292,7 @@ def test_part_that_fails_in_mid_run_ends_it_vented(
         assert len(np.unique(held)) < 5
         matrix.add(fault, "mid-run", ends, "yes, at the end", "-", 0)
         return
-    assert said in str(found.error)
+    assert message in str(found.error)
     after = found.sessions[-1].tick - begin
     assert after == until
     assert found.samples == begin + until

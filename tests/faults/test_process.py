@@ -134,8 +134,8 @@ class Program:
     def end(self):
         """Wait for the end of both processes; return exit code and output."""
         # the pipe ends with the last process that holds it
-        _, said = self.process.communicate(timeout=PATIENCE_S)
-        return self.process.returncode, said.decode()
+        _, output = self.process.communicate(timeout=PATIENCE_S)
+        return self.process.returncode, output.decode()
 
     def journal(self):
         (path,) = self.raw.parent.glob("*.journal")
@@ -204,8 +204,8 @@ def add(matrix, program, faulted_s, fault, ends, again=0, rescued=None):
 
 def test_run_that_ends_well_leaves_a_log_that_can_be_read_and_not_written(start, rig):
     program = start("run", "sweep", seconds=1.0)
-    code, said = program.end()
-    assert code == 0, said
+    code, output = program.end()
+    assert code == 0, output
     channels, attributes, findings = program.journal()
     assert findings.complete
     assert findings.samples + findings.statistics["overruns"] == 200
@@ -281,8 +281,8 @@ def kill_the_loop_while_the_board_fails(program):
     while b"THE CHAMBERS COULD NOT BE VENTED" not in heard:
         errors = program.process.stderr.fileno()
         assert select.select([errors], [], [], PATIENCE_S)[0], heard
-        heard += (said := os.read(errors, 1000))
-        assert said, heard
+        heard += (output := os.read(errors, 1000))
+        assert output, heard
     rig.fail_at = 0
 
 
@@ -291,7 +291,7 @@ AT_STOP, AT_STALL = "the stop, at the next tick", "after stalled_s = 0.5 s"
 ALONE = "the guardian process has ended"
 #: Whether the loop closed the journal itself or was killed.
 CLOSED, KILLED = True, False
-#: What fails, how, settings, what is said, what ends the run, and how the journal ends.
+#: What fails, how, settings, the message, what ends the run, and how the journal ends.
 FAULTS = [
     ("SIGTERM to the guardian", send("SIGTERM"), {}, "by SIGTERM", AT_STOP, CLOSED),
     ("Ctrl-C, SIGINT to the group", send("SIGINT", group=True), {}, "by SIGTERM", AT_STOP, CLOSED),
@@ -335,9 +335,9 @@ def test_run_in_which_something_fails_ends_vented(
     program.is_in_mid_run()
     faulted_s = time.monotonic()
     faulted_s = happen(program) or faulted_s
-    code, said = program.end()
+    code, output = program.end()
     assert code == (-signal.SIGKILL if says == ALONE else 1)
-    assert says in said
+    assert says in output
     # a reading that hangs comes before the writes that complete a sample, a call that fails may not
     exactly = "never returns" in fault or (closed and happen is not fail_for_a_moment)
     findings = add(matrix, program, faulted_s, fault, ends, again=not exactly)
@@ -362,10 +362,10 @@ def test_run_whose_journal_is_lost_stops_and_its_samples_are_saved(
     (path,) = program.raw.parent.glob("*.journal")
     faulted_s = time.monotonic()
     lose(path)
-    code, said = program.end()
+    code, output = program.end()
     assert code == 1
     (saved,) = (tmp_path / place).glob("*.rescued.h5")
-    assert f"{saved} has all of them" in said
+    assert f"{saved} has all of them" in output
     log = read_raw(saved, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.9)
     assert not log.attributes["complete"]
     add(
@@ -377,8 +377,8 @@ def test_run_whose_journal_is_lost_stops_and_its_samples_are_saved(
 def test_boards_that_take_long_to_open_do_not_end_the_run(start, rig, matrix):
     rig.init_us = 800_000
     program = start("run", "sweep", seconds=1.0, loop={"stalled_s": 0.5})
-    code, said = program.end()
-    assert code == 0, said
+    code, output = program.end()
+    assert code == 0, output
     assert rig.opened == 0
     matrix.add(
         "a driver call takes 0.8 s", "opening a board, real time",
@@ -393,10 +393,10 @@ def test_board_that_never_opens_is_vented_by_the_guardian(start, rig, matrix):
     wait_until(lambda: rig.calls or program.process.poll() is not None, "a call of the driver")
     faulted_s = time.monotonic()
     rig.init_us = 0  # for the guardian
-    code, said = program.end()
+    code, output = program.end()
     assert code == 1
-    assert "had not opened the boards after 1 s (hardware.loop.opening_s) and was killed" in said
-    assert "both chambers are vented, as their sensors show" in said
+    assert "had not opened the boards after 1 s (hardware.loop.opening_s) and was killed" in output
+    assert "both chambers are vented, as their sensors show" in output
     assert list(rig.outputs[:2]) == [0.0, 0.0]
     assert program.journal()[2].samples == 0
     ms = 1e3 * (program.writes()[1][0] - faulted_s)
@@ -414,8 +414,8 @@ def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
     calls = rig.calls
     wait_until(lambda: rig.calls > calls + 3, "a slow reading")
     rig.stall_us = 0
-    code, said = program.end()
-    assert code == 0, said
+    code, output = program.end()
+    assert code == 0, output
     channels, _, findings = program.journal()
     assert findings.complete
     overruns = findings.statistics["overruns"]
@@ -435,10 +435,10 @@ def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix)
     vents = rig.writes // 2 - recorded
     for *verb, armed in (("run", "complex", True), ("check", False)):
         second = start(*verb, armed=armed)
-        code, said = second.end()
+        code, output = second.end()
         assert code == 1
-        assert f"board AIO000 is in use by process {program.process.pid} " in said
-        assert "rig run sweep" in said
+        assert f"board AIO000 is in use by process {program.process.pid} " in output
+        assert "rig run sweep" in output
         assert not second.raw.with_name("complex.h5").exists()
         matrix.add(
             f"{' '.join(verb)}{' --armed' if armed else ''} while another run is in progress",

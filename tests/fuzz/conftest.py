@@ -56,14 +56,14 @@ class Bench:
         """
         before = self._content()
         ended = self._call(command)
-        said = f"{' '.join(command)}: {ended}"
+        how = f"{' '.join(command)}: {ended}"
         for what, pattern in _FORBIDDEN.items():
-            assert not pattern.search(ended.out + ended.err), f"{what}: {said}"
+            assert not pattern.search(ended.out + ended.err), f"{what}: {how}"
         after = self._content()
-        assert {name: after.get(name) for name in before} == before, said
+        assert {name: after.get(name) for name in before} == before, how
         done = accepted(ended)
-        assert after.keys() - before.keys() <= set(writes if done else ()), said
-        assert done or any(name in ended.err + ended.out for name in names), said
+        assert after.keys() - before.keys() <= set(writes if done else ()), how
+        assert done or any(name in ended.err + ended.out for name in names), how
         return ended if done else None
 
     def _content(self):

@@ -202,7 +202,7 @@ def write_run(write_log, channels):
     """Write a small log of a closed-loop run; see ``write_log``."""
 
     def write(name="run.h5", changed=None, **attributes):
-        told = {
+        run_attributes = {
             "experiment": "track_sweep_pd",
             "controller": "pd",
             "reference": "sweep",
@@ -210,7 +210,7 @@ def write_run(write_log, channels):
         }
         run = {"theta_d_deg": channels["theta_deg"] + 1.0}
         run |= dict.fromkeys(("p_ff_kpa", "p_fb_kpa"), np.zeros(400))
-        return write_log(name, run | (changed or {}), **told | attributes)
+        return write_log(name, run | (changed or {}), **run_attributes | attributes)
 
     return write
 

@@ -145,7 +145,7 @@ def test_interrupt_ends_the_command_however_libraries_treat_it(monkeypatch, caps
 
 
 @pytest.mark.parametrize(
-    ("arguments", "shell", "environment", "code", "said"),
+    ("arguments", "shell", "environment", "code", "message"),
     [
         ("config defaults", "exec {} >&-", {}, 0, ""),
         ("config defaults", "exec {} >/dev/full", {}, 1, "error: the output .*: No space left"),
@@ -154,7 +154,7 @@ def test_interrupt_ends_the_command_however_libraries_treat_it(monkeypatch, caps
     ],
 )
 def test_output_of_any_kind_is_no_reason_for_a_traceback(
-    arguments, shell, environment, code, said, tmp_path
+    arguments, shell, environment, code, message, tmp_path
 ):
     (tmp_path / "arm.csv").write_text("t,ü\n0,1\n1,2\n", encoding="utf-8")
     command = shlex.join([*COMMAND, *arguments.split()])
@@ -163,5 +163,5 @@ def test_output_of_any_kind_is_no_reason_for_a_traceback(
         env=os.environ | environment, check=False,
     )  # fmt: skip
     assert done.returncode == code
-    assert re.search(said, done.stderr) if said else done.stderr == ""
+    assert re.search(message, done.stderr) if message else done.stderr == ""
     assert len(done.stderr.splitlines()) <= 1

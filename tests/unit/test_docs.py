@@ -252,12 +252,12 @@ def test_numbers_of_a_sentence_are_those_of_the_generated_table(page, sentence, 
 )
 def test_readme_counts_the_claims_as_the_table_of_verdicts(words, kinds):
     verdicts = [row["Verdict"] for row in rows_of("verdicts") if row["Fitted?"] in kinds]
-    told = re.search(
+    stated = re.search(
         rf"(\d+) of (\d+) (?:claims of the paper )?{words}(?: \((\d+) not reproduced\))?",
         text_of("README.md"),
     )
     counts = [verdicts.count("reproduced"), len(verdicts), verdicts.count("not reproduced")]
-    assert [int(number or 0) for number in told.groups()] == counts
+    assert [int(number or 0) for number in stated.groups()] == counts
     assert "undecided" not in verdicts
 
 
@@ -270,12 +270,12 @@ def test_deviations_of_errors_from_print_are_those_of_the_tables(page):
         for ours in row
         if ours.endswith(", ours")
     )
-    told = re.search(
+    stated = re.search(
         r"The (\d+) means of Tables II and III deviate from the printed numbers by (\d+) % in the "
         r"median and by (\d+) % at most",
         text_of(page),
     )
-    count, *shown = map(int, told.groups())
+    count, *shown = map(int, stated.groups())
     assert count == len(off)
     # the table's own digits are rounded
     assert shown == pytest.approx([median(off), off[-1]], abs=0.6)
@@ -283,11 +283,11 @@ def test_deviations_of_errors_from_print_are_those_of_the_tables(page):
 
 def test_deviations_of_tracking_from_print_are_those_of_the_table():
     rows = {(row.pop("RMSE [deg]"), row.pop("Whose")): row for row in rows_of("table4_seeds")}
-    told = re.search(
+    stated = re.search(
         r"Table IV deviate by up to (\d+) % in open loop, and by up to (\d+) % in closed loop",
         text_of("README.md"),
     )
-    for controller, shown in zip(("FPRC", "FPRC+PD"), told.groups(), strict=True):
+    for controller, shown in zip(("FPRC", "FPRC+PD"), stated.groups(), strict=True):
         ours, paper = rows[controller, "ours"], rows[controller, "paper"]
         off = [
             100 * abs(float(ours[name].split()[0]) / float(paper[name]) - 1)

@@ -36,9 +36,9 @@ def test_repeated_key_of_a_json_configuration_is_refused(project):
 def test_name_of_a_folder_is_no_command(project):
     folder = "it's; touch owned"
     settings = ["--config", f'folders={{results: "{folder}"}}']
-    told = project.snakemake("--dry-run", "--printshellcmds", "smoke", *settings)
-    assert told.returncode == 0, told.stdout
-    assert f"> {shlex.quote(folder + '/logs/smoke.log')} 2>&1" in told.stdout
+    dry_run = project.snakemake("--dry-run", "--printshellcmds", "smoke", *settings)
+    assert dry_run.returncode == 0, dry_run.stdout
+    assert f"> {shlex.quote(folder + '/logs/smoke.log')} 2>&1" in dry_run.stdout
 
 
 def spoil_sample(path):

@@ -45,8 +45,8 @@ def test_damaged_results_are_named_and_reach_no_other_result(smoked_copy):
         done = smoked_copy.smoke(target)
         assert done.returncode != 0
         assert "Traceback" not in done.stdout
-        told = {name for name in names if f"{name}: " in done.stdout}
-        assert told == {str(path.relative_to(folder)) for path in refused}
+        named = {name for name in names if f"{name}: " in done.stdout}
+        assert named == {str(path.relative_to(folder)) for path in refused}
 
     for path in damaged_files:
         path.unlink(missing_ok=True)

@@ -152,10 +152,10 @@ def test_action_of_a_figure_says_what_its_sidecar_says(released, crate):
         file.replace("fprc/config", "src/fprc/config"): value
         for file, value in sidecar["inputs"].items()
     }
-    said = {entities[each]["name"]: entities[each]["value"]
+    properties = {entities[each]["name"]: entities[each]["value"]
             for each in referred(action["additionalProperty"])}  # fmt: skip
-    assert said["commit"] == git(released[0], "rev-parse", "HEAD").strip()
-    assert said["config_sha256"] == sidecar["config_sha256"]
+    assert properties["commit"] == git(released[0], "rev-parse", "HEAD").strip()
+    assert properties["config_sha256"] == sidecar["config_sha256"]
     libraries = {entity["name"]: entity["softwareVersion"] for entity in entities.values()
                  if entity["@type"] == "SoftwareApplication"}  # fmt: skip
     assert libraries == sidecar["versions"] | {"fprc": VERSION}
@@ -173,7 +173,7 @@ def test_everything_that_forbids_a_release_is_said_at_once(clone, release, capsy
     (clone / f"dist/{VERSION}").mkdir(parents=True)
     assert release.main(["build", *SMOKE]) == 1
     printed = capsys.readouterr().err
-    for said in (
+    for message in (
         "uncommitted changes; commit them",
         "fig01_actuator.json: not made by this commit",
         "fig02_reservoir.json: made with uncommitted changes",
@@ -183,7 +183,7 @@ def test_everything_that_forbids_a_release_is_said_at_once(clone, release, capsy
         f"the tag v{VERSION} exists",
         f"dist/{VERSION}: exists",
     ):
-        assert said in printed
+        assert message in printed
     assert list((clone / "dist").rglob("*")) == [clone / f"dist/{VERSION}"]
 
 

@@ -61,13 +61,13 @@ class Page:
             self._unread += read
         first, self._unread = self._unread.split(b"\0", 1)
         message = json.loads(first)
-        kind, told = message.get("method"), message.get("params", {})
+        kind, parameters = message.get("method"), message.get("params", {})
         if (
             kind == "Runtime.exceptionThrown"
-            or (kind == "Runtime.consoleAPICalled" and told["type"] == "error")
-            or (kind == "Log.entryAdded" and told["entry"]["level"] == "error")
+            or (kind == "Runtime.consoleAPICalled" and parameters["type"] == "error")
+            or (kind == "Log.entryAdded" and parameters["entry"]["level"] == "error")
         ):
-            self.errors.append(told)
+            self.errors.append(parameters)
         return message
 
     def open(self, path, screen="laptop"):

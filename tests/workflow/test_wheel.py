@@ -146,9 +146,9 @@ def place(folder):
     past = np.cumsum(np.random.default_rng(5).standard_normal(len(time_s)))
     table = np.column_stack([time_s, angle, past, 100.0 + 3.0 * angle + past])
     np.savetxt(place / "log.csv", table, delimiter=",", header="t,angle,memory,force", comments="")
-    told = {"time": {"column": "t"}, "channels": COLUMNS}
-    (place / "one.yaml").write_text(yaml.safe_dump({"experiment": "sweep"} | told))
-    (place / "two.yaml").write_text(yaml.safe_dump({"test_from_s": 7} | told))
+    given = {"time": {"column": "t"}, "channels": COLUMNS}
+    (place / "one.yaml").write_text(yaml.safe_dump({"experiment": "sweep"} | given))
+    (place / "two.yaml").write_text(yaml.safe_dump({"test_from_s": 7} | given))
     (place / "few.yaml").write_text(FEW)
     return place
 

@@ -21,7 +21,7 @@ def look(make_bench, settings, live_by, caplog):
         _, look.messages = live_by(bench)
         caplog.set_level(logging.INFO, logger="fprc.rig")
         code = check_rig(settings, armed, stop)
-        look.said = caplog.messages
+        look.lines = caplog.messages
         return code, [m.removeprefix("TROUBLE: ") for m in caplog.messages if "TROUBLE" in m]
 
     return look
@@ -29,9 +29,9 @@ def look(make_bench, settings, live_by, caplog):
 
 def test_rig_as_it_should_be_passes_and_ends_vented(look):
     assert look() == (0, [])
-    assert look.said[-1] == "no trouble found"
+    assert look.lines[-1] == "no trouble found"
     phases = ("rest", "actuator filled", "actuator vented", "PAM A filled", "PAM A vented")
-    assert [line[:16].strip() for line in look.said[1:6]] == list(phases)
+    assert [line[:16].strip() for line in look.lines[1:6]] == list(phases)
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
     assert sum(look.messages.count(each) for each in (ARMED, SAFE)) == 4
     assert look.bench.tick >= 1800
@@ -39,7 +39,7 @@ def test_rig_as_it_should_be_passes_and_ends_vented(look):
 
 def test_unarmed_check_moves_no_valve_and_says_so(look):
     assert look(armed=False) == (0, [])
-    assert any(line.startswith("valves: kept vented; --armed") for line in look.said)
+    assert any(line.startswith("valves: kept vented; --armed") for line in look.lines)
     assert 200 <= look.bench.tick < 260
     assert look.messages[-1] == SAFE
     # only those at opening and closing
@@ -128,7 +128,7 @@ def test_check_that_is_stopped_says_so_and_shows_what_it_saw(look):
     code, (trouble,) = look(stop=lambda: next(reasons))
     assert code == 1
     assert trouble == "stopped: run stopped at sample 300: stopped by SIGTERM"
-    assert [line.split("  ")[0] for line in look.said[1:3]] == ["rest", "actuator filled"]
+    assert [line.split("  ")[0] for line in look.lines[1:3]] == ["rest", "actuator filled"]
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
 
 

@@ -84,8 +84,8 @@ def fill(bench):
 
 def test_chambers_that_no_sensor_shows_are_not_called_vented(alive, settings, heard):
     settings["hardware"]["boards"]["input_device"] = "AIO007"
-    said = vent_until_shown(settings["hardware"], heard)
-    assert "no pressure can be read (board AIO007: AioInit failed with code 10000" in said
+    message = vent_until_shown(settings["hardware"], heard)
+    assert "no pressure can be read (board AIO007: AioInit failed with code 10000" in message
     assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
     assert alive.shared.opened == 0
 
@@ -129,13 +129,13 @@ def test_venting_is_given_up_only_by_the_user(alive, settings, heard, quick, cap
             alive.shared.fail_count = 0
 
     person = in_the_background(send)
-    said = vent_until_shown(settings["hardware"], heard)
+    message = vent_until_shown(settings["hardware"], heard)
     person.join()
     if number == signal.SIGINT:
-        assert said.startswith("THE CHAMBERS COULD NOT BE VENTED")
-        assert "failed with code 777" in said
+        assert message.startswith("THE CHAMBERS COULD NOT BE VENTED")
+        assert "failed with code 777" in message
     else:
-        assert said == VENTED
+        assert message == VENTED
     assert alive.shared.failures > 5
     # once the board answers, a message may say that only readings are still missing
     assert all("COULD NOT BE VENTED" in message for message in caplog.messages[:5])
@@ -164,15 +164,15 @@ def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
 ):
     never = threading.Event()
 
-    def vent(hardware, told):
-        told("")
+    def vent(hardware, report):
+        report("")
         never.wait(30.0)
 
     monkeypatch.setattr(guardian, "vent_from_outside", vent)
     settings["hardware"]["valves"]["vent_s"] = 0.1
-    said = vent_until_shown(settings["hardware"], heard)
+    message = vent_until_shown(settings["hardware"], heard)
     never.set()
-    assert "both valves were set to vent, but no pressure can be read: the driver" in said
+    assert "both valves were set to vent, but no pressure can be read: the driver" in message
 
 
 def test_process_that_does_not_end_is_reported_and_awaited_until_the_user_gives_up(quick, caplog):

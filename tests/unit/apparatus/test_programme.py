@@ -44,9 +44,9 @@ def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feed
 
 
 def test_only_the_disturbance_asks_the_person_to_push(settings, fprc_file):
-    said = {name: plan(name, settings, fprc_file).hint for name in names(settings)}
+    hints = {name: plan(name, settings, fprc_file).hint for name in names(settings)}
     quiet_s = settings["tracking"]["pushes"]["quiet_s"]
-    for name, hint in said.items():
+    for name, hint in hints.items():
         pushed = name.startswith("track_disturbance_")
         assert hint == (f"push the reservoir by hand from {quiet_s:g} s on" if pushed else "")
 
@@ -79,7 +79,7 @@ def files(fprc_file, recorded, tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("file", "said"),
+    ("file", "message"),
     [
         ("Fuzzy-linear", "is a FuzzyLinear, must be a FPRC; give --model a file of fprc"),
         ("features", "is a TapFeatures, must be a FPRC; give --model a file of fprc"),
@@ -87,7 +87,7 @@ def files(fprc_file, recorded, tmp_path_factory):
     ],
 )
 def test_model_that_is_not_the_one_in_the_name_of_the_log_is_refused_before_anything_starts(
-    settings, files, tmp_path, monkeypatch, file, said
+    settings, files, tmp_path, monkeypatch, file, message
 ):
     monkeypatch.setattr("fprc.stages.record_on_rig.guard", None)
     name = "track_sine_0p2_fprc_pd"
@@ -99,7 +99,7 @@ def test_model_that_is_not_the_one_in_the_name_of_the_log_is_refused_before_anyt
             armed=True,
             model=files[file],
         )
-    assert f"{files[file]}, the model of {name}, {said}" in str(caught.value)
+    assert f"{files[file]}, the model of {name}, {message}" in str(caught.value)
     assert not list(tmp_path.iterdir())
 
 

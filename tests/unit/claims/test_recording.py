@@ -23,8 +23,8 @@ def report(blocks=10, overlap=1 / 9, spread=0.01, **ratios):
     return {"cells": cells, "overlap": overlap}
 
 
-def verdicts(told):
-    return {row["id"]: row["verdict"] for row in judge_recording(told)}
+def verdicts(results):
+    return {row["id"]: row["verdict"] for row in judge_recording(results)}
 
 
 @pytest.mark.parametrize(
@@ -44,15 +44,15 @@ def test_answer_needs_both_comparisons(ratios, first):
 
 
 def test_clear_pairs_are_decided_and_named():
-    told = report(fprc_lowpass=0.7, ridge_p_o=1.5)
-    assert verdicts(told) == {"B1": "superior", "B4": "inferior", "R1": "equivalent"}
-    assert "(B1): superior. FPRC's error is 0.70" in sentences(judge_recording(told))[0]
+    results = report(fprc_lowpass=0.7, ridge_p_o=1.5)
+    assert verdicts(results) == {"B1": "superior", "B4": "inferior", "R1": "equivalent"}
+    assert "(B1): superior. FPRC's error is 0.70" in sentences(judge_recording(results))[0]
 
 
 def test_ratio_and_interval_are_those_of_the_corrected_t_test_after_holm():
-    told = report(spread=0.1)
-    row = judge_recording(told)[0]
-    ours, theirs = (np.log(told["cells"][i]["validation_rmse_kpa"]) for i in (0, 1))
+    results = report(spread=0.1)
+    row = judge_recording(results)[0]
+    ours, theirs = (np.log(results["cells"][i]["validation_rmse_kpa"]) for i in (0, 1))
     ratios = ours - theirs
     assert row["ratio"] == pytest.approx(math.exp(ratios.mean()))
     assert row["level"] == pytest.approx(0.05 / 3)  # nothing is decided
@@ -61,14 +61,14 @@ def test_ratio_and_interval_are_those_of_the_corrected_t_test_after_holm():
 
 
 def test_model_without_errors_leaves_its_claim_unjudged():
-    told = report(fprc_lowpass=0.7)
-    told["cells"][2] = {"model": "ridge_p_o", "reason": "too long"}
-    rows = judge_recording(told)
+    results = report(fprc_lowpass=0.7)
+    results["cells"][2] = {"model": "ridge_p_o", "reason": "too long"}
+    rows = judge_recording(results)
     assert [row["verdict"] for row in rows] == ["superior", "not judged", "equivalent"]
     assert rows[1]["ratio"] is None
 
 
 def test_block_without_error_is_no_pair():
-    told = report(fprc_lowpass=0.7)
-    told["cells"][1]["validation_rmse_kpa"][0] = 0.0
-    assert [row["blocks"] for row in judge_recording(told)] == [9, 10, 10]
+    results = report(fprc_lowpass=0.7)
+    results["cells"][1]["validation_rmse_kpa"][0] = 0.0
+    assert [row["blocks"] for row in judge_recording(results)] == [9, 10, 10]

@@ -70,11 +70,11 @@ def refusal(tmp_path, monkeypatch, capfd):
             code = main(command.split())
         except SystemExit as end:
             code = end.code
-        said = "".join(capfd.readouterr())
-        assert code == 1, said
-        assert "Traceback" not in said
+        output = "".join(capfd.readouterr())
+        assert code == 1, output
+        assert "Traceback" not in output
         assert set(tmp_path.iterdir()) == before
-        return said
+        return output
 
     return refusal
 
@@ -117,9 +117,9 @@ def test_output_that_cannot_be_written_is_refused_before_any_file_is_read(
     for suffix in (".h5", ".h", ".yaml"):
         (tmp_path / f"folder{suffix}").mkdir()
         (tmp_path / f"foreign{suffix}").write_bytes(b"mine \xff")
-    said = refusal(words)
-    assert words.split()[-1][:40] in said
-    assert "none." not in said
+    output = refusal(words)
+    assert words.split()[-1][:40] in output
+    assert "none." not in output
     assert {path.read_bytes() for path in tmp_path.glob("foreign.*")} == {b"mine \xff"}
 
 

@@ -72,19 +72,19 @@ def test_folder_that_would_do_harm_is_refused_with_a_reason(project, key, folder
     places = {"{project}": str(project), "{home}": os.environ["HOME"]}
     for name, place in places.items():
         folder = folder.replace(name, place)
-    said = refused(**{key: folder})
-    assert said.startswith(f"1 error in the configuration:\n  folders.{key}: ")
-    assert reason in said
-    assert len(said.splitlines()) == 2
-    assert said.replace("\n", "").isprintable()
-    assert len(said) < 300
+    message = refused(**{key: folder})
+    assert message.startswith(f"1 error in the configuration:\n  folders.{key}: ")
+    assert reason in message
+    assert len(message.splitlines()) == 2
+    assert message.replace("\n", "").isprintable()
+    assert len(message) < 300
 
 
 def test_every_reason_is_given_at_once():
-    said = refused(raw="src/{x\n", results="~" + "y" * 300)
-    assert said.startswith("2 errors in the configuration:\n")
+    message = refused(raw="src/{x\n", results="~" + "y" * 300)
+    assert message.startswith("2 errors in the configuration:\n")
     for reason in ("a brace", "cannot be printed", "is in src", "begins with ~", "255 bytes"):
-        assert reason in said
+        assert reason in message
 
 
 @pytest.mark.parametrize(
@@ -101,9 +101,9 @@ def test_every_reason_is_given_at_once():
 )
 def test_raw_logs_and_results_that_would_mix_are_refused(project, raw, results, reason):
     raw, results = (folder.replace("{here}", str(project)) for folder in (raw, results))
-    said = refused(raw=raw, results=results)
-    assert said.startswith("1 error in the configuration:\n  folders: ")
-    assert reason in said
+    message = refused(raw=raw, results=results)
+    assert message.startswith("1 error in the configuration:\n  folders: ")
+    assert reason in message
 
 
 @pytest.mark.parametrize(

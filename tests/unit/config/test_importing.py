@@ -46,11 +46,11 @@ def with_channel(name, **column):
 
 
 def test_small_map_has_the_documented_defaults(read):
-    told = read(SMALL)
-    assert (told.sample_rate_hz, told.start_s, told.end_s) == (None, 0.0, None)
-    assert (told.time.unit, told.time.rate_hz) == ("s", None)
-    assert (told.channels.theta_deg.scale, told.channels.theta_deg.offset) == (1.0, 0.0)
-    assert told.channels.p_o_kpa is None
+    given_map = read(SMALL)
+    assert (given_map.sample_rate_hz, given_map.start_s, given_map.end_s) == (None, 0.0, None)
+    assert (given_map.time.unit, given_map.time.rate_hz) == ("s", None)
+    assert (given_map.channels.theta_deg.scale, given_map.channels.theta_deg.offset) == (1.0, 0.0)
+    assert given_map.channels.p_o_kpa is None
 
 
 def test_every_unit_of_time_has_its_seconds():
@@ -58,8 +58,8 @@ def test_every_unit_of_time_has_its_seconds():
 
 
 def test_numbers_of_yaml_serve_as_names_and_as_unit_one(read):
-    told = read(with_channel("p_o_kpa", column=3, unit=1, note="force [N]"))
-    assert (told.channels.p_o_kpa.column, told.channels.p_o_kpa.unit) == ("3", "1")
+    given_map = read(with_channel("p_o_kpa", column=3, unit=1, note="force [N]"))
+    assert (given_map.channels.p_o_kpa.column, given_map.channels.p_o_kpa.unit) == ("3", "1")
 
 
 def test_quantity_that_is_something_else_needs_a_note(problems):
@@ -69,7 +69,7 @@ def test_quantity_that_is_something_else_needs_a_note(problems):
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (SMALL | {"sample_rate": 100}, "sample_rate: unknown key; did you mean sample_rate_hz?"),
         (
@@ -115,30 +115,30 @@ def test_quantity_that_is_something_else_needs_a_note(problems):
         ("a: [", "cannot be read as YAML"),
     ],
 )
-def test_error_names_place_value_and_remedy(problems, content, said):
-    assert said in problems(content)
+def test_error_names_place_value_and_remedy(problems, content, message):
+    assert message in problems(content)
 
 
 def test_all_errors_are_told_at_once(problems):
-    said = problems(
+    message = problems(
         {
             "experiment": "swep",
             "rate": 1,
             "channels": {"theta_deg": {"column": "x", "unit": "kPa"}, "p_exp": {}},
         }
     )
-    assert said.splitlines()[0].endswith("5 errors in the map:")
+    assert message.splitlines()[0].endswith("5 errors in the map:")
     for part in ("experiment", "rate", "time", "channels.theta_deg.unit", "channels.p_exp"):
-        assert sum(line.startswith(f"  {part}") for line in said.splitlines()) == 1
+        assert sum(line.startswith(f"  {part}") for line in message.splitlines()) == 1
 
 
 def test_what_an_unknown_key_may_mean_is_not_called_missing(problems):
-    said = problems({
+    message = problems({
         "experimnt": "sweep",
         "time": {"colum": "t"},
         "channels": {"theta_deg": SMALL["channels"]["theta_deg"], "p_exp_kp": {}},
     })  # fmt: skip
-    assert {line.rpartition("did you mean ")[2] for line in said.splitlines()[1:]} == {
+    assert {line.rpartition("did you mean ")[2] for line in message.splitlines()[1:]} == {
         "experiment?", "time.column?", "channels.p_exp_kpa?",
     }  # fmt: skip
 
@@ -157,8 +157,8 @@ def test_what_an_unknown_key_may_mean_is_not_called_missing(problems):
     ],
 )
 def test_wrong_word_is_answered_by_the_nearest(problems, content, meant):
-    _, _, said = problems(content).partition("; did you mean ")
-    assert said == (f"{meant}?" if meant else "")
+    _, _, message = problems(content).partition("; did you mean ")
+    assert message == (f"{meant}?" if meant else "")
 
 
 def test_format_of_the_text_is_read_from_a_map_that_is_not_complete(tmp_path):

@@ -31,7 +31,7 @@ def message(config):
     return str(caught.value)
 
 
-def told(text):
+def keys_of(text):
     """Return the keys of a message that lists errors."""
     head, *lines = text.splitlines()
     assert head.split(" ")[0] == str(len(lines))
@@ -70,7 +70,7 @@ def test_every_error_is_reported_at_once():
             "evaluation": {"replicate_seeds": [1, 2]},
         }
     )
-    assert set(told(text)) == {
+    assert set(keys_of(text)) == {
         "seed", "modles", "models.fprc.n_c", "models.fprc.epsilom",
         "experiments.sweep.duration_s", "rig.valve.leak", "rig.bending", "calibration",
         "evaluation.replicate_seeds",
@@ -127,7 +127,7 @@ def test_wrong_value_is_one_error(key, value, place):
     config = value
     for name in reversed(key.split(".")):
         config = {name: config}
-    assert told(message(config)) == [key + place]
+    assert keys_of(message(config)) == [key + place]
 
 
 # --- files --------------------------------------------------------------------------------------
@@ -150,8 +150,8 @@ def test_every_file_that_cannot_be_read_is_told_at_once(written):
     paths = written("seed: 1\nseed: 2\n", "seed: 3\n", "a: [\n", "- 1\n")
     with pytest.raises(ConfigError) as caught:
         from_files(paths)
-    told = [line for line in str(caught.value).splitlines() if not line.startswith("  ")]
-    assert [line.split(":")[0] for line in told] == [str(paths[k]) for k in (0, 2, 3)]
+    headings = [line for line in str(caught.value).splitlines() if not line.startswith("  ")]
+    assert [line.split(":")[0] for line in headings] == [str(paths[k]) for k in (0, 2, 3)]
 
 
 def test_settings_beside_the_files_win_and_are_checked(written):
@@ -254,8 +254,8 @@ def test_unknown_name_and_file_that_cannot_be_read_are_told_at_once(written):
     paths = written("rig: drie\n", "a: [\n", "rig: wett\n")
     with pytest.raises(ConfigError) as caught:
         from_files(paths)
-    said = str(caught.value)
-    assert said.index("rig = drie") < said.index(str(paths[1])) < said.index("rig = wett")
+    text = str(caught.value)
+    assert text.index("rig = drie") < text.index(str(paths[1])) < text.index("rig = wett")
 
 
 def test_wrong_number_in_the_file_of_a_rig_is_refused(rigs):
@@ -310,7 +310,7 @@ def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
 )
 def test_what_was_renamed_or_removed_is_answered_by_what_there_is_now(old, key, now):
     text = message(old)
-    assert told(text) == [key]
+    assert keys_of(text) == [key]
     assert now in text
 
 

@@ -69,9 +69,9 @@ def test_every_number_has_unit_range_and_meaning(section):
 def test_number_beyond_either_end_of_its_range_is_refused(key):
     limits, default = RANGES[key]
     for number, limit in ((limits.low - 1, limits.low), (limits.high + 1, limits.high)):
-        said = refused(key, [number, number] if isinstance(default, tuple) else number)
-        assert f"  {key}" in said
-        assert {*map(float, re.findall(r"or equal to ([-+.\w]*\w)", said))} == {limit}
+        message = refused(key, [number, number] if isinstance(default, tuple) else number)
+        assert f"  {key}" in message
+        assert {*map(float, re.findall(r"or equal to ([-+.\w]*\w)", message))} == {limit}
 
 
 NAN, INFINITY = float("nan"), float("inf")

@@ -110,12 +110,12 @@ def test_statistics_are_those_of_numpy(time):
         tick = clock.wait_for(tick + 1)
         late.append(time.s - 1000.0 - (tick + 1) * PERIOD_S)
         time.pass_(stall)
-    told = clock.statistics()
+    statistics = clock.statistics()
     names = ("jitter_p50_s", "jitter_p99_s", "jitter_p99_9_s", "jitter_max_s")
     expected = np.percentile(late, [50.0, 99.0, 99.9, 100.0])
-    assert [told[name] for name in names] == pytest.approx(expected, abs=1e-9)
-    assert told["jitter_max_s"] > 0.5 * PERIOD_S
-    assert (told["ticks"], told["overruns"]) == (3000, tick + 1 - 3000)
+    assert [statistics[name] for name in names] == pytest.approx(expected, abs=1e-9)
+    assert statistics["jitter_max_s"] > 0.5 * PERIOD_S
+    assert (statistics["ticks"], statistics["overruns"]) == (3000, tick + 1 - 3000)
     assert tick + 1 > 3000
 
 

@@ -150,7 +150,7 @@ def test_heart_beats_at_every_sample_that_reached_both_valves_and_at_no_other(
 
 
 @pytest.mark.parametrize(
-    ("volts", "said"),
+    ("volts", "message"),
     [
         (lambda look: 2.6 if look % 5 else 1.0, "MAY BE UNDER PRESSURE"),
         (lambda look: 1.01, "p_exp_kpa never changed: frozen sensor"),
@@ -158,7 +158,7 @@ def test_heart_beats_at_every_sample_that_reached_both_valves_and_at_no_other(
     ids=["one reading in five", "frozen"],
 )
 def test_reading_of_no_pressure_that_shows_nothing_is_not_believed(
-    bench, hardware, build, volts, said
+    bench, hardware, build, volts, message
 ):
     hardware["valves"]["vent_s"] = 1.0
     rig = build()
@@ -171,5 +171,5 @@ def test_reading_of_no_pressure_that_shows_nothing_is_not_believed(
 
     bench.shared.inputs[0] = volts(0)
     rig._venting["sleep"] = wait
-    with pytest.raises(DeviceError, match=said):
+    with pytest.raises(DeviceError, match=message):
         rig.close()

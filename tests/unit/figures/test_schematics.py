@@ -191,7 +191,7 @@ def test_reservoir_shows_the_numbers_and_the_loop_of_its_log(drawings, tmp_path)
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "expected"),
     [
         ("esn, long", ("= 10000", "$n_y$ = 10", r"$\gamma$ = 0.95", r"$\rho$ = 0.85", "= 0.001")),
         ("fprc, long", ("12.5 kPa/deg", "$n_y$ = 10", "$n_u$ = 10", "$n_c$ = 16", "= 0.0001")),
@@ -200,7 +200,7 @@ def test_reservoir_shows_the_numbers_and_the_loop_of_its_log(drawings, tmp_path)
         ("reservoir, long", ("A: $P_i$ = 29 kPa", "12.5 kPa/deg")),
     ],
 )
-def test_drawing_shows_its_settings(drawings, name, said):
+def test_drawing_shows_its_settings(drawings, name, expected):
     shown = " ".join(words(drawings[name][0]))
-    for text in said:
+    for text in expected:
         assert text in shown

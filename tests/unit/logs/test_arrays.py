@@ -103,7 +103,7 @@ def test_empty_and_non_numeric_parts_leave_the_rest_of_the_file(read, matlab_fil
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("run.q", "such as run.q[:, 0]"),
         ("run.q[:, 3]", "has shape (10, 3)"),
@@ -114,14 +114,14 @@ def test_empty_and_non_numeric_parts_leave_the_rest_of_the_file(read, matlab_fil
         ("name", "cannot be a channel: text"),
     ],
 )
-def test_wrong_column_is_refused_with_the_right_ones(read, text, said):
+def test_wrong_column_is_refused_with_the_right_ones(read, text, message):
     q = np.arange(30.0).reshape(10, 3)
     source = read({"run": {"q": q, "y": Y}, "name": "arm"})
     assert pick(source, "run.q[:, 2]").tolist() == q[:, 2].tolist()
     assert pick(source, "run.q[4,:]").tolist() == q[4].tolist()
     with pytest.raises(LogError) as caught:
         pick(source, text)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_cell_that_holds_itself_is_refused(tmp_path, matlab_files):

@@ -15,23 +15,23 @@ from fprc.logs.attributes import KINDS
 def attributes_of(tmp_path):
     """Write attributes as another program would, and read them."""
 
-    def read(told):
+    def read(attributes):
         path = tmp_path / "log.h5"
         with h5py.File(path, "w") as file:
-            for name, value in told.items():
+            for name, value in attributes.items():
                 file.attrs[name] = value
         return read_columns(path, ()).attributes
 
     return read
 
 
-def read_back(folder, told):
-    write_columns(folder / "any.h5", {}, told)
+def read_back(folder, attributes):
+    write_columns(folder / "any.h5", {}, attributes)
     return read_columns(folder / "any.h5", ()).attributes
 
 
 def test_attributes_come_back_as_they_were(tmp_path):
-    told = {
+    attributes = {
         "experiment": "Zoë\t\n\U0001f321",
         "simulated": False,
         "seed": -(2**63),
@@ -40,10 +40,10 @@ def test_attributes_come_back_as_they_were(tmp_path):
         "notes": {"theta_deg": "°"},
         "of_someone_else": 1e300,
     }
-    back = read_back(tmp_path, told)
-    assert back == told
+    back = read_back(tmp_path, attributes)
+    assert back == attributes
     assert {name: type(value) for name, value in back.items()} == {
-        name: type(value) for name, value in told.items()
+        name: type(value) for name, value in attributes.items()
     }
 
 
@@ -54,8 +54,10 @@ def test_text_of_any_length_comes_back(tmp_path, length):
 
 
 def test_number_that_is_none_is_null_in_json(tmp_path):
-    told = {"statistics": {"jitter_s": float("nan"), "late_s": [float("inf"), 1.0]}}
-    assert read_back(tmp_path, told) == {"statistics": {"jitter_s": None, "late_s": [None, 1.0]}}
+    attributes = {"statistics": {"jitter_s": float("nan"), "late_s": [float("inf"), 1.0]}}
+    assert read_back(tmp_path, attributes) == {
+        "statistics": {"jitter_s": None, "late_s": [None, 1.0]}
+    }
 
 
 WRONG = {
@@ -87,22 +89,22 @@ def test_attribute_that_is_not_of_its_kind_is_named(attributes_of, name):
 
 def test_every_kind_is_refused_at_once(attributes_of):
     values = {str: 1.0, bool: "x", float: "x", int: "x", dict: "x"}
-    told = {name: values[kind] for name, kind in KINDS.items()}
+    attributes = {name: values[kind] for name, kind in KINDS.items()}
     with pytest.raises(LogError) as caught:
-        attributes_of(told)
+        attributes_of(attributes)
     assert len(str(caught.value).splitlines()) == len(KINDS)
 
 
 def test_attributes_of_other_programs_are_kept_where_they_are_plain_and_else_left_out(
     attributes_of,
 ):
-    told = {"operator": "Zoë", "room_deg": 21.5, "temperature": np.nan, "matrix": np.eye(3)}
-    assert attributes_of(told) == {"operator": "Zoë", "room_deg": 21.5}
+    attributes = {"operator": "Zoë", "room_deg": 21.5, "temperature": np.nan, "matrix": np.eye(3)}
+    assert attributes_of(attributes) == {"operator": "Zoë", "room_deg": 21.5}
 
 
 def test_text_of_a_fixed_length_is_understood(attributes_of):
-    told = {"source": np.bytes_("rig"), "notes": np.bytes_(json.dumps({"theta_deg": "°"}))}
-    assert attributes_of(told) == {"source": "rig", "notes": {"theta_deg": "°"}}
+    attributes = {"source": np.bytes_("rig"), "notes": np.bytes_(json.dumps({"theta_deg": "°"}))}
+    assert attributes_of(attributes) == {"source": "rig", "notes": {"theta_deg": "°"}}
 
 
 def test_message_shows_the_control_characters_of_an_attribute(attributes_of):

@@ -66,20 +66,20 @@ def test_mended_clock_agrees_with_one_instant_after_the_other(instants, repeated
 
 def test_repeated_time_stamps_are_counted_and_the_remedy_is_named():
     instants = np.repeat(T[:200], 2)
-    said = refusal(recorded, instants)
-    assert "time: t: 200 of 400 samples repeat an earlier time stamp" in said
-    assert "sample 1 (line 3) at 0;" in said
-    assert "time.repeated: first" in said
+    message = refusal(recorded, instants)
+    assert "time: t: 200 of 400 samples repeat an earlier time stamp" in message
+    assert "sample 1 (line 3) at 0;" in message
+    assert "time.repeated: first" in message
 
 
 def test_unordered_samples_are_counted_and_the_remedy_is_named():
     instants = T.copy()
     instants[10:12] = instants[[11, 10]]
     instants[20] = 0.0123
-    said = refusal(recorded, instants)
-    assert "2 of 400 samples are out of order" in said
-    assert "sample 11 (line 13) at 0.05, after sample 10 (line 12) at 0.055" in said
-    assert "time.unordered: sort" in said
+    message = refusal(recorded, instants)
+    assert "2 of 400 samples are out of order" in message
+    assert "sample 11 (line 13) at 0.05, after sample 10 (line 12) at 0.055" in message
+    assert "time.unordered: sort" in message
 
 
 def test_instant_that_is_none_is_named_with_its_sample():
@@ -95,21 +95,21 @@ def test_instant_that_is_none_is_named_with_its_sample():
 def test_last_stamp_that_jumps_is_named(jump_s):
     instants = T.copy()
     instants[-1] += jump_s
-    said = length_refused(instants)
-    assert "the clock jumps from 1.99 s at sample 398 (line 400) to " in said
-    assert "s at sample 399 (line 401): repair it there" in said
+    message = length_refused(instants)
+    assert "the clock jumps from 1.99 s at sample 398 (line 400) to " in message
+    assert "s at sample 399 (line 401): repair it there" in message
     instants[[50, 399]] = instants[[399, 50]]  # the sample is named where it was
     assert "at sample 50 (line 52): repair" in length_refused(instants, **MENDING)
 
 
 @pytest.mark.parametrize(
-    ("unit", "told", "samples"),
+    ("unit", "stated", "samples"),
     [("ns", "us", 40_000), ("ns", "s", 40_000), ("ms", "min", 40_000), ("s", "us", 400),
      ("ms", "ns", 400)],
 )  # fmt: skip
-def test_implausible_unit_is_answered_with_the_likely_one(unit, told, samples):
-    said = length_refused(np.arange(samples) / 200.0 / SECONDS[unit], unit=told)
-    assert f"in {unit} the rate would be 200 Hz: set time.unit: {unit}" in said
+def test_implausible_unit_is_answered_with_the_likely_one(unit, stated, samples):
+    message = length_refused(np.arange(samples) / 200.0 / SECONDS[unit], unit=stated)
+    assert f"in {unit} the rate would be 200 Hz: set time.unit: {unit}" in message
 
 
 def test_likely_clock_is_not_doubted():

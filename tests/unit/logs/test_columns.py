@@ -202,7 +202,7 @@ def group(file):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (sample(np.nan), "theta_deg: sample 17 is nan, and 2 more"),
         (sample(-np.inf), "theta_deg: sample 17 is -inf, and 2 more"),
@@ -224,11 +224,11 @@ def group(file):
         (group, "theta_deg: missing; the file has p_o_kpa, theta_deg, time_s"),
     ],
 )
-def test_wrong_channel_is_named_with_what_is_wrong(path, change, said):
+def test_wrong_channel_is_named_with_what_is_wrong(path, change, message):
     with h5py.File(path, "r+") as file:
         change(file)
     (line,) = problem(path).splitlines()
-    assert line.startswith(f"{path}: channel {said}")
+    assert line.startswith(f"{path}: channel {message}")
 
 
 def test_log_without_samples_is_refused(tmp_path):

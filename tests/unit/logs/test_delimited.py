@@ -13,9 +13,9 @@ from fprc.logs.delimited import read_text
 SEPARATORS = [",", ";", "\t", "|", " "]
 
 
-def read(path, **told):
+def read(path, **options):
     return read_text(
-        path, **dict.fromkeys(["separator", "decimal", "header_line", "data_line"]) | told
+        path, **dict.fromkeys(["separator", "decimal", "header_line", "data_line"]) | options
     )
 
 
@@ -23,19 +23,19 @@ def read(path, **told):
 def table(tmp_path):
     """Write a text and return the source read from it."""
 
-    def table(text, **told):
+    def table(text, **options):
         path = tmp_path / "log.csv"
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return read(path, **told)
+        return read(path, **options)
 
     return table
 
 
 @pytest.fixture
 def refusal(table):
-    def refusal(text, **told):
+    def refusal(text, **options):
         with pytest.raises(LogError) as caught:
-            table(text, **told)
+            table(text, **options)
         return str(caught.value)
 
     return refusal
@@ -86,8 +86,8 @@ def test_table_of_any_names_comes_back_as_it_was_written(
     writer.writerows([[repr(float(number)) for number in row] for row in numbers])
     path = tmp_path_factory.getbasetemp() / "any_table.csv"
     path.write_bytes(written.getvalue().encode())
-    for told in ({}, {"separator": separator, "header_line": 1}):
-        found = read(path, **told)
+    for options in ({}, {"separator": separator, "header_line": 1}):
+        found = read(path, **options)
         assert found.others == {}
         assert list(found.variables) == stripped
         assert np.array_equal(np.column_stack(list(found.variables.values())), numbers)
@@ -179,9 +179,9 @@ def test_number_is_read_as_it_was_written_or_not_at_all(
     lines = [f"{k}{separator}{text.replace('.', mark)}" for k, text in enumerate(texts)]
     path = tmp_path_factory.getbasetemp() / "decimals.csv"
     path.write_text("\n".join([f"t{separator}p", *lines, ""]))
-    for told in ({}, {"decimal": mark}):
-        source = read(path, **told)
-        if "p" in source.variables or told:
+    for options in ({}, {"decimal": mark}):
+        source = read(path, **options)
+        if "p" in source.variables or options:
             assert source.variables["p"].tolist() == list(map(float, texts))
 
 
@@ -219,7 +219,7 @@ def test_column_that_is_no_number_is_named_with_its_line(table):
 
 
 @pytest.mark.parametrize(
-    ("content", "told", "place"),
+    ("content", "options", "place"),
     [
         ("", {}, "no samples"),
         ("# only this", {}, "no samples"),
@@ -242,10 +242,10 @@ def test_column_that_is_no_number_is_named_with_its_line(table):
         ("t,x\n0,1\n1,2\n", {"data_line": 9}, "below line 1"),
     ],
 )
-def test_text_that_is_no_table_is_refused_with_the_place(refusal, content, told, place):
-    said = refusal(content, **told)
-    assert "log.csv: " in said
-    assert place in said
+def test_text_that_is_no_table_is_refused_with_the_place(refusal, content, options, place):
+    message = refusal(content, **options)
+    assert "log.csv: " in message
+    assert place in message
 
 
 def test_large_text_is_refused_unread(refusal, monkeypatch):

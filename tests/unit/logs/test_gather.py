@@ -112,8 +112,10 @@ def test_value_that_is_kept_and_not_finite_is_named_with_its_sample(tmp_path, wr
     for write, file, name in writers.values():
         write(tmp_path / file, COLUMNS | {"force": force})
         content = read(tmp_path / file)
-        said = problem(gather, content, **asked(name, start_s=0.1))
-        assert f"p_exp_kpa: {name.format('force')}: {content.sample(30)} is nan, and 1 more" in said
+        message = problem(gather, content, **asked(name, start_s=0.1))
+        assert (
+            f"p_exp_kpa: {name.format('force')}: {content.sample(30)} is nan, and 1 more" in message
+        )
         assert len(gather(content, **asked(name, end_s=0.295)).time_s) == 30
 
 
@@ -132,8 +134,8 @@ def csv(tmp_path):
 @pytest.mark.parametrize(("unit", "per_s"), [("s", 1), ("ms", 1e3), ("us", 1e6), ("min", 1 / 60)])
 def test_clock_of_any_unit_and_start_counts_from_zero(csv, unit, per_s):
     source = csv(t=(T + 3600.0) * per_s)
-    told = asked("{}") | {"time": {"column": "t", "unit": unit}}
-    recording = gather(source, **told)
+    arguments = asked("{}") | {"time": {"column": "t", "unit": unit}}
+    recording = gather(source, **arguments)
     assert recording.time_s == pytest.approx(T, abs=1e-9)
     assert recording.start_s == pytest.approx(3600.0)
 
@@ -144,8 +146,8 @@ def test_value_that_is_not_kept_may_be_missing(csv):
     source = csv(t=np.repeat(T[:25], 2), force=force)
     time = {"column": "t", "unit": "s"}
     gather(source, **asked("{}") | {"time": time | {"repeated": "first"}})
-    said = problem(gather, source, **asked("{}") | {"time": time | {"repeated": "mean"}})
-    assert "p_exp_kpa: force: sample 1 (line 3) is nan, and 0 more" in said
+    message = problem(gather, source, **asked("{}") | {"time": time | {"repeated": "mean"}})
+    assert "p_exp_kpa: force: sample 1 (line 3) is nan, and 0 more" in message
 
 
 def test_cut_is_counted_from_the_first_sample(csv):
@@ -161,16 +163,16 @@ def test_cut_that_leaves_nothing_is_refused(csv):
 
 def test_unequal_columns_are_counted(tmp_path):
     write_hdf5(tmp_path / "log.h5", COLUMNS | {"force": np.zeros(49)})
-    said = problem(gather, read(tmp_path / "log.h5"), **asked("run/{}"))
-    assert "unequal numbers of samples (run/t 50, run/angle 50, run/force 49)" in said
+    message = problem(gather, read(tmp_path / "log.h5"), **asked("run/{}"))
+    assert "unequal numbers of samples (run/t 50, run/angle 50, run/force 49)" in message
 
 
 def test_scale_and_offset_come_before_the_unit(csv):
     """1 to 5 V of a sensor of 0 to 1 MPa; absolute bar."""
-    told = asked("{}")
-    told["channels"]["theta_deg"] |= {"unit": "kPa", "scale": 250.0, "offset": -250.0}
-    told["channels"]["p_exp_kpa"] |= {"unit": "bar", "offset": -1.01325}
-    recording = gather(csv(), **told)
+    arguments = asked("{}")
+    arguments["channels"]["theta_deg"] |= {"unit": "kPa", "scale": 250.0, "offset": -250.0}
+    arguments["channels"]["p_exp_kpa"] |= {"unit": "bar", "offset": -1.01325}
+    recording = gather(csv(), **arguments)
     assert recording.channels["theta_deg"] == pytest.approx((COLUMNS["angle"] - 1.0) * 250.0)
     assert recording.channels["p_exp_kpa"] == pytest.approx(100 * COLUMNS["force"] - 101.325)
 
@@ -179,25 +181,25 @@ def test_scale_and_offset_come_before_the_unit(csv):
     "spec", [{"scale": 1e308}, {"scale": 1e308, "offset": 1e308}, {"unit": "MPa", "scale": 1e9}]
 )
 def test_value_that_scale_offset_and_unit_make_too_large_is_named(csv, spec):
-    told = asked("{}")
-    told["channels"]["p_exp_kpa"] |= spec
-    said = problem(gather, csv(), **told)
-    assert "p_exp_kpa: force: sample " in said
-    assert f"exceed {LARGEST:g}" in said
-    assert "nan" not in said
+    arguments = asked("{}")
+    arguments["channels"]["p_exp_kpa"] |= spec
+    message = problem(gather, csv(), **arguments)
+    assert "p_exp_kpa: force: sample " in message
+    assert f"exceed {LARGEST:g}" in message
+    assert "nan" not in message
 
 
 def test_all_problems_of_a_recording_are_reported_together(csv):
     t, angle = T.copy(), COLUMNS["angle"].copy()
     t[[6, 9]] = t[[5, 3]]
     source = csv(t=t, angle=angle)
-    told = asked("{}")
-    told["channels"]["p_o_kpa"] = {"column": "pressure", "unit": "kPa", **PLAIN}
-    lines = problem(gather, source, **told).splitlines()
+    arguments = asked("{}")
+    arguments["channels"]["p_o_kpa"] = {"column": "pressure", "unit": "kPa", **PLAIN}
+    lines = problem(gather, source, **arguments).splitlines()
     assert [line.split(": ")[1:3] for line in lines] == [
         ["p_o_kpa", "pressure"], ["time", "t"], ["time", "t"],
     ]  # fmt: skip
     angle[7] = np.inf
-    told["channels"]["p_i_kpa"] = {"column": "force", "unit": "kPa", **PLAIN, "scale": 1e300}
-    lines = problem(gather, csv(angle=angle), **told).splitlines()
+    arguments["channels"]["p_i_kpa"] = {"column": "force", "unit": "kPa", **PLAIN, "scale": 1e300}
+    lines = problem(gather, csv(angle=angle), **arguments).splitlines()
     assert [line.split(": ")[1] for line in lines] == ["p_o_kpa", "theta_deg", "p_i_kpa"]

@@ -346,12 +346,16 @@ def test_recovered_log_is_a_raw_log_with_everything_in_it(path, tmp_path):
     log = raw_of(tmp_path / "run.h5")
     for j, name in enumerate(needed_by("sim")):
         assert log.channels[name].tolist() == [row(k)[j] for k in range(20)]
-    told = log.attributes
-    assert (told["complete"], told["lost_samples"]) == (True, 0)
-    assert "incomplete_reason" not in told
-    assert told["statistics"] == {"overruns": 2}
-    assert told["rig"] == ATTRIBUTES["rig"]
-    assert (told["source"], told["simulated"], told["reference"]) == ("rig", False, "sine")
+    attributes = log.attributes
+    assert (attributes["complete"], attributes["lost_samples"]) == (True, 0)
+    assert "incomplete_reason" not in attributes
+    assert attributes["statistics"] == {"overruns": 2}
+    assert attributes["rig"] == ATTRIBUTES["rig"]
+    assert (attributes["source"], attributes["simulated"], attributes["reference"]) == (
+        "rig",
+        False,
+        "sine",
+    )
     assert path.read_bytes() == before
 
 

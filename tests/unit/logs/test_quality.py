@@ -196,7 +196,7 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
 
 
 @pytest.mark.parametrize(
-    ("told", "reason", "lost"),
+    ("attributes", "reason", "lost"),
     [
         ({}, None, 0),
         ({"complete": True, "lost_samples": 0}, None, 0),
@@ -209,8 +209,8 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
         ({"complete": False}, "unknown", 0),
     ],
 )
-def test_log_that_is_not_complete_fails_with_its_reason(log, told, reason, lost):
-    log.attributes.update(told)
+def test_log_that_is_not_complete_fails_with_its_reason(log, attributes, reason, lost):
+    log.attributes.update(attributes)
     expected = {"passed": reason is None, "reason": reason, "lost_samples": lost}
     assert judge(log)["checks"]["complete"] == expected
     assert failed(log) == ({"complete"} if reason else set())

@@ -109,7 +109,7 @@ def with_nan(x):
     return np.where(np.arange(len(x))[:, None] == 4, np.nan, x)
 
 
-#: What is given to ``fit`` for three recordings, and what is said about it.
+#: What is given to ``fit`` for three recordings, and the message.
 WRONG = [
     (lambda X, y: (X, y, LENGTHS), "lengths must be left out"),
     (lambda X, y: (X, y[:2]), "X has 3 recordings; y must be a list"),

@@ -187,7 +187,7 @@ def setting(name, value):
 
 
 FUZZY, TAPS = FPRC(n_c=3, random_state=1), TapFeatures()
-#: Model, change of its description, and what is said about it.
+#: Model, change of its description, and the message.
 DESCRIPTIONS = {
     "no description": (FUZZY, lambda described: [1], "model: must be class, parameters and"),
     "no class": (FUZZY, put("class", value={}), "class .* is unknown"),

@@ -18,8 +18,8 @@ def add(recorded, rig, control, tmp_path):
     def add(zero_deg=0.0, source="import", channels=("theta_deg", "p_exp_kpa"), **more):
         raw, driven = tmp_path / "raw.h5", tmp_path / "driven.h5"
         held = {name: recorded["sweep"][name] for name in ("time_s", *channels)}
-        told = {"experiment": "sweep", "source": source, "sample_rate_hz": 200.0, "seed": 0}
-        write_raw(raw, held | more, software="test", rig={}, **told)
+        attributes = {"experiment": "sweep", "source": source, "sample_rate_hz": 200.0, "seed": 0}
+        write_raw(raw, held | more, software="test", rig={}, **attributes)
         settings = {"zero_deg": zero_deg, "control": control, "rig": rig, "seed": 4}
         add_reservoir(str(raw), str(driven), **RATE, **settings)
         return raw, driven

@@ -276,7 +276,7 @@ def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones
         (tabulate.tabulate_comparison, REPORTS, {"left_out": {}}),
         # one seed has no deviation
         (tabulate.tabulate_seeds, REPLICATES[:1], {"trained_on": "sweep"}),
-        (tabulate.tabulate_tracking_seeds, controls(1), {"feedback": "As told."}),
+        (tabulate.tabulate_tracking_seeds, controls(1), {"feedback": "As configured."}),
     ],
 )
 def test_table_names_its_data_and_says_neither_nan_nor_none(tmp_path, tabulated, results, settings):

@@ -48,7 +48,7 @@ def test_cut_dates_the_unreleased_changes_and_sets_the_version(changelog, root):
 
 
 @pytest.mark.parametrize(
-    ("version", "page", "said"),
+    ("version", "page", "message"),
     [
         ("0.2.0", PAGE, "already has 0.2.0"),
         ("0.1.9", PAGE, "already has 0.2.0"),
@@ -58,9 +58,9 @@ def test_cut_dates_the_unreleased_changes_and_sets_the_version(changelog, root):
         ("0.3.0", PAGE.replace("Added:\n\n- A thing.\n", ""), "nothing below"),
     ],
 )
-def test_cut_refuses_and_changes_nothing(changelog, root, version, page, said):
+def test_cut_refuses_and_changes_nothing(changelog, root, version, page, message):
     (root / "CHANGELOG.md").write_text(page)
-    with pytest.raises(FprcError, match=said):
+    with pytest.raises(FprcError, match=message):
         changelog.cut(root, version, date(2025, 1, 2))
     assert (root / "CHANGELOG.md").read_text() == page
     assert changelog.version_of(root) == "0.2.0"

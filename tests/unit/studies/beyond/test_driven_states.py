@@ -51,8 +51,8 @@ def test_lowpass_of_held_input_has_the_memory_of_its_impulse_response(judge):
 
 
 def test_each_set_has_its_states_and_the_results_are_json(judge):
-    told = judge()
-    assert {name: found["states"] for name, found in told["sets"].items()} == {
+    judged = judge()
+    assert {name: found["states"] for name, found in judged["sets"].items()} == {
         "p_o": 1,
         "p_o_taps": 3,
         "p_o_virtual": 4,
@@ -61,8 +61,8 @@ def test_each_set_has_its_states_and_the_results_are_json(judge):
         "esn": 13,
         "esn_noisy": 13,
     }
-    assert json.loads(json.dumps(told)) == told
-    for found in told["sets"].values():
+    assert json.loads(json.dumps(judged)) == judged
+    for found in judged["sets"].values():
         assert found["memory"] == pytest.approx(sum(found["by_delay"]))
         assert found["memory"] + found["nonlinear"] == pytest.approx(
             sum(found["by_degree"].values())
@@ -77,22 +77,22 @@ def test_taps_of_lowpassed_held_theta_know_two_numbers(judge):
 
 
 def test_p_o_of_a_reservoir_without_friction_or_noise_forgets_every_earlier_hold(judge):
-    told = judge(
+    judged = judge(
         reservoir={"friction_kpa": 0.0, "friction_per_kpa": 0.0, "bending_time_s": 0.02},
         pressure_sensor={"noise_kpa": 0.0},
         capacity=SMALL | {"hold_s": 0.3, "samples": 300},
     )
-    assert told["sets"]["p_o"]["by_delay"][0] > 0.97
-    assert told["sets"]["p_o"]["by_delay"][1:] == [0.0] * 4
+    assert judged["sets"]["p_o"]["by_delay"][0] > 0.97
+    assert judged["sets"]["p_o"]["by_delay"][1:] == [0.0] * 4
 
 
 def test_noise_of_p_o_is_that_of_its_sensor(judge, quiet_rig, control):
     """Over the standard deviation of P_o on other random holds of the same range."""
-    told = judge(pressure_sensor={"noise_kpa": 0.9})
+    judged = judge(pressure_sensor={"noise_kpa": 0.9})
     theta_d = np.repeat(np.random.default_rng(8).uniform(5.0, 60.0, 1000), 20)
     device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
     run = simulate_tracking(device, control, theta_d, np.zeros_like(theta_d), 450.0, feedback=False)
-    assert told["noise_of_p_o"] == pytest.approx(0.9 / np.std(run["p_o_kpa"]), rel=0.08)
+    assert judged["noise_of_p_o"] == pytest.approx(0.9 / np.std(run["p_o_kpa"]), rel=0.08)
 
 
 def test_network_at_the_end_of_a_long_hold_knows_the_held_angle_alone(judge):
