@@ -81,7 +81,7 @@ def test_run_without_a_fault_makes_the_calls_that_are_tried_below(bench, record)
     assert bench.shared.calls == len(CALLS)
     assert found.samples == TICKS
     assert found.raw.exists()
-    assert [each for each in found.messages if each != HEARTBEAT] == [OPENING, ARMED, SAFE]
+    assert [message for message in found.messages if message != HEARTBEAT] == [OPENING, ARMED, SAFE]
     assert vented(bench)
 
 

@@ -396,7 +396,7 @@ def nodes(value):
     if not isinstance(value, dict | list):
         return []
     inner = value.items() if isinstance(value, dict) else enumerate(value)
-    return [pair for key, each in inner for pair in [(value, key), *nodes(each)]]
+    return [pair for key, child in inner for pair in [(value, key), *nodes(child)]]
 
 
 def change_description(file, draw):

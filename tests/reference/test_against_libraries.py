@@ -63,7 +63,7 @@ def exact_memberships(x, centers, sigma):
             ).exp()
             for c in centers.tolist()
         ]
-        return [float(each / sum(beta)) for each in beta]
+        return [float(activation / sum(beta)) for activation in beta]
 
 
 # sequential features

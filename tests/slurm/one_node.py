@@ -150,8 +150,8 @@ def _says(*command: str) -> str:
 
 def _end(number: int, frame: object) -> None:
     # a second signal must not break off the clean-up
-    for each in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(each, signal.SIG_IGN)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
     sys.exit(128 + number)
 
 

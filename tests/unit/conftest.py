@@ -110,7 +110,7 @@ def seen(recorded):
     """Both experiments as the models see them, P_exp as it was measured. Read only."""
     names = ("time_s", "theta_deg", "p_o_kpa")
     return {
-        name: {each: log[each] for each in names} | {"p_target_kpa": log["p_exp_kpa"]}
+        name: {channel: log[channel] for channel in names} | {"p_target_kpa": log["p_exp_kpa"]}
         for name, log in recorded.items()
     }
 

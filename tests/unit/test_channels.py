@@ -16,7 +16,7 @@ README = Path(__file__).parents[2] / "data/raw/README.md"
 def test_readme_of_raw_logs_lists_every_channel():
     page = README.read_text(encoding="utf-8").splitlines()
     begin = page.index("|---|---|---|") + 1
-    rows = [f"| `{each.name}` | {each.unit} | {each.meaning} |" for each in CHANNELS]
+    rows = [f"| `{channel.name}` | {channel.unit} | {channel.meaning} |" for channel in CHANNELS]
     assert page[begin : begin + len(RAW_CHANNELS)] == rows[: len(RAW_CHANNELS)]
 
 

@@ -48,8 +48,8 @@ def test_cache_folder_changes_with_how_it_is_compiled_and_with_the_laws(
     package, module, tmp_path, monkeypatch
 ):
     before = compiled._cache_folder(package)
-    for each in (compiled, control_laws):
-        shutil.copy(each.__file__, tmp_path)
+    for source in (compiled, control_laws):
+        shutil.copy(source.__file__, tmp_path)
     monkeypatch.setattr(compiled, "__file__", str(tmp_path / "compiled.py"))
     assert compiled._cache_folder(package) == before
     with open(tmp_path / Path(module.__file__).name, "a") as file:

@@ -87,7 +87,7 @@ def quoted():
 QUOTED = [(page, text) for page, texts in quoted().items() for text in texts]
 
 
-@pytest.mark.parametrize(("page", "text"), QUOTED, ids=[": ".join(each) for each in QUOTED])
+@pytest.mark.parametrize(("page", "text"), QUOTED, ids=[": ".join(quoted) for quoted in QUOTED])
 def test_number_of_a_setting_is_that_of_the_code(page, text):
     words = " ".join((ROOT / page).read_text("utf-8").split())
     assert text in words

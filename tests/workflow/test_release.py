@@ -152,8 +152,8 @@ def test_action_of_a_figure_says_what_its_sidecar_says(released, crate):
         file.replace("fprc/config", "src/fprc/config"): value
         for file, value in sidecar["inputs"].items()
     }
-    properties = {entities[each]["name"]: entities[each]["value"]
-            for each in referred(action["additionalProperty"])}  # fmt: skip
+    properties = {entities[reference]["name"]: entities[reference]["value"]
+                  for reference in referred(action["additionalProperty"])}  # fmt: skip
     assert properties["commit"] == git(released[0], "rev-parse", "HEAD").strip()
     assert properties["config_sha256"] == sidecar["config_sha256"]
     libraries = {entity["name"]: entity["softwareVersion"] for entity in entities.values()

@@ -36,7 +36,7 @@ class Page:
         self._unread = b""
         self.errors = []
         (page,) = (
-            each for each in self.call("Target.getTargets")["targetInfos"] if each["type"] == "page"
+            tab for tab in self.call("Target.getTargets")["targetInfos"] if tab["type"] == "page"
         )
         attached = self.call("Target.attachToTarget", targetId=page["targetId"], flatten=True)
         self._session = {"sessionId": attached["sessionId"]}
@@ -124,8 +124,8 @@ def browsing(folder):
     finally:
         process.kill()
         process.wait()
-        for each in (commands, answers):
-            os.close(each)
+        for pipe in (commands, answers):
+            os.close(pipe)
 
 
 @pytest.fixture(scope="module")
@@ -146,18 +146,18 @@ def report(smoked):
 #: What a reader sees: pictures that are missing, what is wider than the screen, what is cut off.
 SEEN = """(() => {
   const root = document.documentElement, limit = root.clientWidth + 1;
-  const box = (each) => each.getBoundingClientRect();
+  const box = (element) => element.getBoundingClientRect();
   const scrolling = [...document.querySelectorAll(".scroll, nav")];
-  const inside = (each) => scrolling.some((around) => around.contains(each));
+  const inside = (element) => scrolling.some((around) => around.contains(element));
   const all = [...document.body.querySelectorAll("*")].filter((e) => e.getClientRects().length);
-  const text = (each) => each.outerHTML.slice(0, 80);
+  const text = (element) => element.outerHTML.slice(0, 80);
   return {
     images: document.images.length,
     broken: [...document.images].filter((i) => !i.complete || !i.naturalWidth).map((i) => i.alt),
     scrolls: root.scrollWidth > limit,
-    wide: all.filter((each) => box(each).right > limit && !inside(each)).map(text),
+    wide: all.filter((element) => box(element).right > limit && !inside(element)).map(text),
     cut: scrolling.filter((e) => e.tagName != "NAV" && e.scrollWidth > e.clientWidth + 1).map(text),
-    claims: [...document.querySelectorAll(".claims details")].map((each) => box(each).bottom),
+    claims: [...document.querySelectorAll(".claims details")].map((element) => box(element).bottom),
     banner: box(document.querySelector(".banner") ?? document.body).height,
   };
 })()"""
@@ -195,14 +195,14 @@ def axe():
 #: Prepares a page for axe.
 UNFOLD = """
   // closed, their text lies unseen over what follows, and axe takes that for its background
-  for (const each of document.querySelectorAll("details")) each.open = true;
+  for (const details of document.querySelectorAll("details")) details.open = true;
   // axe copies the source of each element, of which the pictures would be megabytes
-  for (const each of document.images) each.src = "data:image/gif;base64,R0lGODlhAQABAAAAACw=";
+  for (const image of document.images) image.src = "data:image/gif;base64,R0lGODlhAQABAAAAACw=";
 """
 AUDIT = """axe.run(document, %s).then((report) => ({
-  checked: report.passes.map((each) => each.id),
-  wrong: report.violations.flatMap((each) => each.nodes.map(
-    (node) => `${each.id}: ${node.target} ${node.failureSummary.slice(0, 200)}`)),
+  checked: report.passes.map((check) => check.id),
+  wrong: report.violations.flatMap((violation) => violation.nodes.map(
+    (node) => `${violation.id}: ${node.target} ${node.failureSummary.slice(0, 200)}`)),
 }))"""
 
 
@@ -258,8 +258,8 @@ FOCUSED = """(() => {
 
 #: Numbers of the elements that a pointer can use.
 USABLE = """[...document.querySelectorAll("a[href], button, select, summary, [tabindex='0']")]
-  .filter((each) => each.getClientRects().length && each.checkVisibility())
-  .map((each) => [...document.querySelectorAll("*")].indexOf(each))"""
+  .filter((element) => element.getClientRects().length && element.checkVisibility())
+  .map((element) => [...document.querySelectorAll("*")].indexOf(element))"""
 
 
 def test_every_link_and_button_is_reached_by_the_keyboard(browser, report):
@@ -271,8 +271,8 @@ def test_every_link_and_button_is_reached_by_the_keyboard(browser, report):
         if walk[-1]["name"].startswith("BODY"):
             break
     assert walk.pop()["name"].startswith("BODY")
-    assert usable <= {each["number"] for each in walk}
-    assert [each["name"] for each in walk if not (each["seen"] and each["ring"])] == []
+    assert usable <= {stop["number"] for stop in walk}
+    assert [stop["name"] for stop in walk if not (stop["seen"] and stop["ring"])] == []
 
 
 def test_links_to_files_lead_to_files(smoked):

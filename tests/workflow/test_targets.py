@@ -17,7 +17,7 @@ def planned(output: str) -> dict[str, int]:
 def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(project):
     rules = set(project.snakemake("--list-rules", *STUDIES).stdout.split())
     profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
-    groups = dict(each.split("=") for each in profile["groups"])
+    groups = dict(group.split("=") for group in profile["groups"])
     assert profile["set-resources"].keys() | groups.keys() <= rules
     assert {rule for rule in rules if rule.startswith("draw_")} <= groups.keys()
     # which the rules obey, also in a job on a node with more cores

@@ -199,7 +199,7 @@ def test_they_work_for_another_user_read_only_and_without_a_home(other_python, p
 def test_command_prints_the_files_of_the_package(python, place):
     """The files are those of the repository, so that no copy can differ."""
     printing = (
-        "import sys; from fprc.cli import main; [main(each.split()) for each in sys.argv[1:]]"
+        "import sys; from fprc.cli import main; [main(command.split()) for command in sys.argv[1:]]"
     )
     commands = ("config rig", "config rig viscous", "config published")
     done = run(python, place, "-c", printing, *commands)

@@ -195,7 +195,8 @@ class Plan:
         seeds = dict(zip(("table2", "table3", "table4"), self.seeds_tables, strict=True))
         pages = []
         # claims and the tables over seeds have places of their own
-        for result in (each for each in RESULTS if each.title and not each.on_rigs):
+        in_report = (result for result in RESULTS if result.title and not result.on_rigs)
+        for result in in_report:
             if result.name in self.targets:
                 pages += [self.paths.below(file) for file in result.files if file.endswith(".md")]
             if result.name in seeds and "seeds" in self.targets:

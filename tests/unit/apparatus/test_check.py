@@ -33,7 +33,7 @@ def test_rig_as_it_should_be_passes_and_ends_vented(look):
     phases = ("rest", "actuator filled", "actuator vented", "PAM A filled", "PAM A vented")
     assert [line[:16].strip() for line in look.lines[1:6]] == list(phases)
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
-    assert sum(look.messages.count(each) for each in (ARMED, SAFE)) == 4
+    assert sum(look.messages.count(message) for message in (ARMED, SAFE)) == 4
     assert look.bench.tick >= 1800
 
 

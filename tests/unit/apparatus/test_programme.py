@@ -72,9 +72,9 @@ def files(fprc_file, recorded, tmp_path_factory):
         "FPRC of three inputs": (FPRC(n_c=2, random_state=1), 3),
         "features": (TapFeatures(), 2),
     }
-    for name, (each, count) in fitted.items():
-        each.fit(inputs[:, :count], log["p_exp_command_kpa"])
-        save_model(each, folder / f"{name}.h5")
+    for name, (model, count) in fitted.items():
+        model.fit(inputs[:, :count], log["p_exp_command_kpa"])
+        save_model(model, folder / f"{name}.h5")
     return {"FPRC": fprc_file} | {name: str(folder / f"{name}.h5") for name in fitted}
 
 

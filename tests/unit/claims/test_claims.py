@@ -240,8 +240,8 @@ def halves_of(model):
 
 def all_of(*changes):
     def change(material):
-        for each in changes:
-            each(material)
+        for change in changes:
+            change(material)
 
     return change
 
@@ -478,7 +478,7 @@ def test_trend_is_the_mean_rank_correlation_over_the_other_size(errors, random):
     results = Results([], [{"taps": cells}], [], {}, {})
     for own, other, fixed in (("n_u", "n_y", (2, 3, 5, 9)), ("n_y", "n_u", (1, 4, 7))):
         kept = [[cell for cell in cells if cell[other] == size] for size in fixed]
-        columns = [[(cell[own], cell[TRAIN][0]) for cell in each] for each in kept]
+        columns = [[(cell[own], cell[TRAIN][0]) for cell in group] for group in kept]
         if all(len({error for _, error in column}) > 1 for column in columns):
             expected = np.mean([spearmanr(*np.transpose(column)).statistic for column in columns])
             assert tap_trend(results, own, "training") == pytest.approx([expected], abs=1e-12)
@@ -514,7 +514,7 @@ def rounded(material):
     """Return the ledger; sums differ in the last digit if their order does."""
     return [
         [*(row[key] for key in ("id", "verdict", "test", "basis"))]
-        + [float(f"{each['first']:.9g}") for each in row["statements"]]
+        + [float(f"{statement['first']:.9g}") for statement in row["statements"]]
         for row in judged(material)
     ]
 
@@ -626,7 +626,7 @@ def test_step_is_chosen_on_the_first_half_of_the_seeds_and_judged_on_the_others(
     rows = np.log([[3.0, 1.0, 2.0]] * 2 + [[1.0, 1.1, 3.0]] * 3)
     results = Results([], noisy_grids(rows), [], {}, {})
     (found,) = judge_claims(results, PUBLISHED, claims=[BY_ID["C9c"]])
-    statements = [(each["text"], round(each["mean"], 3)) for each in found["statements"]]
+    statements = [(row["text"], round(row["mean"], 3)) for row in found["statements"]]
     assert statements[:2] == [
         ("test at epsilon 3 / 2", round(3.0 / 1.1, 3)), ("test at epsilon 2 / 1", 1.1)
     ]  # fmt: skip

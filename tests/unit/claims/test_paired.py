@@ -82,7 +82,7 @@ def test_a_claim_that_is_not_judged_still_counts():
     weak = [part(normal(-0.1, 0.125, 12))]  # p = 0.018
     assert judge_together([weak])[0].p == pytest.approx(0.0178, abs=5e-4)
     outcomes = judge_together([weak, [], [part([-0.1])]])
-    assert [each.verdict for each in outcomes] == ["undecided", "not judged", "not judged"]
+    assert [outcome.verdict for outcome in outcomes] == ["undecided", "not judged", "not judged"]
     assert outcomes[0].p == pytest.approx(3 * 0.0178, abs=2e-3)
     assert outcomes[0].level == pytest.approx(ALPHA / 3)
 

@@ -11,7 +11,7 @@ KP, KD = 0.5, 0.005  # paper, Sec. IV
 
 def feedback(pd, e, p_ff=None):
     p_ff = np.zeros(len(e)) if p_ff is None else p_ff
-    return np.array([pd.step(10.0 + each, 10.0, ff) for each, ff in zip(e, p_ff, strict=True)])
+    return np.array([pd.step(10.0 + error, 10.0, ff) for error, ff in zip(e, p_ff, strict=True)])
 
 
 def authors_commands(e, u_ff, kp, kd, T):  # noqa: N803 (the equation's symbol)

@@ -97,7 +97,7 @@ def test_damaged_line_is_dropped_and_its_cell_judged_again(sweep, what):
     assert damaged != last
     sweep.checkpoint.write_text("".join([*whole, damaged]), encoding="latin-1")
     assert sweep() == (expected(), [n_c])
-    assert sorted(each["cell"]["n_c"] for each in entries(sweep.checkpoint)[1:]) == [1, 2, 3, 4]
+    assert sorted(entry["cell"]["n_c"] for entry in entries(sweep.checkpoint)[1:]) == [1, 2, 3, 4]
 
 
 def test_lines_after_a_damaged_one_are_judged_again_too(sweep):
@@ -170,7 +170,7 @@ def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path):
     options = {"settings": {"alpha": 0.1}, "files": [str(file)], "version": "v"}
 
     def judged(judge):
-        options["progress"] = lambda *each: counted.append(each)
+        options["progress"] = lambda *counts: counted.append(counts)
         return judged_cells(judge, CELLS, workers=1, checkpoint=checkpoint, **options)
 
     def disk_full():

@@ -34,6 +34,6 @@ def test_shares_are_those_of_the_best_fold_on_normalised_features(data):
         readout = model.make_readout().set_params(random_state=own).fit(rows[train], y[train])
         errors = (rmse(y[part], readout.predict(rows[part])) for part in (train, validation))
         judged.append((np.hypot(*errors), np.abs(readout.W_out_)))
-    _, weights = min(judged, key=lambda each: each[0])
+    _, weights = min(judged, key=lambda candidate: candidate[0])
     expected = weights / weights.sum(axis=1, keepdims=True)
     np.testing.assert_allclose(shares(X, y), expected, rtol=1e-6)

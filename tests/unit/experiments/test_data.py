@@ -80,7 +80,7 @@ def test_models_are_not_compared_on_logs_of_different_kinds(other):
 def test_tables_restart_features_at_each_recording(joined):
     logs = {"sweep": joined, "complex": recording(110, experiment="complex")}
     results, fitted = compare_models(logs, replace(JUDGEMENT, split="blocked", purge_s=0.0))
-    reports = {(each["model"], each["trained_on"]): each for each in results["models"]}
+    reports = {(report["model"], report["trained_on"]): report for report in results["models"]}
     for name, model in fitted.items():
         report = reports[name, "sweep"]
         X, y = joined.pair(name, MODELS)

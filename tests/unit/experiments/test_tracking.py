@@ -112,7 +112,7 @@ def test_model_that_remembers_no_training_is_refused_by_its_setting(bench, recor
 
 def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, monkeypatch):
     given = []
-    monkeypatch.setattr(tracking, "measure_runs", lambda *each: given.extend(each) or {})
+    monkeypatch.setattr(tracking, "measure_runs", lambda *arguments: given.extend(arguments) or {})
     log = recorded["sweep"]
     sweep = Data({**log, "p_target_kpa": log["p_exp_command_kpa"]}, {})
     measured = measure_control(sweep, bench, models, CONTROLLERS)
@@ -120,7 +120,7 @@ def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, 
     assert measured["pressure_error"] == measure_pressure_error(sweep.channels)
     runs, unpushed, quiet_s = given
     assert quiet_s == 8.0
-    assert list(runs) == [f"{name}/{each}" for name in TRACKING_RUNS for each in CONTROLLERS]
+    assert list(runs) == [f"{name}/{law}" for name in TRACKING_RUNS for law in CONTROLLERS]
     no_push = bench._replace(tracking=bench.tracking | {"pushes": NO_PUSHES})
     for found, at, reference, name in (
         (runs["complex/pd"], bench, "complex", "pd"),

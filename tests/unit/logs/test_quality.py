@@ -179,8 +179,8 @@ def test_growing_squeeze_is_not_mistaken_for_a_leak_and_does_not_hide_one(record
 def test_reservoir_that_was_never_driven_and_one_sample_have_a_record(log, channels):
     log.channels["p_i_kpa"][:] = 0.0
     short = log_of({name: values[:1] for name, values in channels.items()})
-    for each in (log, short):
-        record = judge(each)
+    for checked in (log, short):
+        record = judge(checked)
         assert record["checks"]["leak"]["passed"]
         json.dumps(record, allow_nan=False)
 

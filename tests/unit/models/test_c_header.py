@@ -154,7 +154,7 @@ class Stream:
 @pytest.mark.parametrize(
     ("name", "command"),
     [(name, C99) for name in MODELS]
-    + [(name, each) for name in ("fprc", "fuzzy_linear") for each in (FREESTANDING, CPP)],
+    + [(name, command) for name in ("fprc", "fuzzy_linear") for command in (FREESTANDING, CPP)],
 )
 def test_compiled_header_steps_as_the_model_does(name, command, fitted, compiled):
     X = recording(500, columns(name), seed=2)
@@ -205,7 +205,7 @@ def test_header_recovers_from_the_largest_sample(name, single, compiled):
     X = recording(4000, columns(name), seed=2)
     spiked = X.copy()
     spiked[5] = 1e9
-    got, expected = (steps(compiled(name, single=single), each) for each in (spiked, X))
+    got, expected = (steps(compiled(name, single=single), inputs) for inputs in (spiked, X))
     assert np.all(np.isfinite(got))
     assert_allclose(got[-500:], expected[-500:], rtol=0, atol=0.1 if single else 1e-6)
 

@@ -64,7 +64,7 @@ def test_suffix_says_how_settings_were_chosen(models):
 
 
 def test_titles_differ():
-    titles = [each.title for each in COMPETITORS.values()]
+    titles = [entry.title for entry in COMPETITORS.values()]
     assert len(set(titles)) == len(titles)
 
 
@@ -78,4 +78,4 @@ def log(inputs):
     time = np.arange(400) / 20.0
     theta = 35.0 + 20.0 * np.sin(time)
     columns = {"theta_deg": theta, "p_o_kpa": 100.0 + 0.3 * theta + 2.0 * np.sin(time - 0.5)}
-    return np.column_stack([columns[each] for each in inputs]), 175.0 + 120.0 * np.sin(time + 0.3)
+    return np.column_stack([columns[name] for name in inputs]), 175.0 + 120.0 * np.sin(time + 0.3)

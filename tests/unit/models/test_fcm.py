@@ -127,14 +127,14 @@ def traps():
 def test_restarts_keep_the_start_with_the_lowest_objective(traps):
     rng = np.random.RandomState(3)
     alone = [fuzzy_c_means(traps, 4, random_state=rng) for _ in range(5)]
-    objectives = [each.objective for each in alone]
+    objectives = [found.objective for found in alone]
     lowest = int(np.argmin(objectives))
     assert lowest > 0
     assert objectives[0] > 1.01 * objectives[lowest]
     kept = fuzzy_c_means(traps, 4, random_state=np.random.RandomState(3), restarts=5)
     # starts that end in the same optimum differ by rounding
     assert kept.objective == pytest.approx(min(objectives), rel=1e-6)
-    first = next(each for each in alone if each.objective < (1.0 + 1e-6) * min(objectives))
+    first = next(found for found in alone if found.objective < (1.0 + 1e-6) * min(objectives))
     assert np.array_equal(kept.centers, first.centers)
     assert np.array_equal(kept.memberships, first.memberships)
 

@@ -39,7 +39,7 @@ REGRESSORS = [ExtraTreesRegressor(5), HistGradientBoostingRegressor(max_iter=5),
 )
 def test_model_of_a_papers_parts_is_the_papers_model(ours, theirs):
     X, y = log()
-    ours, theirs = (each.set_params(random_state=3).fit(X, y) for each in (ours, theirs))
+    ours, theirs = (model.set_params(random_state=3).fit(X, y) for model in (ours, theirs))
     assert np.array_equal(ours.predict(X), theirs.predict(X))
 
 

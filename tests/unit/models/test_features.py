@@ -72,12 +72,12 @@ def test_rows_of_any_layout_compile_nothing_anew(features):
     X = log(20)
     features.fit(X)
     features.step(X[0])
-    compiled = [list(each.signatures) for each in (kernels.shift, kernels.excite)]
+    compiled = [list(function.signatures) for function in (kernels.shift, kernels.excite)]
     fixed = X.copy()
     fixed.flags.writeable = False
     for rows in (fixed, X[:, ::-1], np.asfortranarray(X), X.astype(np.float32), X.tolist()):
         features.step(rows[1])
-    assert [list(each.signatures) for each in (kernels.shift, kernels.excite)] == compiled
+    assert [list(function.signatures) for function in (kernels.shift, kernels.excite)] == compiled
 
 
 @MAPS

@@ -17,9 +17,9 @@ factors = st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=4)
 def test_bank_is_scipys_filter_of_each_column_with_each_factor(X, epsilons):
     features = LowpassBank(epsilons).fit(X)
     expected = [
-        lfilter([each], [1.0, each - 1.0], column, zi=[(1.0 - each) * column[0]])[0]
+        lfilter([epsilon], [1.0, epsilon - 1.0], column, zi=[(1.0 - epsilon) * column[0]])[0]
         for column in X.T
-        for each in epsilons
+        for epsilon in epsilons
     ]
     assert_allclose(features.transform(X).T, expected, rtol=1e-9, atol=1e-9)
     assert_allclose([features.step(x) for x in X], np.transpose(expected), rtol=1e-9, atol=1e-9)

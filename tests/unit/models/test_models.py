@@ -161,7 +161,9 @@ def test_documented_defaults_are_the_actual_ones(estimator):
     lines = inspect.cleandoc(estimator.__doc__)
     documented = dict(re.findall(r"^(\w+) : .*, default=(.+)$", lines, re.MULTILINE))
     signature = inspect.signature(estimator).parameters
-    optional = {name: each for name, each in signature.items() if each.default is not each.empty}
+    optional = {
+        name: given for name, given in signature.items() if given.default is not given.empty
+    }
     actual = {name: parameter.default for name, parameter in optional.items()}
     assert {name: ast.literal_eval(text) for name, text in documented.items()} == actual
 

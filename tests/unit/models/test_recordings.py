@@ -52,7 +52,7 @@ def test_list_of_recordings_equals_one_array_with_lengths(model, recordings):
     joined = clone(model).fit(np.vstack(X), np.concatenate(y), lengths=np.array(LENGTHS))
     model.fit(X, y)
     listed = model.predict(X)
-    assert [len(each) for each in listed] == LENGTHS
+    assert [len(recording) for recording in listed] == LENGTHS
     assert np.array_equal(
         np.concatenate(listed), joined.predict(np.vstack(X), lengths=tuple(LENGTHS))
     )

@@ -25,9 +25,9 @@ def problems(draw):
 def test_gradient_of_the_printed_objective_is_zero_at_the_solution(problem):
     extended, y, alpha, weight = problem
     w = ridge_weights(extended, y, alpha, weight)
-    each = np.ones(len(y)) if weight is None else weight
-    gradient = extended.T @ (each * (extended @ w - y)) + alpha * w
-    scale = np.abs(extended.T) @ (each * (np.abs(extended) @ np.abs(w) + np.abs(y)))
+    weights = np.ones(len(y)) if weight is None else weight
+    gradient = extended.T @ (weights * (extended @ w - y)) + alpha * w
+    scale = np.abs(extended.T) @ (weights * (np.abs(extended) @ np.abs(w) + np.abs(y)))
     assert np.all(np.abs(gradient) <= 1e-9 * (scale + alpha * np.abs(w)) + 1e-12)
 
 

@@ -33,10 +33,10 @@ def test_features_are_those_of_each_map_side_by_side():
     X, other = log(), log(seed=1)
     expected = np.hstack(
         [
-            clone(each)
+            clone(features)
             .fit(X if columns is None else X[:, columns])
             .transform(other if columns is None else other[:, columns])
-            for _, each, columns in PARTS
+            for _, features, columns in PARTS
         ]
     )
     features = SideBySide(PARTS).fit(X)

@@ -332,7 +332,7 @@ def test_ours_is_shown_over_the_papers(project):
     page = project.page()
     assert page.texts("table")[0] == page.texts("table", **{"class": "deviations"})[0]
     # Table II over seeds in place of Table II; what the paper does not print is left out
-    signs = [each["aria-label"] for each in page.all("svg", role="img")]
+    signs = [image["aria-label"] for image in page.all("svg", role="img")]
     assert signs == ["0.50, interval 0.38 to 0.62", "2.00", "4.00"]
     rows = ["".join(row["text"].split()) for row in page.all("tr")]
     assert "IV:FPRC,Sweep2.00" in rows

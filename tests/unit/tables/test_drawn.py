@@ -216,8 +216,8 @@ def test_fig_16_shows_each_reference_with_pd_and_with_both(figures, place, logs)
     draw_tracking.draw_loops(list(logs), *PICTURES)
     for ax, reference in zip(figures[0].axes, LOOPS, strict=True):
         drawn = [line.get_ydata() for line in ax.lines if len(line.get_ydata()) == 4500]
-        own = [logs[run_log(reference, each)].channels["theta_deg"][500:] for each in PAIR]
-        np.testing.assert_array_equal(drawn, own)
+        expected = [logs[run_log(reference, law)].channels["theta_deg"][500:] for law in PAIR]
+        np.testing.assert_array_equal(drawn, expected)
 
 
 def test_fig_17_measures_how_far_signals_are_off_their_undisturbed_cycle(figures, place, logs):

@@ -64,7 +64,7 @@ def test_capacity_depends_on_the_span_of_the_states_only(seed, columns):
     states = np.tanh(delay_line(u, range(3)) @ rng.normal(size=(3, columns)))
     mixed = states @ np.linalg.qr(rng.normal(size=(columns, columns)))[0] * 50.0 - 7.0
     kept = {"max_delay": 3, "max_degree": 3}
-    one, other = (processing_capacity(u, each, **kept) for each in (states, mixed))
+    one, other = (processing_capacity(u, x, **kept) for x in (states, mixed))
     np.testing.assert_allclose(other.by_degree, one.by_degree, atol=1e-6)
     assert one.by_degree.sum() <= 1.1 * one.rank
 

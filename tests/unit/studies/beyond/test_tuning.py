@@ -14,20 +14,20 @@ MODELS = Settings().models.model_dump()
 def test_candidates_are_the_defaults_and_distinct_models(name):
     candidates = candidates_of(name, 12, 1)
     assert candidates[0] == {}
-    assert len({str(each) for each in candidates}) == len(candidates) == 12
+    assert len({str(settings) for settings in candidates}) == len(candidates) == 12
     assert candidates == candidates_of(name, 12, 1) != candidates_of(name, 12, 2)
-    for each in candidates:
-        build(name, MODELS, 1, **each)
+    for settings in candidates:
+        build(name, MODELS, 1, **settings)
 
 
 @pytest.mark.parametrize("name", ["bank", "plays"])
 def test_filters_of_a_bank_are_spaced_evenly_by_their_logarithm(name):
-    for each in candidates_of(name, 12, 1)[1:]:
-        steps = np.diff(np.log(each["epsilons"]))
+    for settings in candidates_of(name, 12, 1)[1:]:
+        steps = np.diff(np.log(settings["epsilons"]))
         assert (steps < 0).all()
         np.testing.assert_allclose(steps, steps[0], rtol=2e-3)
-        assert each["epsilons"][0] <= 0.3
-        assert each["epsilons"][-1] >= 0.001
+        assert settings["epsilons"][0] <= 0.3
+        assert settings["epsilons"][-1] >= 0.001
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def test_choice_by_validation_by_test_and_by_fprcs_training_error():
         "esn": [candidate(3, 5.0, 9.0, 30.0), candidate(4, 9.5, 14.0, 16.0),
                 candidate(5, 14.0, 15.0, 12.0)],
     }  # fmt: skip
-    numbers = {name: each["alpha"] for name, each in chosen(judged).items()}
+    numbers = {name: settings["alpha"] for name, settings in chosen(judged).items()}
     assert numbers == {
         "fprc_tuned": 2, "fprc_oracle": 1, "esn_tuned": 3, "esn_oracle": 5, "esn_matched": 4,
     }  # fmt: skip

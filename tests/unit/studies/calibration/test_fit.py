@@ -401,7 +401,7 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
         plausible={"angle_deg": [50.0, 70.0]},
     )  # fmt: skip
     found = quick.fit(tmp_path, **changes)
-    assert [each["rounds"] for each in found["searches"]] == [2 + 1 + 1, 2, 4]
+    assert [search["rounds"] for search in found["searches"]] == [2 + 1 + 1, 2, 4]
     assert found["rounds"] == 2 + 1 + 1 + 2 + 4
     counts = [2 + 4 * (3 + 24), rigs(2), rigs(4)]
     assert found["evaluations"] == len(judged.points) == sum(counts)

@@ -68,11 +68,11 @@ def loss_of(judged, aim):
 
 def loss(term, *changes):
     """Return the loss of one term; one mapping of changes to a good seed each."""
-    return loss_of([GOOD | each for each in changes], AIM._replace(fit=(term,)))
+    return loss_of([GOOD | change for change in changes], AIM._replace(fit=(term,)))
 
 
 def with_errors(**changes):
-    return {"errors": ERRORS | {key.replace("__", "/"): each for key, each in changes.items()}}
+    return {"errors": ERRORS | {key.replace("__", "/"): value for key, value in changes.items()}}
 
 
 def with_n_c(model, phase, values):
@@ -171,7 +171,7 @@ def test_every_term_is_zero_on_a_rig_that_meets_every_aim():
 
 def test_terms_are_those_of_the_configuration_and_of_the_ledger():
     assert tuple(TERMS) == get_args(Term)
-    decided = {term for each in CLAIMS for term in (*each.fitted_by, *each.half_fitted_by)}
+    decided = {term for claim in CLAIMS for term in (*claim.fitted_by, *claim.half_fitted_by)}
     assert decided == set(TERMS) - {"plausible"}
 
 
@@ -188,7 +188,7 @@ def test_errors_must_rise_with_n_u_and_fall_with_n_y(errors):
     errors = np.array(errors)
     with_n_u = np.mean([pearsonr([1, 2, 3], column)[0] for column in errors.T])
     with_n_y = np.mean([pearsonr([1, 2, 3, 4], row)[0] for row in errors])
-    expected = sum(max(0.5 - each, 0.0) ** 2 / 0.1**2 for each in (with_n_u, -with_n_y))
+    expected = sum(max(0.5 - r, 0.0) ** 2 / 0.1**2 for r in (with_n_u, -with_n_y))
     assert loss("C12", {"taps": errors.tolist()}) == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
@@ -234,9 +234,9 @@ def seeds_of(values):
 
     def fill(like):
         if isinstance(like, dict):
-            return {key: fill(each) for key, each in like.items()}
+            return {key: fill(value) for key, value in like.items()}
         if isinstance(like, list):
-            return [fill(each) for each in like]
+            return [fill(value) for value in like]
         return next(values)
 
     return [fill(GOOD), fill(without("epsilon", "n_c", "taps"))]
@@ -259,7 +259,7 @@ def test_measures_come_back_from_their_logarithms(values):
         assert set(seed) == set(expected)
     np.testing.assert_allclose(found[0]["taps"], judged[0]["taps"])
     for model, phases in judged[0]["n_c"].items():
-        assert found[0]["n_c"][model] == {key: pytest.approx(each) for key, each in phases.items()}
+        assert found[0]["n_c"][model] == {key: pytest.approx(rmse) for key, rmse in phases.items()}
 
 
 # --- properties -----------------------------------------------------------------------------------

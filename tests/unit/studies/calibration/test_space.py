@@ -161,7 +161,7 @@ def complaints(rig):
 def test_resolved_rig_is_valid_unless_it_needs_more_damping_than_there_is(point):
     rig = decode(point, WHOLE, SQUEEZE)
     found = resolved(rig)
-    damping, before = (each["reservoir"]["squeeze_damping_kpa_s_per_ml"] for each in (found, rig))
+    damping, before = (one["reservoir"]["squeeze_damping_kpa_s_per_ml"] for one in (found, rig))
     if damping <= 20.0:
         assert complaints(found) == set()
     else:
@@ -213,8 +213,8 @@ WRONG_PATHS = ["bending", "bending.friciton_kpa", "models.esn.r", "bending.relax
 def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once(paths, ranges, refused):
     with pytest.raises(ConfigError) as caught:
         free_parameters(paths, ranges)
-    for each in refused:
-        assert f"calibration.{each} " in str(caught.value)
+    for key in refused:
+        assert f"calibration.{key} " in str(caught.value)
 
 
 def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():

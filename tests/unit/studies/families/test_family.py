@@ -40,7 +40,7 @@ def stream(seed):
 
 def test_each_unit_of_one_rig_is_a_seed(family):
     units = [unit_of(number, family).rigs for number in (0, 1)]
-    assert [[seed for _, seed in each] for each in units] == [[601], [602]]
+    assert [[seed for _, seed in recordings] for recordings in units] == [[601], [602]]
     assert units[0][0][0].rig == SETTINGS["rig"]
 
 

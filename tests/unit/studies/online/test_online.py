@@ -27,7 +27,7 @@ def shortened(duration_s):
 @pytest.fixture(scope="module")
 def judged():
     """What the judgement of one short unit gives, as a frame."""
-    signals = {name: each | {"duration_s": 10.0} for name, each in SETTINGS["experiments"].items()}
+    signals = {name: spec | {"duration_s": 10.0} for name, spec in SETTINGS["experiments"].items()}
     rig = on_rig(SETTINGS) | {"signals": signals}
     family = {"rigs": "one", "first_seed": 5, "seeds_per_rig": 1, "on_rig": rig}
     (found,) = judge_online(unit_of(0, family), tracking=shortened(3.0), models=SETTINGS["models"])

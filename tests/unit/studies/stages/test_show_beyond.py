@@ -40,7 +40,7 @@ def tabulated(make_world, tmp_path_factory):
         for world in worlds
     }
     written |= {
-        "capacity": {"cells": [{"family": "dry", **each} for each in taken[0]["capacity"]]},
+        "capacity": {"cells": [{"family": "dry", **row} for row in taken[0]["capacity"]]},
         "training": {"cells": taken[0]["training_length"]},
         "steps": {"cells": [{"step_us": taken[0]["step_us"]}]},
         "settings": {"cells": SETTINGS},
