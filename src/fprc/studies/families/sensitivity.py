@@ -118,12 +118,21 @@ def changes(report: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def page_of_changes(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the largest change of each group of numbers, strongest parameter first."""
-    largest = _largest(table).T.groupby(level="group").max().T
-    ranked = largest.loc[largest.max(axis=1).sort_values(ascending=False).index]
-    columns = {title: ranked[group] for group, title in _GROUPS.items()}
-    page = pd.DataFrame(columns).map(lambda value: f"{100 * value:.0f} %")
-    return page.rename_axis("Parameter").reset_index()
+    """Return the changes at both ends of each parameter's range, strongest parameter first.
+
+    Of each group it is the change of the number that changes most. The closed loop is unstable
+    where a reference is followed worse with feedback than without.
+    """
+    moved = ["parameter", "share_of_range"]
+    changed = table.groupby([*moved, "group"])["change"].agg(lambda some: max(some, key=abs))
+    texts = changed.map(lambda change: f"{round(100 * change):+d} %").unstack("group")
+    errors = table.pivot(index=[*moved, "number"], columns="group", values="value")
+    worse = errors["closed_loop"] > errors["open_loop"]
+    texts["closed_loop"] = texts["closed_loop"].mask(worse.groupby(moved).any(), "unstable")
+    ends = texts.groupby("parameter")
+    page = ends.first() + ", " + ends.last()
+    strongest = _largest(table).max(axis=1).sort_values(ascending=False).index
+    return page.loc[strongest, list(_GROUPS)].rename(columns=_GROUPS).reset_index(names="Parameter")
 
 
 def plot_changes(table: pd.DataFrame, ax: Axes) -> QuadMesh:

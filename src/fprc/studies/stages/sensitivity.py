@@ -60,10 +60,12 @@ def tabulate_sensitivity(effects: str, **files: str) -> None:
     table = changes(report)
     impossible = sum(cell["numbers"] is None for cell in report["cells"])
     note = (
-        "Sensitivity: largest change of a number of each group while one parameter goes from end "
-        "to end of its range.\nSimulated, with the surrogate models, mean of "
-        f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible "
-        "and left out."
+        "Sensitivity: one parameter at the lower and at the upper end of its range; of each group "
+        "the change of the number that changes most. Unstable: a reference is followed worse with "
+        "feedback than without.\nSimulated, with the surrogate models, mean of "
+        f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible"
+        "; the next value takes the place of such an end. In the order of the largest change "
+        "within the range."
     )
     write_table(table, page_of_changes(table), note, **files)
 

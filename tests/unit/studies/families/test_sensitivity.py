@@ -64,9 +64,33 @@ def test_changes_are_relative_to_the_rig_itself(effects, tmp_path):
     page = Path(written["md"]).read_text(encoding="utf-8")
     lines = [line for line in page.splitlines() if line.startswith("| bend")]
     assert [line.split("|")[1].strip() for line in lines] == PATHS  # strongest first
-    middle = (low + high) / 2
-    largest = max(abs((middle + 1) / (own + 1) - 1), abs((high + 1) / (own + 1) - 1))
-    assert lines[0].split("|")[2].strip() == f"{100 * largest:.0f} %"
+    # the next value takes the place of the softest
+    ends = [(value + 1.0) / (own + 1.0) - 1.0 for value in ((low + high) / 2, high)]
+    shown = ", ".join(f"{100 * end:+.0f} %" for end in ends)
+    assert lines[0].split("|")[2].strip() == shown
+
+
+def test_page_has_the_change_with_its_sign_at_both_ends_and_what_is_unstable():
+    def rows(share, change, closed_loop):
+        values = {
+            ("train", "II ESN"): (9.0, 0.5 * change),
+            ("train", "II FPRC"): (9.0, change),
+            ("open_loop", "Sweep"): (2.0, 0.0),
+            ("closed_loop", "Sweep"): (closed_loop, closed_loop - 1.0),
+            ("shares", "ratio of the shares"): (1.0, 0.0),
+            ("test", "II ESN"): (9.0, 0.0),
+            ("loops", "largest angle"): (60.0, 0.0),
+        }
+        return [
+            {"parameter": "p", "share_of_range": share, "group": group, "number": number,
+             "value": value, "change": relative}
+            for (group, number), (value, relative) in values.items()
+        ]  # fmt: skip
+
+    table = pd.DataFrame([*rows(0.0, -0.2, 2.1), *rows(0.5, 5.0, 1.0), *rows(1.0, 0.1, 1.9)])
+    (row,) = sensitivity.page_of_changes(table).to_dict("records")
+    assert row["Training errors"] == "-20 %, +10 %"
+    assert row["Closed loop"] == "unstable, +90 %"
 
 
 def test_rig_that_cannot_be_simulated_itself_is_an_error():
