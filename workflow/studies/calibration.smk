@@ -26,6 +26,7 @@ rule fit_rig:
     params:
         **stage("studies.calibrate.calibrate", *MODELS, key="version"),
         **EVERY_SEED,
+        began=SETTINGS["fitted"],
         calibration=SETTINGS["calibration"],
         grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
         tracking=SETTINGS["tracking"],

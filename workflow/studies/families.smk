@@ -106,8 +106,8 @@ rule families_summary:
     params:
         **stage("studies.families.compare_families"),
         named=lambda wildcards: {
-            SETTINGS["fitted"]["name"]: SETTINGS["fitted"]["to"],
-            **{rig: named_rig(rig)["fitted"]["to"] for rig in FITTED_RIGS},
+            SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
+            **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
         },
         sets=SETS,
     message:

@@ -21,46 +21,71 @@ _TERMS = {
     "open_loop": "open-loop Table IV",
     "closed_loop": "feedback that cuts errors by a fifth",
     "closed_sweep": "the closed-loop error of the sweep",
+    "closed_errors": "closed-loop Table IV",
 }
 
+#: What a rig was fitted to: terms of an objective, by the keys of ``fprc.config.Fitted``.
+Fit = Mapping[str, Sequence[str]]
 
-def status_of(claim: Claim, terms: Sequence[str]) -> str:
-    """Return whether the terms of an objective fitted a claim: fitted, half fitted, or predicted.
 
+def status_of(claim: Claim, fitted: Fit) -> str:
+    """Return whether a claim was fitted: fitted, half fitted, or predicted.
+
+    It is half fitted if the fit had a part of it, or began at a rig that was searched for it.
     Claims of another kind are timed or assumed.
     """
     if claim.kind:
         return claim.kind
-    if set(claim.fitted_by) & set(terms):
+    if set(claim.fitted_by) & set(fitted.get("to", ())):
         return "fitted"
-    return "half fitted" if set(claim.half_fitted_by) & set(terms) else "predicted"
+    half = set(claim.half_fitted_by) & set(fitted.get("to", ())) or _of_the_start(claim, fitted)
+    return "half fitted" if half else "predicted"
 
 
-def fit_in_words(terms: Sequence[str]) -> str:
-    """Return what the terms of an objective fit, as a list in a sentence."""
-    return in_words([_TERMS.get(term, term) for term in terms]) or "nothing"
+def fit_in_words(fitted: Fit) -> str:
+    """Return what a rig was fitted to, and where its fit began, as a part of a sentence."""
+    words = _in_words(fitted.get("to", ())) or "nothing"
+    start = _in_words(fitted.get("start", ()))
+    return words + (f", beginning at a rig that was searched for {start}" if start else "")
+
+
+def _in_words(terms: Sequence[str]) -> str:
+    return in_words([_TERMS.get(term, term) for term in terms])
+
+
+def _of_the_start(claim: Claim, fitted: Fit) -> list[str]:
+    """Return the terms that bear on a claim and that only the start of the fit was searched for."""
+    own = {claim.id, *claim.fitted_by, *claim.half_fitted_by} - set(fitted.get("to", ()))
+    return [term for term in fitted.get("start", ()) if term in own]
+
+
+def _note(claim: Claim, fitted: Fit) -> str:
+    """Return what a reader must know about the test, and about where the fit began."""
+    start = [] if claim.kind else _of_the_start(claim, fitted)
+    began = f"the rig at which the fit began was searched for {_in_words(start)}" if start else ""
+    return "; ".join(filter(None, (claim.note, began)))
 
 
 def judge_claims(
     results: Results,
     published: Mapping[str, Any],
-    terms: Sequence[str] = (),
+    fitted: Fit,
     claims: Sequence[Claim] = CLAIMS,
 ) -> list[dict[str, Any]]:
     """Return one row per claim.
 
     Parameters
     ----------
-    terms : sequence of str
-        Terms of the objective that the rig was fitted to.
+    fitted : Mapping
+        What the rig was fitted ``to``, and what the ``start`` of the fit was searched for.
 
     Returns
     -------
     list of dict
-        ``id``, ``claim``, ``published``, ``ours``, ``test``, ``basis``, ``verdict``, ``rig`` (see
-        ``status_of``), ``shown_in`` (tables and figures), and ``statements``, each with text, mean,
-        interval, limits and verdict. A claim is reproduced if every statement is, and not
-        reproduced if one is not.
+        ``id``, ``claim``, ``published``, ``ours``, ``test``, ``basis``, ``note``, ``verdict``,
+        ``rig`` (see ``status_of``), ``shown_in`` (tables and figures), and ``statements``, each
+        with text, mean, interval, limits and verdict. A claim is reproduced if every statement is,
+        and not reproduced if one is not.
     """
     rows = []
     for claim in claims:
@@ -74,9 +99,10 @@ def judge_claims(
                 "published": claim.printed,
                 "ours": _ours(statements),
                 "test": _limits(statements),
-                "basis": "; ".join(filter(None, (_basis(claim, results, statements), claim.note))),
+                "basis": _basis(claim, results, statements),
+                "note": _note(claim, fitted),
                 "verdict": next(weakest, REPRODUCED),
-                "rig": status_of(claim, terms),
+                "rig": status_of(claim, fitted),
                 "shown_in": list(claim.shown_in),
                 "statements": [
                     {

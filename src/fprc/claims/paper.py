@@ -252,7 +252,8 @@ CLAIMS = (
             *(Statement(f"FPRC+PD / FPRC, {REFERENCE_NAMES[name]}", cut, high=1.0)
               for name, cut in s.cuts(r).items()),
         ],
-        fitted_by=("closed_loop",), half_fitted_by=("open_loop",), shown_in=_TRACKING,
+        fitted_by=("closed_loop",), half_fitted_by=("open_loop", "closed_errors"),
+        shown_in=_TRACKING,
     ),
     Claim(
         "C13b", "feedback cuts the error of each reference by as much as Table IV shows",
@@ -262,7 +263,7 @@ CLAIMS = (
                       cut / s.printed_cuts(p)[name], 1 / 1.5, 1.5)
             for name, cut in s.cuts(r).items()
         ],
-        half_fitted_by=("closed_loop", "closed_sweep"), shown_in=_TRACKING,
+        half_fitted_by=("closed_loop", "closed_sweep", "closed_errors"), shown_in=_TRACKING,
     ),
     Claim(
         "C13c", "feedback cuts less of the error at higher frequencies",
@@ -272,7 +273,7 @@ CLAIMS = (
                       s.cuts(r)[faster] / s.cuts(r)[slower], low=1.0)
             for slower, faster in pairwise(("sine_0p2", "sine_0p5", "sweep"))
         ],
-        half_fitted_by=("closed_sweep",), shown_in=_TRACKING,
+        half_fitted_by=("closed_sweep", "closed_errors"), shown_in=_TRACKING,
     ),
     Claim(
         "C14", "P_ff predominates over P_fb in FPRC+PD", "P_ff predominates",
@@ -282,7 +283,7 @@ CLAIMS = (
             for name in REFERENCES
         ],
         note="follows from C13a: errors of a few degrees need little feedback",
-        shown_in=_TRACKING[1:],
+        half_fitted_by=("open_loop", "closed_loop", "closed_errors"), shown_in=_TRACKING[1:],
     ),
     Claim(
         "C15",
@@ -299,13 +300,14 @@ CLAIMS = (
                       n.measured(r, "sweep", "last_third_deg")
                       / n.measured(r, "sweep", "first_third_deg"), low=1.0),
         ],
-        half_fitted_by=("closed_sweep",), shown_in=("fig14",),
+        half_fitted_by=("closed_sweep", "closed_errors"), shown_in=("fig14",),
     ),
     Claim(
         "C16",
         "PD alone shows marked hysteresis loops in reference against actual; FPRC+PD largely "
         "removes them",
-        "marked loops of PD, largely removed by FPRC+PD", s.loops_removed, shown_in=("fig16",),
+        "marked loops of PD, largely removed by FPRC+PD", s.loops_removed,
+        half_fitted_by=("closed_errors",), shown_in=("fig16",),
     ),
     Claim(
         "C17",

@@ -80,6 +80,7 @@ def calibrate_from_files(
             out,
             f"{stem}.json",
             on_rig=on_rig(settings),
+            began=settings["fitted"],
             judgement=judgement(settings, without="seed"),
             calibration=settings["calibration"],
             grids=settings["grids"],

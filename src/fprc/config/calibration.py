@@ -39,13 +39,21 @@ Term = Literal[
     "closed_loop", "closed_sweep",
 ]  # fmt: skip
 
+#: What a rig may have been searched for, also by searches that are not of this project.
+SearchedFor = Literal[Term, "closed_errors", "C15"]
+
 
 class Fitted(Section):
     """Where the rig's parameters come from; a fitted rig's file has this section."""
 
     name: str = Field("default", pattern=r"^[\w.-]+$", description="name of the rig")
     to: tuple[Term, ...] = Field(
-        (), description="what it was fitted to; everything else is predicted"
+        (), description="what it was fitted to; all but this and `start` is predicted"
+    )
+    start: tuple[SearchedFor, ...] = Field(
+        (),
+        description="what the rig at which the fit began had been searched for: terms as in "
+        "calibration.fit, closed_errors (Table IV with feedback), claims",
     )
 
 

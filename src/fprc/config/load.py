@@ -137,6 +137,8 @@ def _merge_layer(merged: dict[str, Any], content: Mapping[str, Any]) -> None:
         merged["fitted"] = {"name": rig, "to": []}
     elif isinstance(rig, Mapping) and "fitted" not in content:
         merged["fitted"] = {"name": "changed", "to": []}
+    elif isinstance(rig, Mapping):
+        merged["fitted"] = {}
     if isinstance(rig, str) or (isinstance(rig, Mapping) and "fitted" in content):
         merged["rig"] = Settings().rig.model_dump()
     _merge(merged, deepcopy(dict(content)))  # wrong values in it are replaced later

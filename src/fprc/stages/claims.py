@@ -33,7 +33,8 @@ def write_ledger(
     Parameters
     ----------
     fitted : Mapping
-        Name of the rig, and the terms that it was fitted to.
+        Name of the rig, the terms that it was fitted to, and those that the rig at which the fit
+        began was searched for.
     """
     printed = read_yaml(published)
     every = Results(
@@ -43,12 +44,12 @@ def write_ledger(
         times=read_json(times),
         times_over_n_c=read_json(times_over_n_c),
     )
-    ledger = judge_claims(every, printed, fitted["to"])
+    ledger = judge_claims(every, printed, fitted)
     source = every.controls[0]["source"]
     origin = (
-        f"The rig {fitted['name']} was fitted to {fit_in_words(fitted['to'])}; the other claims "
-        "were not part of the fit. A verdict is undecided where the 95 % interval of the mean over "
-        "seeds contains a limit."
+        f"The rig {fitted['name']} was fitted to {fit_in_words(fitted)}; the other claims were not "
+        "part of the fit. A verdict is undecided where the 95 % interval of the mean over seeds "
+        "contains a limit."
     )
     untested = not_tested(read_yaml(SENTENCES))
     write_json(json, {"source": source, "note": origin, "claims": ledger, "not_tested": untested})

@@ -57,12 +57,12 @@ def write_report(
         ``worlds``, and ``ledgers``: of each world, the rows of ``judge_world``.
     """
     folder = Path(html).parent
-    terms = settings["fitted"]["to"]
+    fitted = settings["fitted"]
     shown = [
         _figure(*files, folder)
         for files in zip(figures[::3], figures[1::3], figures[2::3], strict=True)
     ]
-    pages = {Path(page).stem: _page(page, terms, folder) for page in tables[::2]}
+    pages = {Path(page).stem: _page(page, fitted, folder) for page in tables[::2]}
     frames = {Path(path).stem: pd.read_csv(path) for path in tables[1::2]}
     # a table of one seed is folded up below the same one over seeds
     for name in [name for name in pages if f"{name}_seeds" in pages]:
@@ -87,7 +87,7 @@ def write_report(
             pages=pages.values(),
             figures=shown,
             glossary=GLOSSARY,
-            deviations=_deviations(frames, terms),
+            deviations=_deviations(frames, fitted),
             settings=settings,
             changed=_changed(settings),
             yaml=yaml.safe_dump(dict(settings), sort_keys=False),
@@ -154,7 +154,9 @@ def _claims(ledger: Sequence[str], folder: Path, names: Container[str]) -> dict[
     }
 
 
-def _deviations(frames: Mapping[str, pd.DataFrame], terms: Sequence[str]) -> dict[str, Any] | None:
+def _deviations(
+    frames: Mapping[str, pd.DataFrame], fitted: Mapping[str, Any]
+) -> dict[str, Any] | None:
     """Return the rows of the plot of ours over the paper's, and its axis; positions in percent."""
     chosen = [
         next((name for name in (f"{table}_seeds", table) if name in frames), None)
@@ -172,9 +174,9 @@ def _deviations(frames: Mapping[str, pd.DataFrame], terms: Sequence[str]) -> dic
 
     rows = []
     for row in numbers.to_dict("records"):
-        kind = "predicted" if row["closed_loop"] else _kind(row["table"].split("_")[0], terms)
+        kinds = _kinds(row["table"].split("_")[0], fitted)
+        kind = kinds["FPRC+PD" if row["closed_loop"] else "FPRC"]
         ends = None if math.isnan(row["low"]) else (position(row["low"]), position(row["high"]))
-        kind = kind.removeprefix("half ")
         rows.append(row | {"at": position(row["ratio"]), "ends": ends, "kind": kind})
     off = (numbers["ratio"] - 1.0).abs().groupby(numbers["number"], sort=False).median()
     ticks = [tick for tick in (0.25, 0.5, 1.0, 2.0, 4.0, 8.0) if first <= math.log(tick) <= last]
@@ -185,26 +187,34 @@ def _deviations(frames: Mapping[str, pd.DataFrame], terms: Sequence[str]) -> dic
     }
 
 
-def _kind(table: str, terms: Sequence[str]) -> str:
-    """Return whether the rig was fitted to a table's numbers, by the terms of its objective."""
+def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
+    """Return whether the rig was fitted to a table's numbers, open loop and with feedback."""
+    to, start = set(fitted["to"]), set(fitted.get("start", ()))
     if table in ("table2", "table3"):
-        return "fitted" if "tables" in terms else "predicted"
+        return dict.fromkeys(("FPRC", "FPRC+PD"), "fitted" if "tables" in to else "predicted")
     if table == "table4":
-        return "half fitted" if "open_loop" in terms else "predicted"
-    return ""
+        closed = {"closed_sweep", "closed_errors"} & (to | start)
+        return {
+            "FPRC": "fitted" if "open_loop" in to else "predicted",
+            "FPRC+PD": "half fitted" if closed else "predicted",
+        }
+    return {}
 
 
-def _page(path: str, terms: Sequence[str], folder: Path) -> dict[str, Any]:
+def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     note, table = read_markdown(Path(path).read_text(encoding="utf-8"))
     title, _, rest = note.partition(": ")
     # some titles end in a sentence on the data: "... for all controllers. Data"
     title, data, _ = title.partition(". Data")
     rest = f"Data: {rest}" if data else rest
     name = Path(path).stem
+    kinds = _kinds(name.removesuffix("_seeds"), fitted)
+    same = len(set(kinds.values())) < 2
     return {
         "anchor": name,
         "short": title.partition(". ")[0],
-        "kind": _kind(name.removesuffix("_seeds"), terms),
+        "kind": next(iter(kinds.values()), "") if same else "half fitted",
+        "rows": {} if same else kinds,
         "title": title,
         "note": rest[:1].upper() + rest[1:],
         "table": table,

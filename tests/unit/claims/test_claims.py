@@ -2,6 +2,7 @@ from copy import deepcopy
 from functools import reduce
 from operator import getitem
 from types import SimpleNamespace
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ from scipy.stats import spearmanr, ttest_1samp
 
 from fprc import config
 from fprc.claims.finding import Results, Statement
-from fprc.claims.ledger import changed_verdicts, judge_claims, status_of
+from fprc.claims.ledger import changed_verdicts, fit_in_words, judge_claims, status_of
 from fprc.claims.numbers import tap_trend, thirds_of_taps
 from fprc.claims.paper import CLAIMS
+from fprc.config.calibration import SearchedFor
 from fprc.paper import LOOPS, REFERENCES
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
@@ -133,7 +135,7 @@ def ideal():
 
 
 def judged(material):
-    return judge_claims(Results(**vars(material)), PUBLISHED)
+    return judge_claims(Results(**vars(material)), PUBLISHED, {})
 
 
 def verdicts(material):
@@ -597,13 +599,47 @@ def test_few_medium_and_many_taps_exist_in_every_grid(sizes, expected):
         ("C4", ("tables",), "fitted"),
         ("C13a", ("tables", "open_loop"), "half fitted"),
         ("C13a", ("tables",), "predicted"),
-        ("C16", ("tables",), "predicted"),
+        ("C14", ("tables",), "predicted"),
+        ("C14", ("open_loop",), "half fitted"),
+        ("C14", ("closed_loop",), "half fitted"),
+        ("C16", ("closed_sweep",), "predicted"),
         ("C5a", ("tables",), "timed"),
         ("C17", ("tables",), "assumed"),
     ],
 )
 def test_claim_is_fitted_where_a_term_of_the_objective_asks_for_it(claim, terms, status):
-    assert status_of(BY_ID[claim], terms) == status
+    assert status_of(BY_ID[claim], {"to": terms}) == status
+
+
+@pytest.mark.parametrize(
+    ("to", "start", "half", "began"),
+    [
+        ("closed_loop", "closed_errors", "C13b C13c C14 C15 C16", "C13a C13b C13c C14 C15 C16"),
+        ("tables", "C15", "C9c C15", "C15"),
+        # what the fit asks for counts, and not where it began
+        ("C8", "C8", "C8b", ""),
+        ("C12", "C8", "C8a C8b", "C8a C8b"),
+    ],
+)
+def test_claim_is_half_fitted_where_the_fit_began_at_a_rig_that_was_searched_for_it(
+    ideal, to, start, half, began
+):
+    rows = judge_claims(Results(**vars(ideal)), PUBLISHED, {"to": [to], "start": [start]})
+    assert {row["id"] for row in rows if row["rig"] == "half fitted"} == set(half.split())
+    said = {row["id"] for row in rows if "the rig at which the fit began" in row["note"]}
+    assert said == set(began.split())
+
+
+def test_what_a_rig_may_have_been_searched_for_has_words_or_is_a_claim():
+    named = {term for claim in CLAIMS for term in (*claim.fitted_by, *claim.half_fitted_by)}
+    known = {*get_args(SearchedFor)} - {"plausible"}
+    assert named == known & named
+    assert known <= named | set(BY_ID)
+    words = fit_in_words({"to": ["C8", "tables"], "start": ["closed_errors", "C15"]})
+    assert words == (
+        "C8 and Tables II and III, beginning at a rig that was searched for closed-loop Table IV "
+        "and C15"
+    )
 
 
 def noisy_grids(noise):
@@ -625,7 +661,7 @@ def test_step_is_chosen_on_the_first_half_of_the_seeds_and_judged_on_the_others(
     # the first two of five seeds fall from 1 to 2 and rise from 2 to 3; the others rise twice
     rows = np.log([[3.0, 1.0, 2.0]] * 2 + [[1.0, 1.1, 3.0]] * 3)
     results = Results([], noisy_grids(rows), [], {}, {})
-    (found,) = judge_claims(results, PUBLISHED, claims=[BY_ID["C9c"]])
+    (found,) = judge_claims(results, PUBLISHED, {}, [BY_ID["C9c"]])
     statements = [(row["text"], round(row["mean"], 3)) for row in found["statements"]]
     assert statements[:2] == [
         ("test at epsilon 3 / 2", round(3.0 / 1.1, 3)), ("test at epsilon 2 / 1", 1.1)

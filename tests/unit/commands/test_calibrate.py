@@ -98,6 +98,8 @@ def test_without_files_the_configuration_of_the_project_is_taken(fit, tmp_path, 
     assert call["published"] == str(PUBLISHED)
     expected = from_files(["config/config.yaml"]).model_dump(mode="json")
     assert call["on_rig"]["rig"] == expected["rig"]
+    assert call["began"] == expected["fitted"]
+    assert call["began"]["start"]
     assert call["judgement"]["models"] == expected["models"]
 
 

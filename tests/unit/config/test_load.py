@@ -199,6 +199,13 @@ LAYERS = [
 ]  # fmt: skip
 
 
+@pytest.mark.parametrize("changed", [DRY, "rig: dry\n", "rig: {drift: {time_s: 7.0}}\n"])
+def test_another_rig_did_not_begin_where_the_fit_of_the_one_before_did(rigs, written, changed):
+    (rigs / "wet.yaml").write_text(WET + "fitted: {name: wet, start: [C15]}\n", encoding="utf-8")
+    assert from_files(written("rig: wet\n")).fitted.start == ("C15",)
+    assert from_files(written("rig: wet\n", changed)).fitted.start == ()
+
+
 def fitted(settings):
     return settings.fitted.name, settings.fitted.to
 

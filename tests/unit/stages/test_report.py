@@ -81,13 +81,13 @@ class Page(HTMLParser):
 
 CLAIMS = [
     {"id": "C1", "claim": "FPRC is best", "published": "11.0 kPa", "ours": "12.0 ± 0.5 kPa",
-     "test": "mean below 13", "basis": "3 seeds", "verdict": "reproduced", "statements": [],
-     "shown_in": [], "rig": "fitted"},
+     "test": "mean below 13", "basis": "3 seeds", "note": "P_o helps",
+     "verdict": "reproduced", "statements": [], "shown_in": [], "rig": "fitted"},
     {"id": "C2", "claim": "P_o is unmoved", "published": "so", "ours": "not so",
-     "test": "theta_d within 1 deg", "basis": "main run", "verdict": "not reproduced",
+     "test": "theta_d within 1 deg", "basis": "main run", "note": "", "verdict": "not reproduced",
      "statements": [], "shown_in": [], "rig": "predicted"},
     {"id": "C3", "claim": "PD moves", "published": "yes", "ours": "no", "test": "over a tenth",
-     "basis": "3 seeds", "verdict": "undecided", "statements": [], "shown_in": [],
+     "basis": "3 seeds", "note": "", "verdict": "undecided", "statements": [], "shown_in": [],
      "rig": "timed"},
 ]  # fmt: skip
 
@@ -254,7 +254,7 @@ def test_every_claim_is_shown_with_its_verdict(project):
     for row, summary in zip(CLAIMS, page.texts("summary"), strict=False):
         assert summary == f"{row['id']} {shown(row['claim'])} {row['verdict']} {row['rig']}"
         (judged,) = page.texts("dl", id=row["id"])
-        for key in ("published", "ours", "test", "basis"):
+        for key in ("published", "ours", "test", "basis", "note"):
             assert shown(row[key]) in judged
         chip = f"chip {row['verdict'].replace(' ', '-')}"
         assert page.texts("span", **{"class": chip}) == [row["verdict"]]
@@ -346,14 +346,26 @@ def test_ours_is_shown_over_the_papers(project):
     assert "Median deviation: 50 % in Table II, 200 % in Table IV." in page.text()
 
 
-def test_rows_of_a_half_fitted_table_are_fitted_in_open_loop_only(project):
-    project.settings = SETTINGS | {"fitted": {"name": "one", "to": ["open_loop"]}}
+@pytest.mark.parametrize(
+    ("fitted", "kinds"),
+    [
+        ({"to": ["open_loop"]}, ["fitted", "predicted", "predicted"]),
+        ({"to": ["open_loop", "closed_sweep"]}, ["fitted", "half-fitted", "predicted"]),
+        ({"to": [], "start": ["closed_errors"]}, ["predicted", "half-fitted", "predicted"]),
+    ],
+)
+def test_rows_of_a_half_fitted_table_say_what_was_fitted(project, fitted, kinds):
+    project.settings = SETTINGS | {"fitted": {"name": "one", **fitted}}
     rows = ["FPRC", "FPRC+PD", "PD"]
     project.add_table("Table IV. A note.", "table4", **{"RMSE [deg]": rows, "Whose": ["ours"] * 3})
     pd.DataFrame(RATIOS["table4"]).to_csv(project.folder / "table4.csv", index=False)
-    kinds = {row["text"].split("\n")[0]: row.get("class") for row in project.page().all("tr")}
-    shown = [kind for text, kind in kinds.items() if text.endswith("ours")]
-    assert shown == ["fitted", "predicted", "predicted"]
+    page = project.page()
+    found = {row["text"].split("\n")[0]: row.get("class") for row in page.all("tr")}
+    assert [kind for text, kind in found.items() if text.endswith("ours")] == kinds
+    # so have the points of the plot: without feedback and with it
+    points = [row.get("class") for row in page.all("tr") if row["text"].startswith("IV:")]
+    assert points == kinds[:2]
+    assert page.texts("small") == ["half fitted"]
 
 
 def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):

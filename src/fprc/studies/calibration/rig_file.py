@@ -12,8 +12,10 @@ from fprc.config.rig import Rig
 WRITTEN = "Written by `fprc calibrate`"
 
 
-def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str) -> str:
-    """Return the text of a rig's file: what it was fitted to, and what differs from the defaults.
+def parameter_file(
+    rig: Mapping[str, Any], summary: Mapping[str, Any], name: str, start: Sequence[str] = ()
+) -> str:
+    """Return the text of a rig's file: what was fitted, and what differs from the defaults.
 
     Parameters
     ----------
@@ -21,6 +23,8 @@ def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str
         As ``fprc.studies.calibration.fit.fit_rig`` returns it.
     name : str
         Name of the rig.
+    start : sequence of str
+        Terms that the rig at which the fit began had been searched for.
     """
     head = _HEAD.format(
         **summary,
@@ -38,7 +42,7 @@ def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str
         edges=_edges(summary["parameters"]),
     )
     values = {
-        "fitted": {"name": name, "to": list(summary["fit"])},
+        "fitted": {"name": name, "to": list(summary["fit"]), "start": list(start)},
         "rig": _different(rig, Rig().model_dump(mode="json")),
     }
     return head + yaml.safe_dump(values, sort_keys=False, default_flow_style=None)
@@ -50,7 +54,8 @@ _HEAD = """\
 #
 # Fitted over {count} parameters within the ranges of `calibration` ({evaluations} rigs), on the
 # noise seeds {shown_seeds},
-# to the terms that `fitted.to` names; everything else is predicted.
+# to the terms that `fitted.to` names; `fitted.start` has those that the rig at which the fit began
+# had been searched for. Everything else is predicted.
 # Full models on the seeds {shown_full_seeds},
 # printed errors (tables in kPa, loops in deg) and deviations from them; of the tables
 # {median:.1f} % in the median and {largest:.1f} % at most:

@@ -15,16 +15,24 @@ log = logging.getLogger(__name__)
 
 
 def calibrate(
-    published: str, fitted: str, report: str, *, on_rig: Mapping[str, Any], **how: Any
+    published: str,
+    fitted: str,
+    report: str,
+    *,
+    on_rig: Mapping[str, Any],
+    began: Mapping[str, Any],
+    **how: Any,
 ) -> None:
     """Fit the free parameters of the rig, starting from the rig of ``on_rig``.
 
     Writes the fitted rig (``fitted``, YAML, a file of config/rigs) and a summary of the fit
-    (``report``, JSON). ``how`` are the other arguments of ``fit_rig``.
+    (``report``, JSON). ``began`` is what that rig was fitted to, the section ``fitted`` of the
+    configuration; ``how`` are the other arguments of ``fit_rig``.
     """
     best, summary = fit_rig(read_yaml(published), RigSettings(**on_rig), **how)
     write_json(report, summary)
-    write_text(fitted, parameter_file(best, summary, Path(fitted).stem))
+    start = list(dict.fromkeys([*began["to"], *began["start"]]))
+    write_text(fitted, parameter_file(best, summary, Path(fitted).stem, start))
     before, after = summary["median_deviation_at_start"], summary["median_deviation"]
     if after > before:
         log.warning(

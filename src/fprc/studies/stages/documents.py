@@ -99,6 +99,7 @@ def _verdicts(judged: Mapping[str, Any]) -> str:
             "Verdict": claim["verdict"],
             "Fitted?": claim["rig"],
             "Ours, 95 % interval": claim["ours"],
+            "Note": claim["note"],
         }
         for claim in judged["claims"]
     ]

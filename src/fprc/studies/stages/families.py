@@ -11,7 +11,7 @@ from scipy.stats import binomtest
 from fprc.artifacts import read_json, write_json
 from fprc.claims import numbers
 from fprc.claims.finding import REPRODUCED, Results, Statement
-from fprc.claims.ledger import judge_claims
+from fprc.claims.ledger import Fit, judge_claims
 from fprc.claims.paper import ASSUMED, CLAIMS, TIMED, Claim
 from fprc.claims.statements import Printed
 from fprc.errors import FprcError
@@ -61,7 +61,7 @@ def compare_families(
     controls: Sequence[str],
     summary: str,
     *,
-    named: Mapping[str, Sequence[str]],
+    named: Mapping[str, Fit],
     sets: Mapping[str, Mapping[str, Any]],
     **chunks: Sequence[str],
 ) -> None:
@@ -72,7 +72,7 @@ def compare_families(
     models, grids, controls : sequence of str
         Results over seeds, rig by rig; every named rig has the same number of them.
     named, sets : Mapping
-        Families of one rig: the terms that it was fitted to. Families of many rigs: these
+        Families of one rig: what it was fitted to, see ``judge_claims``. Families of many rigs: the
         ``terms``, the ``title`` and the ``description``.
     **chunks
         Results of ``judge_tables`` of each set.
@@ -111,14 +111,14 @@ def compare_families(
                 f"{name}: none of the {len(rigs)} rigs could be judged; the first: {first}"
             )
         words = f"{len(good)} {described['description']}"
-        judged = _judged(printed, described["terms"], good, described["title"], words)
+        judged = _judged(printed, {"to": described["terms"]}, good, described["title"], words)
         families.append({"name": name, "failed": len(rigs) - len(good), **judged})
     write_json(summary, {"source": "sim", "families": families})
 
 
 def _judged(
     printed: Mapping[str, Any],
-    terms: Sequence[str],
+    fitted: Fit,
     rigs: Sequence[Results],
     title: str,
     description: str,
@@ -128,7 +128,7 @@ def _judged(
     """Judge a family: one rig with all its seeds, or many rigs with one recording each."""
     claims = [*(claim for claim in CLAIMS if claim.kind != TIMED), WORTH]
     ledgers = [
-        judge_claims(rig, printed, terms, claims if one_rig else JUDGED_BY_RIG) for rig in rigs
+        judge_claims(rig, printed, fitted, claims if one_rig else JUDGED_BY_RIG) for rig in rigs
     ]
     units = [tables.rig_errors(rig.replicates, rig.controls, printed) for rig in rigs]
     sums = pd.DataFrame([tables.sums_of(unit) for unit in units])

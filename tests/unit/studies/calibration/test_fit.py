@@ -173,8 +173,9 @@ def fit(folder, settings, **changes):
     folder.mkdir(exist_ok=True)
     paths = [str(folder / name) for name in ("rig.yaml", "fit.json")]
     calibrate(
-        str(PUBLISHED), *paths, **settings | {"checkpoint": str(folder / "search.jsonl")} | changes
-    )
+        str(PUBLISHED), *paths, began={"to": ["C18", "C8"], "start": ["C15", "C8"]},
+        **settings | {"checkpoint": str(folder / "search.jsonl")} | changes,
+    )  # fmt: skip
     return folder
 
 
@@ -206,6 +207,11 @@ def written(fitted):
     """Return the rig of the parameter file and of the configuration's defaults."""
     text = (fitted / "rig.yaml").read_text(encoding="utf-8")
     return check(yaml.safe_load(text)).rig.model_dump(mode="json")
+
+
+def test_fit_notes_what_the_rig_was_searched_for_at_which_it_began(fitted):
+    text = (fitted / "rig.yaml").read_text(encoding="utf-8")
+    assert yaml.safe_load(text)["fitted"]["start"] == ["C18", "C8", "C15"]
 
 
 def test_fit_improves_the_loss(report):

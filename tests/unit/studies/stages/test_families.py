@@ -57,6 +57,7 @@ def reports_of(tmp_path):
     return write
 
 
+NAMED = {"dry": {"to": []}, "viscous": {"to": ["tables"]}}
 SETS = {"drawn": {"title": "Drawn", "description": "rigs drawn at random", "terms": []}}
 
 
@@ -65,7 +66,7 @@ def judged(monkeypatch):
     """Judge two claims, the second of which follows the error of FPRC; note what was judged."""
     counts = []
 
-    def judge(results, published, terms, claims):
+    def judge(results, published, fitted, claims):
         counts.append([len(results.replicates), len(results.grids), len(results.controls)])
         error = results.replicates[0]["models"][0]["test_rmse_kpa"]
         verdicts = {claim.id: "undecided" for claim in claims}
@@ -73,7 +74,7 @@ def judged(monkeypatch):
         ends = dict.fromkeys(("mean", "first", "last"), error)
         return [
             {"id": claim.id, "claim": claim.text, "verdict": verdicts[claim.id],
-             "rig": "fitted" if terms else "predicted", "statements": [ends]}
+             "rig": "fitted" if fitted["to"] else "predicted", "statements": [ends]}
             for claim in claims
         ]  # fmt: skip
 
@@ -94,9 +95,7 @@ def compared(reports_of, judged, tmp_path):
     for path, part in zip(chunks, (rigs[:2], rigs[2:]), strict=True):
         Path(path).write_text(json.dumps({"source": "sim", "cells": part}))
     summary = str(tmp_path / "summary.json")
-    stage.compare_families(
-        **files, drawn=chunks, summary=summary, named={"dry": [], "viscous": ["tables"]}, sets=SETS
-    )
+    stage.compare_families(**files, drawn=chunks, summary=summary, named=NAMED, sets=SETS)
     return summary
 
 
@@ -142,7 +141,7 @@ def test_set_of_which_no_rig_could_be_judged_is_an_error(reports_of, judged, tmp
     with pytest.raises(FprcError, match="drawn.*it diverged"):
         stage.compare_families(
             **reports_of({"dry": 0.1}), drawn=[str(chunk)], summary=str(tmp_path / "summary.json"),
-            named={"dry": []}, sets=SETS,
+            named={"dry": {"to": []}}, sets=SETS,
         )  # fmt: skip
     assert not (tmp_path / "summary.json").exists()
 
