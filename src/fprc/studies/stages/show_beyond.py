@@ -49,8 +49,8 @@ def tabulate_beyond(
     """
     found = [world_of(read_json(path)) for path in worlds]
     capacities = read_json(capacity)["cells"]
-    for world in found:
-        world["capacity"] = [row for row in capacities if row["family"] == world["name"]]
+    for judged in found:
+        judged["capacity"] = [row for row in capacities if row["family"] == judged["name"]]
     found[0]["training_length"] = read_json(training)["cells"]
     found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
     ledgers = list(map(judge_world, found))
