@@ -18,6 +18,7 @@ from fprc.errors import FprcError
 from fprc.figures import style
 from fprc.paper import SOURCES
 from fprc.signals import LEVEL, rms
+from fprc.studies.beyond.claims import CLAIMS as BEYOND
 from fprc.studies.calibration.objective import errors_of, printed_errors
 from fprc.studies.families import tables
 from fprc.studies.families.figures import plot_shares
@@ -31,8 +32,11 @@ def _over_lowpass(results: Results, printed: Printed) -> list[Statement]:
     return [Statement("FPRC / FPRC on low-passed theta_d, test", ratio, high=1.0)]
 
 
-#: B1 on one rig: what P_o is worth there.
-WORTH = Claim("B1", "P_o beats low-passed theta_d, forward", "-", _over_lowpass)
+#: B1 on one rig: what P_o is worth there; fits that favour a side of it decide it in part.
+WORTH = Claim(
+    "B1", "P_o beats low-passed theta_d, forward", "-", _over_lowpass,
+    half_fitted_by=tuple(BEYOND["B1"].favours),
+)  # fmt: skip
 
 #: Claims that Tables II to IV, weights and loops decide; the others need grids or times, or are
 #: assumed.

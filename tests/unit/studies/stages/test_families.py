@@ -5,6 +5,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from fprc.claims.ledger import status_of
 from fprc.errors import FprcError
 from fprc.studies.stages import families as stage
 
@@ -113,6 +114,15 @@ def test_named_rigs_are_judged_on_all_seeds_and_others_one_by_one(compared, judg
     assert drawn["sums"]["largest"][0] == pytest.approx(0.5)  # of 0.5, 0.1 and 1
     (worth,) = (claim["holds"] for claim in drawn["claims"] if claim["id"] == "B1")
     assert (worth["holds"], worth["rigs"]) == (2, 3)
+
+
+@pytest.mark.parametrize(
+    ("term", "status"),
+    [("tables", "half fitted"), ("orders", "half fitted"), ("C8", "half fitted"),
+     ("C18", "predicted")],
+)  # fmt: skip
+def test_worth_of_p_o_is_half_fitted_where_a_fit_favours_it(term, status):
+    assert status_of(stage.WORTH, {"to": [term]}) == status
 
 
 def test_tables_show_every_family(compared, tmp_path):
