@@ -11,6 +11,8 @@ from fprc.signals import LEVEL, interval_of_mean
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
 UNDECIDED = "undecided"
+#: Of a claim that holds for almost any numbers, and does here.
+NOT_INFORMATIVE = "not informative"
 
 
 class Results(NamedTuple):

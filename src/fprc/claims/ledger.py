@@ -6,7 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from fprc.claims.finding import NOT_REPRODUCED, REPRODUCED, UNDECIDED, Results, Statement
+from fprc.claims.finding import (
+    NOT_INFORMATIVE,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    UNDECIDED,
+    Results,
+    Statement,
+)
 from fprc.claims.paper import CLAIMS, Claim
 from fprc.escape import in_words
 
@@ -85,13 +92,15 @@ def judge_claims(
         ``id``, ``claim``, ``published``, ``ours``, ``test``, ``basis``, ``note``, ``verdict``,
         ``rig`` (see ``status_of``), ``shown_in`` (tables and figures), and ``statements``, each
         with text, mean, interval, limits and verdict. A claim is reproduced if every statement is,
-        and not reproduced if one is not.
+        and not reproduced if one is not. One that almost any numbers support is not informative
+        where others would be reproduced.
     """
     rows = []
     for claim in claims:
         statements = claim.statements(results, published)
         verdicts = {statement.verdict for statement in statements}
         weakest = (verdict for verdict in (NOT_REPRODUCED, UNDECIDED) if verdict in verdicts)
+        holds = NOT_INFORMATIVE if claim.holds_by_chance else REPRODUCED
         rows.append(
             {
                 "id": claim.id,
@@ -101,7 +110,7 @@ def judge_claims(
                 "test": _limits(statements),
                 "basis": _basis(claim, results, statements),
                 "note": _note(claim, fitted),
-                "verdict": next(weakest, REPRODUCED),
+                "verdict": next(weakest, holds),
                 "rig": status_of(claim, fitted),
                 "shown_in": list(claim.shown_in),
                 "statements": [

@@ -30,7 +30,8 @@ def found(
     Parameters
     ----------
     claims : sequence of Mapping
-        Rows of the ledger, with ``verdict`` and ``rig``.
+        Rows of the ledger, with ``verdict`` and ``rig``; those that are not informative do not
+        count.
     tables : Mapping
         Tidy Tables II and IV, ``table2_seeds`` or else ``table2``, ``table4_seeds`` or ``table4``.
         A table that is not there has no sentence.
@@ -50,7 +51,11 @@ def found(
 def _claims(claims: Sequence[Mapping[str, Any]], kinds: Mapping[str, Sequence[str]]) -> list[str]:
     parts: list[str] = []
     for words, statuses in kinds.items():
-        verdicts = [claim["verdict"] for claim in claims if claim["rig"] in statuses]
+        verdicts = [
+            claim["verdict"]
+            for claim in claims
+            if claim["rig"] in statuses and claim["verdict"] != "not informative"
+        ]
         if verdicts:
             held = verdicts.count("reproduced")
             others = [

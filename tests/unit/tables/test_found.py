@@ -41,7 +41,12 @@ TABLE_4 = pd.DataFrame(
         ([], {}, True, []),
         # of the claims that the rig was not fitted to, of the others, and of those on times
         (
-            ledger(predicted=[GOOD, BAD, OPEN], fitted=[GOOD], half_fitted=[BAD], timed=[BAD]),
+            ledger(
+                predicted=[GOOD, BAD, OPEN],
+                fitted=[GOOD, "not informative"],
+                half_fitted=[BAD],
+                timed=[BAD],
+            ),
             {},
             True,
             ["1 3 1 1 1 2 1 0 1 1"],
