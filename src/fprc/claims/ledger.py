@@ -151,10 +151,12 @@ def _basis(claim: Claim, results: Results, statements: Sequence[Statement]) -> s
     if claim.over.startswith("repeats"):
         return f"main run, this machine, {interval} {np.size(statements[0].values)} repeats"
     seeds = len(results.grids if "grids" in claim.over else results.replicates or results.controls)
+    # see fprc.experiments.grids.judge_grids
+    folds = ", the first fold of each" if "grids" in claim.over else ""
     if claim.over == "halves of the grids" and seeds > 1:
         half = seeds // 2
-        return f"{interval} {seeds - half} seeds; the step is chosen on the first {half}"
-    return "one seed" if seeds == 1 else f"{interval} {seeds} seeds"
+        return f"{interval} {seeds - half} seeds{folds}; the step is chosen on the first {half}"
+    return f"one seed{folds}" if seeds == 1 else f"{interval} {seeds} seeds{folds}"
 
 
 def not_tested(rows: Mapping[str, Any]) -> dict[str, str]:

@@ -667,3 +667,15 @@ def test_step_is_chosen_on_the_first_half_of_the_seeds_and_judged_on_the_others(
     assert statements[:2] == [
         ("test at epsilon 3 / 2", round(3.0 / 1.1, 3)), ("test at epsilon 2 / 1", 1.1)
     ]  # fmt: skip
+    # the mean is over those that judge
+    assert "3 seeds, the first fold of each; the step is chosen on the first 2" in found["basis"]
+
+
+def test_claims_over_grids_say_that_they_rest_on_the_first_fold(ideal):
+    said = {row["id"] for row in judged(ideal) if "the first fold of each" in row["basis"]}
+    assert said == {"C9a", "C9b", "C9c", "C11", "C12a", "C12b", "C12c"}
+
+
+def test_claims_on_n_u_say_where_the_contrast_of_the_paper_is_absent(ideal):
+    said = [row["id"] for row in judged(ideal) if "the paper's contrast" in row["note"]]
+    assert said == ["C12a", "C12c"]
