@@ -159,7 +159,7 @@ def printed_cuts(p: Printed) -> dict[str, float]:
 
 
 def loops_removed(r: Results, p: Printed) -> list[Statement]:
-    """Compare the widths of the loops of PD alone with those of FPRC+PD."""
+    """Compare the loops of PD alone, and its errors, with those of FPRC+PD."""
     statements = []
     for reference in LOOPS:
         name = REFERENCE_NAMES[reference]
@@ -170,6 +170,11 @@ def loops_removed(r: Results, p: Printed) -> list[Statement]:
         statements += [
             Statement(f"width of the loop of PD, {name} [% of its span]", 100 * pd, 5, ratio=False),
             Statement(f"width of the loop, FPRC+PD / PD, {name}", both / pd, high=0.5, ratio=False),
+            Statement(
+                f"RMSE, FPRC+PD / PD, {name}",
+                n.tracking_error(r, reference, "fprc_pd") / n.tracking_error(r, reference, "pd"),
+                high=1.0,
+            ),
         ]
     return statements
 

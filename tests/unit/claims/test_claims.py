@@ -87,6 +87,7 @@ def measures(scale):
         f"{name}/fprc_pd": 4.24 * scale * printed["fprc_pd"][name] / printed["fprc"][name]
         for name in REFERENCES
     }
+    errors |= {f"{name}/pd": 8.0 * scale for name in LOOPS}
     return {
         "rmse_deg": errors,
         "effort": dict.fromkeys(REFERENCES, 0.1),
@@ -412,6 +413,10 @@ PERTURBATIONS = [
     *(
         ("C16", f"no_loop_of_pd_{name}", loop_of_pd(name), 0.049, 0.051)
         for name in LOOPS
+    ),
+    *(
+        ("C16", f"error_of_pd_{name}", measure("rmse_deg", f"{name}/pd"), *x)
+        for name, *x in (("sine_0p5", 2.1, 2.35), ("sweep", 2.55, 2.9))
     ),
     ("C17", "bending_within_a_tenth", measure("disturbance", "bending"), 0.095, 0.105),
     ("C17", "p_o_distorted", measure("disturbance", "p_o"), 0.011, 0.009),
