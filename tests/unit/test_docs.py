@@ -179,6 +179,22 @@ BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/res
         ),
         (
             BEYOND,
+            r"its error is (\S+) times on the default rig, (\S+) on Bouc-Wen, (\S+) on \*dry\*, "
+            r"(\S+) on viscous, (\S+) on near print and (\S+) on drawn rigs",
+            "beyond_beside",
+            [
+                ("FPRC / ridge on low-passes of theta_d", rig)
+                for rig in ("paper", "Bouc-Wen", "dry", "viscous", "near print", "drawn")
+            ],
+        ),
+        (
+            BEYOND,
+            r"there B1 had (\S+), B4 (\S+) instead of (\S+), and B3 was superior",
+            "beyond_claims",
+            [("B1", "dry"), ("B4", "dry"), ("B4", "paper")],
+        ),
+        (
+            BEYOND,
             r"the closed loop is (\S+) times as far off",
             "beyond_claims",
             [("B3", "paper", 1)],
