@@ -112,7 +112,7 @@ recordings: .venv/.ready  ## evaluate the recordings of docs/own-data.md: DATASE
 	python tools/recordings.py $(DATASETS)
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
-	$(STUDIES) readme calibration_page beyond_page
+	$(STUDIES) readme calibration_page beyond_page drift_page
 
 check: .venv/.ready  ## compare verdicts, results and pictures with what is declared
 	$(STUDIES) check
