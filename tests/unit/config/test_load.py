@@ -301,12 +301,12 @@ def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
     [
         ({"sweeps": {"n_c": [2, 4]}}, "sweeps", "grids"),
         ({"source": "hardware"}, "source", "rig"),
-        ({"ensemble": {"rigs": 5}}, "ensemble", "drawn"),
-        ({"posterior": {"rigs": 50}}, "posterior", "near_print"),
+        ({"ensemble": {"rigs": 5}}, "ensemble", "is now called drawn"),
+        ({"posterior": {"rigs": 50}}, "posterior", "is now called near_print"),
         ({"calibration": {"population": 50}}, "calibration.population", "draws no rigs"),
         ({"calibration": {"margin": 0.1}}, "calibration.margin", "fixed margin"),
         ({"calibration": {"ratio": 2}}, "calibration.ratio", "fixed ratio"),
-        ({"calibration": {"check_seeds": [41]}}, "calibration.check_seeds", "full_seeds"),
+        ({"calibration": {"check_seeds": [41]}}, "calibration.check_seeds", "called full_seeds"),
         ({"tracking": {"printed_gains": {}}}, "tracking.printed_gains", "control.pd"),
         (
             {"tracking": {"candidate_kp_kpa_per_deg": [0.5]}},
