@@ -1,1 +1,1 @@
-"""The claims on families of simulated rigs: named, drawn, or compatible with the paper's tables."""
+"""The claims on families of simulated rigs: named rigs, rigs near print, and drawn rigs."""
