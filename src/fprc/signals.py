@@ -157,6 +157,12 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
+def settled(channels: Mapping[str, np.ndarray], settle_s: float) -> dict[str, np.ndarray]:
+    """Return the channels of a closed-loop run after its settling time."""
+    after = channels["time_s"] >= settle_s
+    return {name: values[after] for name, values in channels.items()}
+
+
 def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
     """Return the width of the loop of ``y`` over ``x`` at the middle of the range of ``x``.
 

@@ -32,7 +32,7 @@ from fprc.models import Learning, Online, SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256
 from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback, running_inputs
-from fprc.signals import random_pushes, reference_angle
+from fprc.signals import random_pushes, reference_angle, settled
 
 log = logging.getLogger(__name__)
 
@@ -267,8 +267,8 @@ def pd_of(control: Mapping[str, Any], limit_kpa: float) -> PD:
 
 def tracking_rmse(channels: Mapping[str, np.ndarray], settle_s: float) -> float:
     """Return the RMSE of theta against theta_d after the settling time, deg."""
-    judged = channels["time_s"] >= settle_s
-    return rmse(channels["theta_d_deg"][judged], channels["theta_deg"][judged])
+    judged = settled(channels, settle_s)
+    return rmse(judged["theta_d_deg"], judged["theta_deg"])
 
 
 def measure_control(
@@ -300,8 +300,7 @@ def measure_control(
                 pushes,
                 feedback=has_feedback(name),
             )
-            after = channels["time_s"] >= bench.tracking["references"][reference]["settle_s"]
-            runs[name] = {channel: values[after] for channel, values in channels.items()}
+            runs[name] = settled(channels, bench.tracking["references"][reference]["settle_s"])
         log.info("followed %s with %s", reference, ", ".join(names))
         return runs
 

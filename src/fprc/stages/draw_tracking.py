@@ -19,7 +19,7 @@ from fprc.figures.tracking import (
 from fprc.logs import Columns, read_run
 from fprc.logs.isolated import isolated_each
 from fprc.paper import LOOPS, REFERENCE_NAMES
-from fprc.signals import repeat_cycle
+from fprc.signals import repeat_cycle, settled
 from fprc.tables.drawn import disturbed, tracking_errors
 
 _CHANNELS = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa")
@@ -101,8 +101,9 @@ def draw_disturbance(
     rms = table.set_index("channel")
     fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.8, sharex=True, height_ratios=(4, 3, 3, 4, 4))
     plot_following(channels, axes[0])
-    judged = (channels["theta_d_deg"] - channels["theta_deg"])[time_s >= settle_s]
-    plot_errors([("", channels)], axes[1], limit=1.05 * np.abs(judged).max())
+    judged = settled(channels, settle_s)
+    largest = np.abs(judged["theta_d_deg"] - judged["theta_deg"]).max()
+    plot_errors([("", channels)], axes[1], limit=1.05 * largest)
     axes[1].set_title(f"RMSE {rms.loc['theta_deg', 'rms']:.2f} deg", loc="right")
     for ax, (name, title) in zip(axes[2:], _RESERVOIR.items(), strict=True):
         cycle = cycles[name]
@@ -130,5 +131,4 @@ def _judged(logs: Sequence[Columns], reference: str, controller: str) -> dict[st
     """Return the channels of one run after settling."""
     wanted = {"reference": reference, "controller": controller}
     log = next(log for log in logs if wanted.items() <= log.attributes.items())
-    judged = log.channels["time_s"] >= log.attributes["settle_s"]
-    return {name: values[judged] for name, values in log.channels.items()}
+    return settled(log.channels, log.attributes["settle_s"])

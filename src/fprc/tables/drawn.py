@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.signals import rms
+from fprc.signals import rms, settled
 
 _PHASES = ("train", "validation", "test")
 
@@ -47,8 +47,8 @@ def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
     rows = []
     for log in runs:
         named = log.attributes
-        judged = log.channels["time_s"] >= named["settle_s"]
-        error = (log.channels["theta_d_deg"] - log.channels["theta_deg"])[judged]
+        judged = settled(log.channels, named["settle_s"])
+        error = judged["theta_d_deg"] - judged["theta_deg"]
         rows.append(
             {
                 **{key: named[key] for key in ("reference", "controller")},

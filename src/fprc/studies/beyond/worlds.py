@@ -9,9 +9,11 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from fprc.paper import REFERENCES
+from fprc.signals import rms
 
 #: Measures of every model, as readers see them, with their units; errors are RMSE.
 MEASURES = {
@@ -105,9 +107,13 @@ def _tracking(report: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     """Give the root mean square over the four references of each loop, deg."""
     for loop in LOOPS:
         errors = report.get(f"{loop}_deg") or {}
-        values = [errors[name] for name in REFERENCES if _is_usable(errors.get(name))]
-        if len(values) == len(REFERENCES):
-            yield loop, math.hypot(*values) / math.sqrt(len(values))
+        if all(_is_usable(errors.get(name)) for name in REFERENCES):
+            yield loop, over_references(errors)
+
+
+def over_references(errors_deg: Mapping[str, float]) -> float:
+    """Return the root mean square of the errors over the references of Table IV."""
+    return rms(np.array([errors_deg[name] for name in REFERENCES]))
 
 
 def _is_usable(value: Any) -> bool:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from fprc.evaluation.crossval import prepare
@@ -11,6 +10,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, Unit
 from fprc.paper import MODELS
 from fprc.registry import build, title_of
+from fprc.signals import rms
 from fprc.tables.models import means_of
 from fprc.tables.text import format_mean
 
@@ -36,11 +36,12 @@ def judge_stop(unit: Unit, *, judgement: Mapping[str, Any]) -> list[dict[str, An
         samples = {log: logs[log].samples(name) for log in ("sweep", "complex")}
         prepared = prepare(build(name, how.models, how.seed), samples)
         whole, off = prepared.readout("sweep"), prepared.readout("sweep", ~at_stop)
-        squared = (whole.predict(prepared.rows["sweep"]) - prepared.y["sweep"]) ** 2
+        off_by = whole.predict(prepared.rows["sweep"]) - prepared.y["sweep"]
+        squared = off_by**2
         found[name] = {
             "share": float(squared[at_stop].sum() / squared.sum()),
-            "at": float(np.sqrt(squared[at_stop].mean())),
-            "off": float(np.sqrt(squared[~at_stop].mean())),
+            "at": rms(off_by[at_stop]),
+            "off": rms(off_by[~at_stop]),
             "test": prepared.error(whole, "complex"),
             "without_off": prepared.error(off, "sweep", ~at_stop),
             "without_test": prepared.error(off, "complex"),

@@ -9,9 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from fprc.claims.paired import Part, in_words, judge_together
-from fprc.paper import REFERENCES
-from fprc.signals import rms
-from fprc.studies.beyond.worlds import world_title
+from fprc.studies.beyond.worlds import over_references, world_title
 
 #: Loops, as readers see them.
 LOOPS = {"open": "open loop", "closed": "closed loop"}
@@ -50,10 +48,7 @@ def errors_of(family: Family) -> dict[Key, dict[int, dict[str, float]]]:
 
 def _overall(by_unit: Mapping[int, Mapping[str, float]]) -> dict[int, float]:
     """Return the root mean square over the references of Table IV, by unit."""
-    return {
-        unit: rms(np.array([errors[name] for name in REFERENCES]))
-        for unit, errors in by_unit.items()
-    }
+    return {unit: over_references(errors) for unit, errors in by_unit.items()}
 
 
 def _part(
