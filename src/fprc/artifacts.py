@@ -260,7 +260,7 @@ def refuse_output(
     """
     path = Path(out)
     if path.suffix not in suffixes:
-        raise OutputError(f"{str(out) or repr('')}: must end in {' or '.join(suffixes)}")
+        raise OutputError(f"{str(out) or repr('')}: must end in {escape.in_words(suffixes, 'or')}")
     if len(os.fsencode(path.name)) > _LONGEST_NAME:
         raise OutputError(f"{out}: the name is too long; at most {_LONGEST_NAME} bytes")
     if os.path.lexists(path) and not (ours and os.path.isfile(path) and ours(path)):

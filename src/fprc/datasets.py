@@ -12,6 +12,7 @@ from fprc.channels import TARGETS
 from fprc.config import from_files
 from fprc.config.load import RIG
 from fprc.errors import ConfigError
+from fprc.escape import in_words
 from fprc.experiments.data import select_channels
 from fprc.experiments.hysteresis import RUNS, acquire
 from fprc.logs import Columns, read_raw
@@ -126,9 +127,9 @@ def load_hysteresis(
 def _refuse(experiment: str, seed: Any, rig: Any, raw: Path | str | None, target: str) -> None:
     problems = []
     if experiment not in RUNS:
-        problems.append(f"experiment = {experiment!r}; must be {' or '.join(RUNS)}")
+        problems.append(f"experiment = {experiment!r}; must be {in_words(RUNS, 'or')}")
     if target not in TARGETS:
-        problems.append(f"target = {target!r}; must be {' or '.join(TARGETS)}")
+        problems.append(f"target = {target!r}; must be {in_words(TARGETS, 'or')}")
     if seed is not None and not (isinstance(seed, int | np.integer) and seed >= 0):
         problems.append(f"seed = {seed!r}; must be a whole number, 0 or more")
     if raw is not None and not (seed is None and rig is None):

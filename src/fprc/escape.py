@@ -6,7 +6,7 @@ markup in them are shown as plain text.
 
 import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 _FORMULA = re.compile(r"[=@\t\r]|[+-](?!\.?\d[\d.]*(e[+-]?\d+)?$)", re.IGNORECASE)
 _LATEX = {
@@ -16,10 +16,10 @@ _LATEX = {
 }  # fmt: skip
 
 
-def in_words(names: Sequence[str]) -> str:
+def in_words(names: Iterable[str], conjunction: str = "and") -> str:
     """Return a list as a part of a sentence, ``a, b and c``; nothing for an empty one."""
-    *first, last = names or [""]
-    return f"{', '.join(first)} and {last}" if first else last
+    *first, last = list(names) or [""]
+    return f"{', '.join(first)} {conjunction} {last}" if first else last
 
 
 def visible(text: str, *, kept: str = "") -> str:

@@ -7,6 +7,7 @@ from fprc import __version__
 from fprc.channels import RAW_CHANNELS
 from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError, FprcError
+from fprc.escape import in_words
 from fprc.paper import EXPERIMENTS, reference_and_controller, run_log
 from fprc.registry import controllers, entries, feedforward_of, load_class, outside_class
 from fprc.signals import pressure_command
@@ -108,7 +109,7 @@ def _refuse_other(fitted: Any, driver: str, models: Mapping[str, Any], which: st
     if columns != len(inputs):
         raise ConfigError(
             f"{which}, was fitted to {columns} inputs, must have {len(inputs)}, "
-            f"{' and '.join(inputs)}; train it again"
+            f"{in_words(inputs)}; train it again"
         )
 
 

@@ -107,7 +107,7 @@ class Part(NamedTuple):
 _WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
 
 
-def in_words(verdict: str, ratio: bool) -> str:
+def verdict_in_words(verdict: str, ratio: bool) -> str:
     """Return a verdict as readers see it, on ratios to 1 or on what has a limit."""
     return verdict if ratio else _WORDS.get(verdict, verdict)
 

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from fprc.artifacts import refuse_output, replacing, write_text
 from fprc.config import from_files, local_files
 from fprc.errors import ConfigError, FprcError
-from fprc.escape import visible
+from fprc.escape import in_words, visible
 from fprc.evaluation import cross_validate, rmse
 from fprc.evaluation.crossval import refusals_of
 from fprc.experiments.data import Data, join
@@ -74,8 +74,7 @@ def train(
     settings = from_files(config or local_files(), chosen).model_dump(mode="json")
     models = settings["models"]
     if model not in entries(models):
-        *most, last = entries(models)
-        choice = f"{', '.join(most)} or {last}"
+        choice = in_words(entries(models), "or")
         raise ConfigError(f"--model {model}: there is no such model; use {choice}")
     data = _read(logs, settings)
     X, y = data.pair(model, models)

@@ -18,6 +18,7 @@ from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap, read_map
 from fprc.errors import ConfigError, FprcError, LogError
+from fprc.escape import in_words
 from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.rates import settings_at
 from fprc.fingerprint import fingerprint
@@ -95,7 +96,7 @@ def report_readout(
     absent = [name for module, name in TABLE_WRITERS.items() if find_spec(module) is None]
     if absent:
         raise FprcError(
-            f"fprc readout needs {' and '.join(absent)} to write its tables; install with: "
+            f"fprc readout needs {in_words(absent)} to write its tables; install with: "
             "pip install 'fprc[readout]'"
         )
     settings = from_files(config).model_dump(mode="json")

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from fprc.config.problems import explained
 from fprc.config.settings import Settings
 from fprc.errors import ConfigError
+from fprc.escape import in_words
 from fprc.yaml_file import read_yaml
 
 #: The rig of a configuration that gives none.
@@ -120,7 +121,7 @@ def rig_file(name: str) -> Path:
     files = rig_files()
     if name not in files:
         file = _RIGS[-1] / f"{name}.yaml"
-        raise ConfigError(f"rig = {name}: there is no {file}; use {' or '.join(files)}")
+        raise ConfigError(f"rig = {name}: there is no {file}; use {in_words(files, 'or')}")
     return files[name]
 
 

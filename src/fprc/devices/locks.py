@@ -12,7 +12,7 @@ from datetime import datetime
 from pathlib import Path
 
 from fprc.errors import DeviceError
-from fprc.escape import visible
+from fprc.escape import in_words, visible
 
 log = logging.getLogger("fprc.rig")
 
@@ -101,7 +101,7 @@ def _lock_in_all(board: str, places: Sequence[Path], denied: set[str]) -> Iterat
     if len(refused) < len(places) and all(error.errno in _DENIED for error in problems):
         denied.update(f"{path.parent} ({error.strerror})" for path, error in refused.items())
         return
-    failed = " and ".join(
+    failed = in_words(
         f"{path} cannot be locked ({error.strerror})" for path, error in refused.items()
     )
     remedy = "make the file writable for all users"

@@ -12,6 +12,7 @@ from typing import Any
 
 from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
 from fprc.errors import DeviceError
+from fprc.escape import in_words
 
 #: The two voltages of the heartbeat output, for a watchdog relay.
 _HEARTBEAT_V = (0.0, 5.0)
@@ -184,9 +185,9 @@ class _Chambers:
         names = ("p_exp_kpa", "p_i_kpa")
         frozen = [name for name, moved in zip(names, self._changed, strict=True) if not moved]
         return (
-            " and ".join(f"{name} = {value:.1f}" for name, value in zip(names, kpa, strict=True))
+            in_words(f"{name} = {value:.1f}" for name, value in zip(names, kpa, strict=True))
             + f"; vented is {self._limit_kpa:g} or less (hardware.valves.vented_kpa)"
-            + (f"; {' and '.join(frozen)} never changed: frozen sensor" if frozen else "")
+            + (f"; {in_words(frozen)} never changed: frozen sensor" if frozen else "")
         )
 
 

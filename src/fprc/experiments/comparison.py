@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fprc.escape import in_words
 from fprc.evaluation import CrossValidated, rmse
 from fprc.evaluation.crossval import prepare
 from fprc.experiments.data import Data, refuse_mixture
@@ -62,7 +63,7 @@ def judge_directions(
     order = dict.fromkeys(key for direction in directions for key in direction)
     samples = {key: logs[key].samples(name, judgement.models) for key in order}
     lengths = [str(len(y)) for _, y, _ in samples.values()]
-    log.info("%s: features of %s samples", name, " and ".join(lengths))
+    log.info("%s: features of %s samples", name, in_words(lengths))
     prepared = prepare(build(name, judgement.models, judgement.seed), samples)
     results = []
     for train, test in directions:

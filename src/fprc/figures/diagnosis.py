@@ -107,5 +107,5 @@ def _remarks(channel: Mapping[str, Any], clock: Mapping[str, Any]) -> str:
     if channel["frozen"] and not remarks:
         remarks.append("frozen")
     if channel["at_extreme"]:
-        remarks.append("at " + " and ".join(f"{e['side']}est" for e in channel["at_extreme"]))
+        remarks.append("at " + escape.in_words(f"{e['side']}est" for e in channel["at_extreme"]))
     return ", ".join(remarks)

@@ -8,6 +8,7 @@ import numpy as np
 
 from fprc.channels import RAW_CHANNELS, TARGETS, needed_by
 from fprc.errors import LogError
+from fprc.escape import in_words
 from fprc.logs.columns import LARGEST, Columns, gather_columns, write_columns
 
 #: Prefixes of the experiment names of closed-loop runs.
@@ -128,7 +129,7 @@ def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
     if "experiment" in attributes and not _is_run(attributes):
         problems.append(
             f"{path}: attribute experiment = {attributes['experiment']}; must begin with "
-            f"{' or '.join(RUNS)}, as of a closed-loop run"
+            f"{in_words(RUNS, 'or')}, as of a closed-loop run"
         )
     if problems:
         raise LogError("\n".join(problems))
@@ -151,7 +152,7 @@ def _gather(path: Path | str, also: tuple[str, ...] = ()) -> tuple[Columns, list
         (*RAW_ATTRIBUTES, *required),
     )
     if source == "import" and log.channels.keys().isdisjoint(TARGETS.values()):
-        targets = " or ".join(TARGETS.values())
+        targets = in_words(TARGETS.values(), "or")
         problems.append(f"{path}: channel {targets}: missing; import one of them")
     more = _contradictions(attributes)
     time_s = log.channels.get("time_s", np.empty(0))

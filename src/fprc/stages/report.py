@@ -18,6 +18,7 @@ from PIL import Image
 
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
+from fprc.escape import in_words
 from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
@@ -72,7 +73,7 @@ def write_report(
         pages[name] = pages.pop(f"{name}_seeds") | over | {"one_seed": one}
     names = {part["anchor"]: part["short"] for part in (*pages.values(), *shown)}
     drawn_from = {figure["source"] for figure in shown} - {"none"}
-    kinds = " and ".join(SOURCES[source] for source in sorted(drawn_from))
+    kinds = in_words(SOURCES[source] for source in sorted(drawn_from))
     simulated = "sim" in drawn_from
     claims = _claims(ledger, folder, names)
     page = (

@@ -223,7 +223,7 @@ def test_rig_of_files_and_of_what_stands_beside_them(written, texts, beside, fit
 @pytest.mark.usefixtures("rigs")
 @pytest.mark.parametrize("name", ["drie", "", "../rigs/dry", "dry.yaml"])
 def test_unknown_name_is_refused_with_those_that_there_are(written, name):
-    known = "use bouc_wen or dry or paper or viscous or wet"
+    known = "use bouc_wen, dry, paper, viscous or wet"
     with pytest.raises(ConfigError, match=known) as caught:
         from_files(written(f"rig: '{name}'\n"))
     assert f"rig = {name}: " in str(caught.value)

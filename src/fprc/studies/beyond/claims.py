@@ -15,9 +15,10 @@ from fprc.claims.paired import (
     NOT_JUDGED,
     Judged,
     Part,
-    in_words,
     judge_together,
+    verdict_in_words,
 )
+from fprc.escape import in_words
 from fprc.registry import competitor_title
 from fprc.studies.beyond.worlds import capacities, measured, world_title
 
@@ -178,7 +179,7 @@ def beside_b1(world: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def _words(judged: Judged, ratio: bool) -> str:
     """Return a verdict as readers see it."""
-    words = in_words(judged.turned or judged.verdict, ratio)
+    words = verdict_in_words(judged.turned or judged.verdict, ratio)
     return f"{words}, unstable" if judged.turned else words
 
 
@@ -219,6 +220,6 @@ def _reason(parts: Sequence[Part], verdict: str, unit: str) -> str:
     """Return why a claim is not judged, or why it is undecided before any statistics."""
     missing = [part.text for part in parts if len(part.values) < 2]
     if verdict == NOT_JUDGED:
-        return f"not measured here: {' and '.join(missing)}"
+        return f"not measured here: {in_words(missing)}"
     units = min(len(part.values) for part in parts)
     return f"{units} {unit}s; at least {LEAST_UNITS} decide" if units < LEAST_UNITS else ""

@@ -5,6 +5,7 @@ from typing import Any
 
 import pandas as pd
 
+from fprc.escape import in_words
 from fprc.tables.text import three_digits
 
 Ledgers = Sequence[Sequence[Mapping[str, Any]]]
@@ -38,7 +39,7 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
             "part": part["text"],
             **{key: part[key] for key in ("ratio", "mean", "low", "high")},
             **{key: row[key] for key in kept},
-            "favours": " and ".join(dict.fromkeys(whom for whom, _ in row["fitted"])) or "nobody",
+            "favours": in_words(dict.fromkeys(whom for whom, _ in row["fitted"])) or "nobody",
             "fitted": "; ".join(what for _, what in row["fitted"]),
         }
         for ledger in ledgers

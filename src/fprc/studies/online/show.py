@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from fprc.claims.paired import Part, in_words, judge_together
+from fprc.claims.paired import Part, judge_together, verdict_in_words
 from fprc.studies.beyond.worlds import over_references, world_title
 
 #: Loops, as readers see them.
@@ -98,7 +98,7 @@ def _verdicts(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, s
             "id": name,
             "claim": CLAIMS[name],
             "part": part.text,
-            "verdict": in_words(outcome.verdict, part.ratio),
+            "verdict": verdict_in_words(outcome.verdict, part.ratio),
             **(part.ends(outcome.level) if len(part.values) > 1 else nothing),
             "units": len(part.values),
             "source": "sim",
