@@ -1,5 +1,6 @@
 """Reference trajectories, and measures of hysteresis loops."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -150,6 +151,13 @@ def interval_of_mean(
     if values.size > 1:
         half = float(half_interval(values.std(ddof=1), values.size, level)) * widened
     return mean, mean - half, mean + half
+
+
+def mean_and_std(values: Any) -> tuple[float, float]:
+    """Return mean and sample standard deviation; NaN where the values are too few."""
+    sample = np.atleast_1d(np.asarray(values, dtype=float))
+    mean = sample.mean() if sample.size else math.nan
+    return mean, sample.std(ddof=1) if sample.size > 1 else math.nan
 
 
 def rms(values: np.ndarray) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from fprc.registry import competitor_title
+from fprc.signals import mean_and_std
 from fprc.tables.text import spread
 
 
@@ -21,14 +22,15 @@ def competitors_table(report: Mapping[str, Any]) -> pd.DataFrame:
     """
     rows = []
     for cell in report["cells"]:
-        errors = np.array(cell.get("validation_rmse_kpa", []))
+        errors = cell.get("validation_rmse_kpa", [])
+        mean, std = mean_and_std(errors)
         rows.append(
             {
                 "model": cell["model"],
-                "block_rmse": errors.mean() if errors.size else np.nan,
-                "block_std": errors.std(ddof=1) if errors.size > 1 else np.nan,
+                "block_rmse": mean,
+                "block_std": std,
                 "test_rmse": cell.get("test_rmse_kpa", np.nan),
-                "blocks": errors.size,
+                "blocks": len(errors),
                 "unit": report["unit"],
                 "source": report["source"],
                 "reason": cell.get("reason", ""),

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.signals import rms, settled
+from fprc.signals import mean_and_std, rms, settled
 
 _PHASES = ("train", "validation", "test")
 
@@ -204,6 +204,5 @@ def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
 
 
 def _spread(values: float | Sequence[float]) -> dict[str, float | int]:
-    sample = np.atleast_1d(np.asarray(values, dtype=float))
-    std = sample.std(ddof=1) if sample.size > 1 else np.nan
-    return {"mean": sample.mean(), "std": std, "values": sample.size}
+    mean, std = mean_and_std(values)
+    return {"mean": mean, "std": std, "values": np.size(values)}

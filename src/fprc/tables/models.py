@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.paper import ERRORS, MODELS, PRINTED
 from fprc.registry import title_of
-from fprc.signals import half_interval
+from fprc.signals import half_interval, mean_and_std
 from fprc.tables.text import format_mean, spread
 
 _SYMBOLS = {
@@ -46,15 +46,15 @@ def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any
     for report in reports:
         printed = published[PRINTED[report["trained_on"]]].get(report["model"], {})
         for metric in ERRORS:
-            ours = np.atleast_1d(report[f"{metric}_kpa"])
+            mean, std = mean_and_std(report[f"{metric}_kpa"])
             theirs = np.atleast_1d(printed.get(f"{metric}_kpa", np.nan))
             rows.append(
                 {
                     "model": report["model"],
                     "metric": metric,
                     "unit": report["unit"],
-                    "mean": ours.mean(),
-                    "std": ours.std(ddof=1) if ours.size > 1 else None,
+                    "mean": mean,
+                    "std": std,
                     "published_mean": float(theirs[0]),
                     "published_std": float(theirs[1]) if theirs.size > 1 else None,
                     "source": report["source"],

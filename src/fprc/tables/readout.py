@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
+from fprc.signals import mean_and_std
 from fprc.tables.text import spread
 
 #: P_o and its substitutes, as readers see them.
@@ -25,10 +25,9 @@ def readout(report: Mapping[str, Any]) -> pd.DataFrame:
     for cell in report["cells"]:
         row = {key: cell[key] for key in ("split", "readout", "epsilon", "n_u")}
         for phase in _PHASES:
-            errors = np.atleast_1d(cell[f"{phase}_rmse_kpa"])
-            row[f"{phase}_rmse"] = errors.mean()
+            row[f"{phase}_rmse"], std = mean_and_std(cell[f"{phase}_rmse_kpa"])
             if phase != "test":
-                row[f"{phase}_std"] = errors.std(ddof=1)
+                row[f"{phase}_std"] = std
         rows.append(row | {"unit": report["unit"], "source": report["source"]})
     return pd.DataFrame(rows)
 

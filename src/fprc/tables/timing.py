@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from fprc.registry import title_of
+from fprc.signals import mean_and_std
 from fprc.tables.text import spread, three_digits
 
 
@@ -14,7 +14,7 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
     """Table II, execution times in s and us per sample, both modes, tidy."""
     rows = []
     for entry in report["times"]:
-        seconds = np.array(entry["seconds"])
+        mean, std = mean_and_std(entry["seconds"])
         printed = published["table_2_models"].get(entry["model"], {})
         theirs = (
             printed.get("train_time_s", (None, None))
@@ -27,11 +27,11 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
                 "metric": f"{entry['phase']}_time",
                 "mode": entry["mode"],
                 "unit": "s",
-                "mean": seconds.mean(),
-                "std": seconds.std(ddof=1) if seconds.size > 1 else None,
-                "us_per_sample": 1e6 * seconds.mean() / entry["samples"],
+                "mean": mean,
+                "std": std,
+                "us_per_sample": 1e6 * mean / entry["samples"],
                 "samples": entry["samples"],
-                "repeats": seconds.size,
+                "repeats": len(entry["seconds"]),
                 "published_mean": theirs[0],
                 "published_std": theirs[1],
                 "threads": report["threads"],
