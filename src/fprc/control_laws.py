@@ -9,6 +9,11 @@ import math
 from typing import Any
 
 
+def clamp(value: float, low: float, high: float) -> float:
+    """Return a pressure within its limits: P_i and P_d = P_ff + P_fb, and what was learned."""
+    return min(max(value, low), high)
+
+
 def pressure_step(
     error_kpa: float,
     integral_kpa_s: float,
@@ -64,6 +69,11 @@ def lesson(
     if p_d <= low or p_d >= high or not theta_deg > stop_deg:
         return math.nan
     return p_ff_kpa + kpa_per_deg * error_deg
+
+
+def may_learn(p_learned_kpa: float, innovation_kpa: float, limit_kpa: float) -> bool:
+    """Return whether the learned part of P_ff is within its limit, or is led back to it."""
+    return abs(p_learned_kpa) < limit_kpa or p_learned_kpa * innovation_kpa < 0.0
 
 
 def learn_step(

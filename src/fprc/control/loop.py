@@ -7,6 +7,7 @@ import numpy as np
 
 from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
 from fprc.control.pressure import PressurePI
+from fprc.control_laws import clamp
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError, FprcError
 
@@ -127,7 +128,7 @@ def hysteresis_law(
     commands = np.asarray(p_exp_kpa, dtype=float).tolist()
 
     def law(k: int, now: Readings) -> tuple[float, float]:
-        p_i = min(max(k_in_kpa_per_deg * now.theta_deg, 0.0), reservoir_limit_kpa)
+        p_i = clamp(k_in_kpa_per_deg * now.theta_deg, 0.0, reservoir_limit_kpa)
         return commands[k], p_i
 
     return law

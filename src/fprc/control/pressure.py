@@ -6,7 +6,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
 from fprc.control_laws import pressure_step
-from fprc.devices import NEUTRAL_V
+from fprc.devices import HIGHEST_V, NEUTRAL_V
 
 
 @dataclass(eq=False, repr=False)
@@ -30,7 +30,7 @@ class PressurePI:
     period_s: float
     _: KW_ONLY
     neutral_v: float = NEUTRAL_V
-    limit_v: float = 10.0
+    limit_v: float = HIGHEST_V
     integral_kpa_s: float = field(default=0.0, init=False)
 
     def step(self, setpoint_kpa: float, measured_kpa: float) -> float:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS
-from fprc.devices import NEUTRAL_V
+from fprc.devices import HIGHEST_V, NEUTRAL_V
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 
@@ -113,5 +113,5 @@ def _controllers(
         "p_i_limits_kpa": (0.0, control["reservoir_limit_kpa"]),
         "p_exp_limits_kpa": p_exp_limits_kpa,
         "neutral_v": NEUTRAL_V,
-        "limit_v": 10.0,
+        "limit_v": HIGHEST_V,
     }

@@ -9,6 +9,7 @@ import numpy as np
 from fprc.channels import Readings
 from fprc.control.loop import Law
 from fprc.control.pd import PD
+from fprc.control_laws import clamp
 from fprc.errors import ControlError
 
 if TYPE_CHECKING:  # the real rig's loop starts sooner without scikit-learn
@@ -62,7 +63,7 @@ def tracking_law(
                 f"the controller gave P_ff = {p_ff}, P_fb = {p_fb} kPa at theta_d = "
                 f"{theta_d:.2f} deg; both must be finite, check model and gains"
             )
-        p_d = min(max(p_ff + p_fb, 0.0), pressure_limit_kpa)
+        p_d = clamp(p_ff + p_fb, 0.0, pressure_limit_kpa)
         if online is None:
             return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb
         online.sent(p_fb)

@@ -6,6 +6,8 @@ from fprc.channels import Readings
 
 #: Voltage that closes a proportional valve, V.
 NEUTRAL_V = 5.0
+#: Highest voltage of a valve, V; the lowest is 0.
+HIGHEST_V = 10.0
 
 
 class Device(Protocol):

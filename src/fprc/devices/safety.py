@@ -5,10 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from fprc.channels import SENSORS, Readings, unit_of
-from fprc.devices.protocol import Device
+from fprc.devices.protocol import HIGHEST_V, Device
 from fprc.errors import SafetyError
-
-_LIMIT_V = 10.0
 
 
 class CheckedRig:
@@ -96,6 +94,6 @@ class CheckedRig:
             A voltage is outside 0 to 10 V; nothing was written.
         """
         for name, volts in (("actuator", main_v), ("reservoir", reservoir_v)):
-            if not 0.0 <= volts <= _LIMIT_V:
-                raise SafetyError(f"valve of the {name}: {volts} V is outside 0 to {_LIMIT_V:g} V")
+            if not 0.0 <= volts <= HIGHEST_V:
+                raise SafetyError(f"valve of the {name}: {volts} V is outside 0 to {HIGHEST_V:g} V")
         self._device.write(main_v, reservoir_v)

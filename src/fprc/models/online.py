@@ -123,7 +123,7 @@ class Online:
         phi = self._phi[then]
         given = float(self.learned @ phi)
         innovation = target - float(self._readout.weights @ phi) - given
-        if abs(given) < self.settings.limit_kpa or given * innovation < 0.0:
+        if control_laws.may_learn(given, innovation, self.settings.limit_kpa):
             self._learn(phi, innovation)
 
     def step(self, x: ArrayLike) -> float:
@@ -132,7 +132,7 @@ class Online:
         phi = self._phi[self._k % self.delay]
         self._readout.regress(row, phi)
         limit = self.settings.limit_kpa
-        self.p_learned_kpa = min(max(float(self.learned @ phi), -limit), limit)
+        self.p_learned_kpa = control_laws.clamp(float(self.learned @ phi), -limit, limit)
         p_ff = float(self._readout.weights @ phi) + self.p_learned_kpa
         self._sent[self._k % self.delay] = p_ff, 0.0
         self._k += 1

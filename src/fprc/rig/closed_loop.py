@@ -12,9 +12,11 @@ from fprc import control_laws
 from fprc.compiled import kernel
 from fprc.rig.simulator import advance
 
+_clamp = kernel(control_laws.clamp)
 _pressure_step = kernel(control_laws.pressure_step)
 _pd_step = kernel(control_laws.pd_step)
 _lesson = kernel(control_laws.lesson)
+_may_learn = kernel(control_laws.may_learn)
 _learn_step = kernel(control_laws.learn_step)
 
 #: Columns of ``setpoints``: feedforward pressure, reference angle (NaN: none), pressure of PAM A
@@ -88,10 +90,8 @@ def close_loop(
         p_active = (reading[1] - sensor.zero_v) * kpa_per_v
         theta = reading[3]
         if math.isnan(p_i):
-            p_i = min(
-                max(control.k_in_kpa_per_deg * theta, control.p_i_limits_kpa[0]),
-                control.p_i_limits_kpa[1],
-            )
+            lowest, highest = control.p_i_limits_kpa
+            p_i = _clamp(control.k_in_kpa_per_deg * theta, lowest, highest)
         p_learned = 0.0
         if size and k >= delay:
             then = k - delay
@@ -104,7 +104,7 @@ def close_loop(
                 for i in range(size):
                     given += learned[i] * regressors[then, i]
                 innovation = target - setpoints[then, 0] - given
-                if abs(given) < learning.limit_kpa or given * innovation < 0.0:
+                if _may_learn(given, innovation, learning.limit_kpa):
                     _learn_step(
                         learned, covariance, prior, regressors[then], innovation, learning.mixing,
                         gains,
@@ -113,7 +113,7 @@ def close_loop(
         for i in range(size):
             p_learned += learned[i] * regressors[k, i]
             squared += learned[i] * learned[i]
-        p_learned = min(max(p_learned, -learning.limit_kpa), learning.limit_kpa)
+        p_learned = _clamp(p_learned, -learning.limit_kpa, learning.limit_kpa)
         p_ff += p_learned
         if feedback.acts:
             error = theta_d - theta
@@ -123,7 +123,7 @@ def close_loop(
                 feedback.kp_kpa_per_deg, feedback.kd_kpa_s_per_deg, period_s, low, high,
             )  # fmt: skip
             last_error = error
-        p_exp = min(max(p_ff + p_fb, low), high)
+        p_exp = _clamp(p_ff + p_fb, low, high)
         valve_v[0], summed_main = _pressure_step(
             p_exp - p_main, summed_main, main.kp_v_per_kpa, main.ki_v_per_kpa_s, period_s,
             control.neutral_v, control.limit_v,

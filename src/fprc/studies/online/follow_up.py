@@ -23,6 +23,7 @@ import numpy as np
 from fprc.channels import Readings
 from fprc.compiled import kernel
 from fprc.control import pressure_loops, run
+from fprc.control_laws import clamp
 from fprc.devices.sim import SimulatedRig
 from fprc.experiments.tracking import Track, pd_of
 
@@ -101,7 +102,7 @@ def follow_up(bench: Track, theta_d: np.ndarray, number: int, state: str) -> dic
             wanted = ahead[k + 1 : k + 1 + _DELAY] / _ANGLE
             p_ff = _PRESSURE * float(weights @ np.append(states[-1], wanted))
         p_fb = pd.step(theta_d[k], now.theta_deg, p_ff)
-        p_d = min(max(p_ff + p_fb, 0.0), limit_kpa)
+        p_d = clamp(p_ff + p_fb, 0.0, limit_kpa)
         commands.append(p_d)
         p_i = control["k_in_kpa_per_deg"] * ahead[k + _DELAY]
         return p_d, p_i, theta_d[k], p_ff, p_fb
