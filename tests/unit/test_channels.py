@@ -21,4 +21,4 @@ def test_readme_of_raw_logs_lists_every_channel():
 
 
 def test_simulated_rig_gives_every_channel_that_its_logs_need():
-    assert {*needed_by("sim", tracking=True), *LEARNING_CHANNELS} == set(RECORDED)
+    assert {*needed_by("sim", tracking=True), *LEARNING_CHANNELS} == set(RECORDED.names)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.channels import Readings
+from fprc.channels import CHANNELS, Readings
 from fprc.devices.protocol import NEUTRAL_V
 from fprc.errors import SimulationError
 from fprc.rig.closed_loop import RECORDED, SETPOINTS, close_loop
@@ -120,7 +120,7 @@ class SimulatedRig:
         Returns
         -------
         dict of ndarray
-            One array for each of ``fprc.rig.closed_loop.RECORDED``.
+            One array for each of ``fprc.channels.CHANNELS``.
 
         Raises
         ------
@@ -130,7 +130,7 @@ class SimulatedRig:
         samples = len(setpoints)
         if setpoints.shape != (samples, len(SETPOINTS)):
             raise ValueError(f"setpoints of shape {setpoints.shape}: give {len(SETPOINTS)} columns")
-        rows = np.empty((samples, len(RECORDED)))
+        rows = np.empty(samples, RECORDED)
         failed, done = close_loop(
             self._state,
             self._rig,
@@ -148,7 +148,7 @@ class SimulatedRig:
         )
         self._tick += done if failed else samples - 1
         self._refuse(failed)
-        return dict(zip(RECORDED, rows.T.copy(), strict=True))
+        return {channel.name: rows[channel.name].copy() for channel in CHANNELS}
 
     def safe(self) -> None:
         """Vent both chambers; closed valves would keep their pressure."""

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from fprc import control_laws
+from fprc.channels import CHANNELS
 from fprc.compiled import kernel
 from fprc.rig.simulator import advance
 
@@ -23,12 +24,8 @@ _learn_step = kernel(control_laws.learn_step)
 #: (NaN: it follows the measured angle), push on the reservoir.
 SETPOINTS = ("p_ff_kpa", "theta_d_deg", "p_i_kpa", "push_kpa")
 
-#: Columns of ``rows``, by the names of their channels in a log.
-RECORDED = (
-    "time_s", "p_exp_command_kpa", "p_exp_kpa", "theta_deg", "p_i_command_kpa", "p_i_kpa",
-    "p_o_kpa", "phi_deg", "valve_main_v", "valve_reservoir_v", "theta_d_deg", "p_ff_kpa",
-    "p_fb_kpa", "p_learned_kpa", "learned_norm",
-)  # fmt: skip
+#: A record of ``rows``: every channel of a log.
+RECORDED = np.dtype([(channel.name, float) for channel in CHANNELS])
 
 
 @kernel
@@ -61,7 +58,7 @@ def close_loop(
         Number of the first sample.
     valve_v, reading : ndarrays
         As in ``advance``; changed in place.
-    rows : ndarray of shape (n_samples, 15)
+    rows : record array of shape (n_samples,)
         Filled; see ``RECORDED``.
 
     Returns
@@ -96,7 +93,7 @@ def close_loop(
         if size and k >= delay:
             then = k - delay
             target = _lesson(
-                theta_d - theta, theta, rows[then, 11], rows[then, 12], low, high,
+                theta_d - theta, theta, rows[then].p_ff_kpa, rows[then].p_fb_kpa, low, high,
                 learning.kpa_per_deg, learning.stop_deg,
             )  # fmt: skip
             if not math.isnan(target):
@@ -133,10 +130,12 @@ def close_loop(
             period_s, control.neutral_v, control.limit_v,
         )  # fmt: skip
         row = rows[k]
-        row[0] = (tick + k) * period_s
-        row[1], row[2], row[3] = p_exp, p_main, theta
-        row[4], row[5], row[6] = p_i, p_active, (reading[2] - sensor.zero_v) * kpa_per_v
-        row[7], row[8], row[9] = reading[4], valve_v[0], valve_v[1]
-        row[10], row[11], row[12] = theta_d, p_ff, p_fb
-        row[13], row[14] = p_learned, math.sqrt(squared)
+        row.time_s = (tick + k) * period_s
+        row.p_exp_command_kpa, row.p_exp_kpa, row.theta_deg = p_exp, p_main, theta
+        row.p_i_command_kpa, row.p_i_kpa = p_i, p_active
+        row.p_o_kpa = (reading[2] - sensor.zero_v) * kpa_per_v
+        row.phi_deg = reading[4]
+        row.valve_main_v, row.valve_reservoir_v = valve_v[0], valve_v[1]
+        row.theta_d_deg, row.p_ff_kpa, row.p_fb_kpa = theta_d, p_ff, p_fb
+        row.p_learned_kpa, row.learned_norm = p_learned, math.sqrt(squared)
     return 0, len(rows)
