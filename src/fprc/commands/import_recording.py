@@ -9,6 +9,7 @@ import numpy as np
 from fprc import __version__
 from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
 from fprc.channels import CHANNELS, TARGETS, unit_of
+from fprc.config import Settings
 from fprc.config.importing import ImportMap, likely_channel, likely_unit, read_csv, read_map
 from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
@@ -145,7 +146,10 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     content, recording = _read(mapping, source)
     refuse_length(content, time, recording, rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
-    diagnosis = diagnose(recording.time_s, recording.channels, recording.corrections)
+    quality = Settings().quality.model_dump()
+    diagnosis = diagnose(
+        recording.time_s, recording.channels, recording.corrections, quality=quality
+    )
     lines = describe(diagnosis, units)
     if mapping.time.column and (hint := other_unit(recording.time_s, mapping.time.unit)):
         lines.insert(1, f"clock: {hint}")

@@ -11,13 +11,10 @@ from fprc.logs.quality import gaps_of, runs
 from fprc.logs.resample import rate_of
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
 
-#: Longest time that a working channel may keep one value, s.
-FROZEN_S = 2.0
-#: A clock step longer than this many median steps is a gap.
-GAP_PERIODS = 1.5
 #: A channel is clipped if its extreme occurs this many times as often as the levels next to it.
 CLIPPED_RATIO = 12.0
 #: A sealed chamber leaks if its pressure falls faster, kPa/min. The fit can detect half of this.
+#: ``quality.leak_kpa_per_min`` is higher: it fails a log, and this only informs a person.
 LEAK_KPA_PER_MIN = 2.0
 
 
@@ -25,6 +22,8 @@ def diagnose(
     time_s: np.ndarray,
     channels: Mapping[str, np.ndarray],
     corrections: Mapping[str, Any] = NO_CORRECTIONS,
+    *,
+    quality: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Measure clock, channels and sealed chamber of a recording.
 
@@ -36,6 +35,8 @@ def diagnose(
         Arrays of the same length, in the units of their names.
     corrections : Mapping
         Corrections made to the file's clock, see ``fprc.logs.clock.Clock``.
+    quality : Mapping
+        ``gap_periods`` and ``stuck_s`` of the section ``quality`` of the configuration.
 
     Returns
     -------
@@ -45,8 +46,9 @@ def diagnose(
         ``step`` (None unless quantised), ``frozen`` and ``at_extreme``; ``identical`` pairs;
         ``sealed``, leak and re-fills of ``p_o_kpa``, or None.
     """
-    clock = {**_clock(time_s), **corrections}
-    diagnoses = {name: _channel(time_s, values, clock) for name, values in channels.items()}
+    clock = {**_clock(time_s, quality["gap_periods"]), **corrections}
+    longest = quality["stuck_s"] * clock["median_hz"]
+    diagnoses = {name: _channel(time_s, values, longest) for name, values in channels.items()}
     pairs = [[a, b] for a, b in combinations(channels, 2) if (channels[a] == channels[b]).all()]
     return {
         "samples": len(time_s),
@@ -58,10 +60,10 @@ def diagnose(
     }
 
 
-def _clock(time_s: np.ndarray) -> dict[str, Any]:
+def _clock(time_s: np.ndarray, gap_periods: float) -> dict[str, Any]:
     steps = np.diff(time_s)
     median = float(np.median(steps))
-    gaps = gaps_of(time_s, GAP_PERIODS * median)
+    gaps = gaps_of(time_s, gap_periods * median)
     late = np.delete(steps, gaps) - median  # a gap is no jitter
     low, high = np.percentile(late, [1, 99])
     return {
@@ -82,12 +84,11 @@ def _clock(time_s: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _channel(time_s: np.ndarray, values: np.ndarray, clock: Mapping[str, Any]) -> dict[str, Any]:
+def _channel(time_s: np.ndarray, values: np.ndarray, longest: float) -> dict[str, Any]:
     begins, lengths = runs(values)
     step = _step(values)
     held = None if step else _held(lengths)
-    longest = max(FROZEN_S * clock["median_hz"], 20.0 * (held or 1))
-    frozen = np.flatnonzero(lengths > longest)
+    frozen = np.flatnonzero(lengths > max(longest, 20.0 * (held or 1)))
     extremes = (_at_extreme(values, begins, lengths, held or 1, side) for side in ("low", "high"))
     return {
         "lowest": float(values.min()),

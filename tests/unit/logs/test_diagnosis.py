@@ -1,13 +1,16 @@
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fprc.logs import diagnosis
 from fprc.logs import sealed_chamber as sealed
-from fprc.logs.diagnosis import describe, diagnose
+from fprc.logs.diagnosis import describe
 
+diagnose = partial(diagnosis.diagnose, quality={"gap_periods": 1.5, "stuck_s": 2.0})
 RATE_HZ = 200.0
 TIME_S = np.arange(8000) / RATE_HZ
 
