@@ -34,8 +34,7 @@ def _over_lowpass(results: Results, printed: Printed) -> list[Statement]:
 
 #: B1 on one rig: what P_o is worth there; fits that favour a side of it decide it in part.
 WORTH = Claim(
-    "B1", "P_o beats low-passed theta_d, forward", "-", _over_lowpass,
-    half_fitted_by=tuple(BEYOND["B1"].favours),
+    "B1", BEYOND["B1"].text, "-", _over_lowpass, half_fitted_by=tuple(BEYOND["B1"].favours)
 )  # fmt: skip
 
 #: Claims that Tables II to IV, weights and loops decide; the others need grids or times, or are
