@@ -29,9 +29,19 @@ def normalised_weights(model: SequenceModel, log: Samples, folds: Sequence[Fold]
     prepared = prepare(model, {"train": log})
     rows = prepared.rows["train"]
     with refusals_of(model):
-        normalised = np.hstack([_to_unit(rows[:, : model.n_y]), _to_unit(rows[:, model.n_y :])])
+        normalised = to_unit(rows, model.n_y)
     judged = prepared._replace(rows={"train": normalised}).cross_validated("train", folds)
-    weights = np.abs(judged.model.readout_.W_out_)
+    return shares_of(judged.model.readout_.W_out_)
+
+
+def to_unit(rows: np.ndarray, n_y: int) -> np.ndarray:
+    """Return the taps of theta, the first ``n_y``, and those of P_o, both scaled to [0, 1]."""
+    return np.hstack([_to_unit(rows[:, :n_y]), _to_unit(rows[:, n_y:])])
+
+
+def shares_of(W_out: np.ndarray) -> np.ndarray:
+    """Return the absolute weights as shares of their rule."""
+    weights = np.abs(W_out)
     return weights / weights.sum(axis=1, keepdims=True)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import prepare
+from fprc.evaluation.weights import shares_of, to_unit
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
@@ -152,10 +153,8 @@ class _FuzzyModels:
     def shares(self) -> float:
         """Return the mean share of P_o in the weights over that of theta_d (Eqs. 13, 14)."""
         rows, n_y = self.rows("sweep", True), self.settings["n_y"]
-        parts = [rows[:, :n_y], rows[:, n_y:]]
-        unit = np.hstack([(part - part.min()) / np.ptp(part) for part in parts])
-        weights = np.abs(self._readout().fit(unit, self.y["sweep"]).W_out_)
-        weights /= weights.sum(axis=1, keepdims=True)
+        readout = self._readout().fit(to_unit(rows, n_y), self.y["sweep"])
+        weights = shares_of(readout.W_out_)
         return float(weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum())
 
     def _readout(self, **changed: Any) -> TakagiSugenoReadout:
