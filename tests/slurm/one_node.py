@@ -150,8 +150,8 @@ def _says(*command: str) -> str:
 
 def _end(number: int, frame: object) -> None:
     # a second signal must not break off the clean-up
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_IGN)
+    for ending in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(ending, signal.SIG_IGN)
     sys.exit(128 + number)
 
 

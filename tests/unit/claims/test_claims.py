@@ -243,8 +243,8 @@ def halves_of(model):
 
 def all_of(*changes):
     def change(material):
-        for change in changes:
-            change(material)
+        for part in changes:
+            part(material)
 
     return change
 

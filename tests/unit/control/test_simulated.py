@@ -78,10 +78,10 @@ def test_run_continues_where_the_rig_is(rig, control):
     slow = again
     law = hysteresis_law(commands, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
     run(slow, slow, law, 4000, **loops(control))
-    for rig in (half, again):
-        rig.write(together["valve_main_v"][3999], together["valve_reservoir_v"][3999])
-        rig.wait_for(4000)
-        assert rig.read().theta_deg == together["theta_deg"][4000]
+    for continued in (half, again):
+        continued.write(together["valve_main_v"][3999], together["valve_reservoir_v"][3999])
+        continued.wait_for(4000)
+        assert continued.read().theta_deg == together["theta_deg"][4000]
 
 
 def test_diverging_rig_is_refused_with_quantity_and_time(rig, control):
