@@ -20,6 +20,7 @@ from fprc.provenance import hash_of
 from fprc.stages import report
 from fprc.stages.report import GLOSSARY, symbols, write_report
 from fprc.studies.beyond.claims import judge_world
+from fprc.studies.beyond.tables import worlds_page
 from fprc.tables.text import markdown
 
 TEMPLATE = [
@@ -372,8 +373,9 @@ def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):
     assert 'id="beyond"' not in project.write()
     worlds = [make_world(), make_world("sparse", units=3, capacity=None)]
     ledgers = [judge_world(world) for world in worlds]
-    described = {"World": "dry", "What it is": "<b>shipped", "Judged on": "12 seeds"}
-    project.beyond = {"worlds": [described], "ledgers": ledgers}
+    described = worlds_page(worlds).to_dict("records")
+    described[0]["What it is"] = "<b>shipped"
+    project.beyond = {"worlds": described, "ledgers": ledgers}
     page = project.page()
     rows = [row for row in page.all("tr") if str(row.get("id", "")).startswith("B")]
     assert [row["id"] for row in rows] == [f"B{n}" for n in range(1, 9)]
