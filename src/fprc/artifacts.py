@@ -25,7 +25,7 @@ from fprc.given import read_given
 
 log = logging.getLogger(__name__)
 
-_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _NO_ACCESS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.EIO)
 
 #: Longest name of an output, bytes: file systems take 255, and temporary files, journals and
@@ -95,7 +95,7 @@ def explaining(path: Path | str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.errno in _NO_ROOM:
+        if error.errno in _DISK_FULL:
             remedy = "free some space"
         elif error.errno in _NO_ACCESS:
             remedy = "make the folder writable"

@@ -32,7 +32,7 @@ _DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
 _OFF_LINE = 0.01
 #: A sample rate this near to a whole number of Hz, as a share of it, is that number: quartz clocks
 #: are better. Rates such as 142.857 Hz, a sample each 7 ms, stay as they are.
-_NEAR_WHOLE = 5e-4
+_INTEGER_TOLERANCE = 5e-4
 
 
 def import_or_list(
@@ -109,7 +109,7 @@ def own_rate(mapping: ImportMap, source: str) -> tuple[float, float]:
         raise LogError(f"{source}: time: {hint}; give sample_rate_hz if it is not")
     rate_hz = rate_of(recording.time_s)
     whole_hz = float(np.round(rate_hz))
-    is_whole = abs(rate_hz - whole_hz) <= _NEAR_WHOLE * rate_hz
+    is_whole = abs(rate_hz - whole_hz) <= _INTEGER_TOLERANCE * rate_hz
     return (whole_hz if is_whole else rate_hz), float(recording.time_s[-1])
 
 

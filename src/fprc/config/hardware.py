@@ -96,7 +96,7 @@ class Valves(Section):
 
     neutral_v: float = quantity(5, (4.5, 5.5), "closes the valve", "data sheet")
     # the pressure loops fill a chamber with more voltage; 2 V below neutral opens the valve by 40 %
-    vent_v: float = quantity(0, (0, 2.5), "opens the chamber fully to the room", "data sheet")
+    vent_v: float = quantity(0, (0, 2.5), "opens the chamber fully to the atmosphere", "data sheet")
     vented_kpa: float = quantity(
         15, (1, 25), "largest reading of a vented chamber", "twice the sensor's 0.7 %"
     )

@@ -146,13 +146,13 @@ def _merge_layer(merged: dict[str, Any], content: Mapping[str, Any]) -> None:
 
 
 #: Mappings with keys that the user chooses: a given one replaces the whole default.
-_WHOLE = ("ranges",)
+_REPLACED_KEYS = ("ranges",)
 
 
 def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
     for key, value in other.items():
         nested = isinstance(value, Mapping) and isinstance(into.get(key), dict)
-        if nested and key not in _WHOLE:
+        if nested and key not in _REPLACED_KEYS:
             _merge(into[key], value)
         else:
             into[key] = value

@@ -179,7 +179,7 @@ class Reservoir(Section):
         (0.4, 0.35, 0.25), (0, 1), "share of each Maxwell element; they sum to 1", "fitted"
     )
     leak_ml_per_s_kpa: float = quantity(
-        0.0, (0, 0.1), "leak of the hand valve to the room", "sealed: none"
+        0.0, (0, 0.1), "leak of the hand valve to the atmosphere", "sealed: none"
     )
     bending_stiffness_kpa_per_deg: float = quantity(
         9.0, (2, 20), "stiffness of the reservoir's bending", "about 40 deg at 440 kPa"

@@ -52,16 +52,16 @@ class Valves:
             self._board.write(self._heartbeat, _HEARTBEAT_V[self._beats % 2])
 
     def vent(self) -> None:
-        """Close both valves, then open both chambers to the room."""
+        """Close both valves, then open both chambers to the atmosphere."""
         neutral_v, vent_v = self._voltages["neutral_v"], self._voltages["vent_v"]
         self._write_in_turn(neutral_v, neutral_v, vent_v, vent_v)
 
     def close(self) -> None:
-        """Open both chambers to the room at once, and release the board."""
+        """Open both chambers to the atmosphere at once, and release the board."""
         call_all(self.exhaust, self.release)
 
     def exhaust(self) -> None:
-        """Open both chambers to the room at once."""
+        """Open both chambers to the atmosphere at once."""
         self._write_in_turn(self._voltages["vent_v"], self._voltages["vent_v"])
 
     def _write_in_turn(self, *volts: float) -> None:

@@ -123,7 +123,7 @@ def share_legend(fig: Figure, ax: Axes) -> None:
 
 
 #: Text under a figure, by the source of its data.
-_MARKS = {
+_ORIGINS = {
     "sim": "simulated rig, seed {seed}",
     "rig": "recorded on the rig",
     "import": "imported recordings",
@@ -151,7 +151,7 @@ def save(fig: Figure, data: Mapping[str, Any], *files: str) -> Mapping[str, Any]
     *files : str
         Files to write, ending in .pdf or .png.
     """
-    origin = "simulated rigs" if "seeds" in data else _MARKS[data["source"]].format_map(data)
+    origin = "simulated rigs" if "seeds" in data else _ORIGINS[data["source"]].format_map(data)
     fig.supxlabel(origin, x=0.99, ha="right", fontsize=MARK_PT, color="0.45")
     with warnings.catch_warnings():
         # names from files may have characters that the font lacks; each is drawn as a box

@@ -188,17 +188,17 @@ def _columns_of(
     return dict(columns)
 
 
-def _number(text: str, mark: str) -> float | None:
+def _number(text: str, decimal: str) -> float | None:
     """Return a number with this decimal mark; NaN for a missing value.
 
     None for another text, and for a number that a float cannot tell from 0, such as 1e-400.
     """
     if _is_missing(text):
         return np.nan
-    if "_" in text or (mark == "," and "." in text):
+    if "_" in text or (decimal == "," and "." in text):
         return None
     try:
-        value = float(text.replace(mark, "."))
+        value = float(text.replace(decimal, "."))
     except ValueError:
         return None
     return None if value == 0.0 and re.search("[1-9]", text.lower().partition("e")[0]) else value
@@ -208,8 +208,8 @@ def _is_missing(text: str) -> bool:
     return text.strip().lower() in _MISSING
 
 
-def _is_number(text: str, marks: str = ".,") -> bool:
-    return any(_number(text, mark) is not None for mark in marks)
+def _is_number(text: str, decimals: str = ".,") -> bool:
+    return any(_number(text, decimal) is not None for decimal in decimals)
 
 
 def _numbers_of(

@@ -105,13 +105,13 @@ class Seed(NamedTuple):
 
     def allows(self, value: Any) -> bool:
         """Return whether ``value`` is a seed, a generator or None."""
-        return isinstance(value, np.random.RandomState) or _WHOLE_SEED.allows(value)
+        return isinstance(value, np.random.RandomState) or _INTEGER_SEED.allows(value)
 
     def __str__(self) -> str:  # noqa: D105
-        return f"{_WHOLE_SEED}, or a RandomState"
+        return f"{_INTEGER_SEED}, or a RandomState"
 
 
-_WHOLE_SEED = Whole(0, 2**32 - 1, or_none=True)
+_INTEGER_SEED = Whole(0, 2**32 - 1, or_none=True)
 
 
 def _is(value: Any, kind: type) -> bool:

@@ -7,7 +7,7 @@ from fprc.errors import ConfigError
 @pytest.mark.parametrize(
     ("hardware", "place", "what"),
     [
-        # a vent voltage that does not open the valve to the room
+        # a vent voltage that does not open the valve to the atmosphere
         ({"valves": {"neutral_v": 5.0, "vent_v": 5.0}}, "valves", "vent_v"),
         ({"valves": {"neutral_v": 4.5, "vent_v": 2.6}}, "valves", "vent_v"),
         # limits that leave out a vented chamber

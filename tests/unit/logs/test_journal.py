@@ -190,7 +190,7 @@ def test_samples_are_brought_to_the_disk_while_the_run_goes_on(path, monkeypatch
         assert sizes[2] == sizes[0] + SIZE
 
 
-def no_room(file, data):
+def disk_full(file, data):
     raise OSError(errno.ENOSPC, "No space left on device")
 
 
@@ -225,7 +225,7 @@ def test_full_disk_is_reported_and_leaves_whole_samples(path, monkeypatch, part)
 
     def full(file, data):
         if not left[0]:
-            no_room(file, data)
+            disk_full(file, data)
         taken, left[0] = left[0], 0
         return os_write(file, bytes(data)[:taken])
 
@@ -246,7 +246,7 @@ def test_end_mark_that_cannot_be_written_is_reported_and_loses_no_sample(path, m
     journal = Journal(path, NAMES, ATTRIBUTES)
     journal.append(0, row(0))
     with monkeypatch.context() as patch:
-        patch.setattr(os, "write", no_room)
+        patch.setattr(os, "write", disk_full)
         with pytest.raises(LogError, match="No space left"):
             journal.close()
     ticks, findings = read_ticks(path)
@@ -254,7 +254,7 @@ def test_end_mark_that_cannot_be_written_is_reported_and_loses_no_sample(path, m
 
 
 def test_journal_whose_header_does_not_fit_is_not_left_behind(path, monkeypatch):
-    monkeypatch.setattr(os, "write", no_room)
+    monkeypatch.setattr(os, "write", disk_full)
     with pytest.raises(LogError, match="No space left"):
         Journal(path, NAMES, ATTRIBUTES)
     assert not path.exists()

@@ -10,8 +10,8 @@ from fprc.tables.text import three_digits
 
 Ledgers = Sequence[Sequence[Mapping[str, Any]]]
 
-#: Mark of a verdict, by the model or signal that the fit of its rigs favours.
-_MARKS = {"FPRC": "†", "P_o": "‡"}
+#: Symbol after a verdict, by the model or signal that the fit of its rigs favours.
+_SYMBOLS = {"FPRC": "†", "P_o": "‡"}
 
 
 def claims(ledgers: Ledgers) -> pd.DataFrame:
@@ -61,10 +61,10 @@ def claims_page(ledgers: Ledgers) -> pd.DataFrame:
 
 
 def verdict_of(row: Mapping[str, Any]) -> str:
-    """Return the words of a verdict, with the mark of what the fit favours."""
+    """Return the words of a verdict, with the symbol of what the fit favours."""
     whose = {whom for whom, _ in row["fitted"]} if row["parts"] else set()
-    marks = "".join(mark for whom, mark in _MARKS.items() if whom in whose)
-    return f"{row['words']}{marks}"
+    symbols = "".join(symbol for whom, symbol in _SYMBOLS.items() if whom in whose)
+    return f"{row['words']}{symbols}"
 
 
 def means_of(row: Mapping[str, Any]) -> str:
@@ -77,7 +77,7 @@ def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
     why = ["In favour of", "What was fitted"]
     found = pd.DataFrame(
         (
-            (f"{whom} {_MARKS[whom]}", what, row["id"], row["title"])
+            (f"{whom} {_SYMBOLS[whom]}", what, row["id"], row["title"])
             for of_claim in zip(*ledgers, strict=True)
             for row in of_claim
             if row["parts"]

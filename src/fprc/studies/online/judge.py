@@ -20,7 +20,7 @@ from fprc.studies.online.follow_up import STATES, follow_up
 OFFSETS_KPA = (-5.0, -2.0, -1.0, 1.0, 2.0, 5.0)
 #: A slow leak, kPa a minute; and a step of the temperature, K, from the middle of a run on.
 LEAK_KPA_PER_MIN, STEP_K = 4.0, 5.0
-_ROOM_K, _ROOM_KPA = 293.0, 101.3
+_ATMOSPHERE_K, _ATMOSPHERE_KPA = 293.0, 101.3
 #: Factors of the actuator's parameters: another load, and a worn actuator.
 CHANGED_RIGS = {
     "stiffer": {"stiffness_kpa_per_deg": 1.1, "cubic_stiffness_kpa_per_deg3": 1.1},
@@ -46,7 +46,7 @@ def disturbed(p_o_kpa: np.ndarray, condition: str, rate_hz: float) -> np.ndarray
         return p_o_kpa - LEAK_KPA_PER_MIN / 60.0 * time_s
     if condition == "warmer":
         warm = time_s >= 0.5 * time_s[-1]
-        return p_o_kpa + warm * (p_o_kpa + _ROOM_KPA) * STEP_K / _ROOM_K
+        return p_o_kpa + warm * (p_o_kpa + _ATMOSPHERE_KPA) * STEP_K / _ATMOSPHERE_K
     return p_o_kpa
 
 

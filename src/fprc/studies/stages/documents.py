@@ -66,8 +66,8 @@ def update_tables(
     blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in tables}
     for path in pages:
         text = _read(path)
-        own = [name for name in blocks if f"<!-- {name}: " in text or path == pages[-1]]
-        write_text(path, _updated(path, {name: blocks.pop(name) for name in own}))
+        on_page = [name for name in blocks if f"<!-- {name}: " in text or path == pages[-1]]
+        write_text(path, _updated(path, {name: blocks.pop(name) for name in on_page}))
         log.info("updated %s", path)
     _copy(figures, pictures)
 

@@ -23,7 +23,7 @@ from fprc.studies.calibration.objective import (
     properties,
 )
 
-#: Errors on which every order holds with room to spare.
+#: Errors on which every order holds with slack.
 ERRORS = {
     f"{trained_on}/{model}/{phase}": value
     for trained_on, model, *values in (
@@ -58,8 +58,8 @@ GOOD = {
 AIM = Aim(
     {loop: GOOD[loop] for loop in ("errors", "open_loop", "closed_loop")}, RANGES, tuple(TERMS)
 )
-#: What counts as close, and the room to spare, as logarithms.
-CLOSE, HELD, TRACKED, ROOM, WIDE = 0.05, 0.025, 0.06, math.exp(-0.05), math.exp(-0.12)
+#: What counts as close, and the slack, as factors and logarithms.
+CLOSE, HELD, TRACKED, SLACK, WIDE = 0.05, 0.025, 0.06, math.exp(-0.05), math.exp(-0.12)
 
 
 def loss_of(judged, aim):
@@ -88,49 +88,49 @@ STATEMENTS = {
         "tables", lambda r: with_errors(complex__esn__train=10.0 * r), 1.0, 1.0, CLOSE,
     ),
     "lowest test error": (
-        "orders", lambda r: with_errors(sweep__fuzzy_linear__test=11.0 / r), 0.0, ROOM, HELD,
+        "orders", lambda r: with_errors(sweep__fuzzy_linear__test=11.0 / r), 0.0, SLACK, HELD,
     ),
     "lowest test error, reversed": (
-        "orders", lambda r: with_errors(complex__fuzzy_linear__test=26.0 / r), 0.0, ROOM, HELD,
+        "orders", lambda r: with_errors(complex__fuzzy_linear__test=26.0 / r), 0.0, SLACK, HELD,
     ),
     "ESN and FPRC similar in training": (
         "orders",
         lambda r: with_errors(sweep__esn__train=12.0 * r, sweep__esn__test=18.0 * r),
-        1.0 / 1.13 / ROOM, 1.13 * ROOM, HELD,
+        1.0 / 1.13 / SLACK, 1.13 * SLACK, HELD,
     ),
     "FPRC consistent": (
         "orders",
         lambda r: with_errors(
             sweep__fprc__test=12.0 * r, sweep__esn__test=999.0, sweep__fuzzy_linear__test=999.0
         ),
-        1.0 / 1.23 / ROOM, 1.23 * ROOM, HELD,
+        1.0 / 1.23 / SLACK, 1.23 * SLACK, HELD,
     ),
     "ESN worse in test": (
         "orders",
         lambda r: with_errors(
             sweep__esn__train=12.0, sweep__esn__test=12.0 * r, sweep__fprc__test=10.3
         ),
-        1.23 / ROOM, 1e9, HELD,
+        1.23 / SLACK, 1e9, HELD,
     ),
     "plausible loop": (
         "plausible", lambda r: {"properties": PROPERTIES | {"loop_kpa": 60.0 * r}},
         45.0 / 60.0, 75.0 / 60.0, HELD,
     ),
     "equal shares": ("C8", lambda r: {"shares": r}, 0.5 / WIDE, 2.0 * WIDE, HELD),
-    "epsilon": ("C9a", lambda r: {"epsilon": [9.0, 10.0, 10.0 / r]}, 0.0, ROOM, HELD),
+    "epsilon": ("C9a", lambda r: {"epsilon": [9.0, 10.0, 10.0 / r]}, 0.0, SLACK, HELD),
     "n_c": (
-        "C9b", lambda r: with_n_c("fprc", "train", [10.0, 9.0, 9.0 * r]), 0.0, ROOM, HELD,
+        "C9b", lambda r: with_n_c("fprc", "train", [10.0, 9.0, 9.0 * r]), 0.0, SLACK, HELD,
     ),
     "below Fuzzy-linear, training": (
-        "C11", lambda r: with_n_c("fprc", "train", [14.0, 16.0 * r, 10.0]), 0.0, ROOM, HELD,
+        "C11", lambda r: with_n_c("fprc", "train", [14.0, 16.0 * r, 10.0]), 0.0, SLACK, HELD,
     ),
     "below Fuzzy-linear, test": (
-        "C11", lambda r: with_n_c("fprc", "test", [14.0, 12.0, 17.0 * r]), 0.0, ROOM, HELD,
+        "C11", lambda r: with_n_c("fprc", "test", [14.0, 12.0, 17.0 * r]), 0.0, SLACK, HELD,
     ),
     **{
         name: (
             "C18", lambda r, name=name: {"properties": PROPERTIES | {name: r}},
-            1.0 / 1.2 / ROOM, 1.2 * ROOM, HELD,
+            1.0 / 1.2 / SLACK, 1.2 * SLACK, HELD,
         )
         for name in ("loop_growth", "measured_loop_growth", "p_o_loop_growth")
     },
@@ -143,7 +143,7 @@ STATEMENTS = {
     ),
     "closed loop": (
         "closed_loop", lambda r: {"closed_loop": {"sine_0p2": 1.0, "sweep": 3.0 * r}},
-        0.0, 0.8 * ROOM, HELD,
+        0.0, 0.8 * SLACK, HELD,
     ),
 }  # fmt: skip
 #: Ratios that leave the other orders alone.

@@ -92,7 +92,7 @@ def test_outside_of_the_range_is_moved_to_its_end(value, share, moved, low):
 
 # --- weights of slip elements, and the squeeze ----------------------------------------------------
 
-WHOLE = Settings().rig.model_dump(mode="json")
+FULL_RIG = Settings().rig.model_dump(mode="json")
 ALL = free_parameters(Settings().calibration.free, Settings().calibration.ranges)
 in_the_cube = st.lists(
     st.floats(0.0, 1.0) | st.sampled_from([0.0, 1.0]), min_size=len(ALL), max_size=len(ALL)
@@ -119,7 +119,7 @@ def test_starts_are_the_point_and_different_ones_around_it_in_the_cube(share, se
 
 @given(in_the_cube)
 def test_weights_sum_to_one_at_every_point(point):
-    rig = decode(point, WHOLE, ALL)
+    rig = decode(point, FULL_RIG, ALL)
     for section in ("bending", "reservoir"):
         assert is_shared_out(rig[section]["slip_weight"])
         Rig(**{section: {"slip_weight": rig[section]["slip_weight"]}}, step_s=1e-5)
@@ -128,7 +128,7 @@ def test_weights_sum_to_one_at_every_point(point):
 @given(st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3))
 def test_weights_that_leave_room_are_taken_as_they_are(shares):
     free = free_parameters([f"bending.slip_weight.{k}" for k in range(3)])
-    *own, last = decode(np.array(shares), WHOLE, free, digits=12)["bending"]["slip_weight"]
+    *own, last = decode(np.array(shares), FULL_RIG, free, digits=12)["bending"]["slip_weight"]
     if sum(shares) <= 0.97:
         assert own == pytest.approx(shares, abs=1e-9)
     else:
@@ -139,7 +139,7 @@ def test_weights_that_leave_room_are_taken_as_they_are(shares):
 
 @given(in_the_cube)
 def test_rig_that_was_judged_comes_back_with_its_weights(point):
-    judged = decode(point, WHOLE, ALL)
+    judged = decode(point, FULL_RIG, ALL)
     again = decode(encode(judged, ALL), judged, ALL)
     for section in ("bending", "reservoir"):
         weights = judged[section].pop("slip_weight")
@@ -159,7 +159,7 @@ def complaints(rig):
 
 @given(squeezes)
 def test_resolved_rig_is_valid_unless_it_needs_more_damping_than_there_is(point):
-    rig = decode(point, WHOLE, SQUEEZE)
+    rig = decode(point, FULL_RIG, SQUEEZE)
     found = resolved(rig)
     damping, before = (one["reservoir"]["squeeze_damping_kpa_s_per_ml"] for one in (found, rig))
     if damping <= 20.0:
@@ -174,7 +174,7 @@ def test_resolved_rig_is_valid_unless_it_needs_more_damping_than_there_is(point)
 
 @given(in_the_cube)
 def test_point_is_impossible_for_no_other_reason_than_the_squeeze(point):
-    found = complaints(resolved(decode(point, WHOLE, ALL)))
+    found = complaints(resolved(decode(point, FULL_RIG, ALL)))
     assert found <= {"reservoir.squeeze_damping_kpa_s_per_ml"}
 
 
