@@ -53,8 +53,8 @@ def memory_of(wildcards, threads):
     return 1000 * (1 + threads)
 
 
-def drawn(stem, statistics=False, **report_of):
-    """Return the files of a figure: two pictures, their provenance, and the numbers drawn."""
+def figure_files(stem, statistics=False, **report_of):
+    """Return the files of a figure: two pictures, their provenance, and the numbers in it."""
     png = report(f"{stem}.png", **report_of) if report_of else f"{stem}.png"
     files = {"pdf": f"{stem}.pdf", "png": png, "sidecar": f"{stem}.json"}
     return files | ({"csv": f"{stem}.csv"} if statistics else {})
@@ -63,7 +63,7 @@ def drawn(stem, statistics=False, **report_of):
 def figure(number, statistics=False):
     """Return the files of one of the paper's figures."""
     result = BY_NAME[f"fig{number}"]
-    return drawn(
+    return figure_files(
         PATHS.below(result.files[0].removesuffix(".pdf")),
         statistics,
         caption=f"../report/fig{number:02}.rst",
@@ -72,14 +72,14 @@ def figure(number, statistics=False):
     )
 
 
-def of_figure(words, given=None, statistics=False, priority=0, **params):
+def figure_spec(words, given=None, statistics=False, priority=0, **params):
     """Return what is peculiar to a figure. With ``statistics`` its numbers are a file too."""
     return SimpleNamespace(
         words=words, given=given or {}, statistics=statistics, priority=priority, params=params
     )
 
 
-def of_result(stem, words, given, statistics=False, **params):
+def result_spec(stem, words, given, statistics=False, **params):
     """Return what is peculiar to any other result; ``stem`` are its files without suffix."""
     return SimpleNamespace(
         stem=stem, words=words, given=given, statistics=statistics, params=params
@@ -97,6 +97,6 @@ def refused(why):
 
 def unchanged(name):
     """Return a result that is no input of its job, or end the workflow if it was changed."""
-    path = placed(PATHS.below(name))
+    path = with_prefix(PATHS.below(name))
     refuse_changed(RESULTS, [path])
     return path

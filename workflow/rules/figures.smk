@@ -14,40 +14,40 @@ FOLLOWED = [
 
 #: The paper's figures by their numbers.
 FIGURES = {
-    1: of_figure(
+    1: figure_spec(
         "the bending actuator",
         {"raw": PATHS.log("sweep")},
         **stage("draw_schematics.draw_actuator"),
     ),
-    2: of_figure(
+    2: figure_spec(
         "the physical reservoir",
         {"raw": PLAN.logs_of("sweep")[0]},
         **stage("draw_schematics.draw_reservoir"),
         k_in_kpa_per_deg=SETTINGS["control"]["k_in_kpa_per_deg"],
     ),
-    3: of_figure("the apparatus", **stage("draw_schematics.draw_apparatus")),
-    4: of_figure(
+    3: figure_spec("the apparatus", **stage("draw_schematics.draw_apparatus")),
+    4: figure_spec(
         "hysteresis of the actuator",
         {log: PATHS.data(log) for log in EXPERIMENTS},
         **stage("draw.draw_actuator_hysteresis"),
     ),
-    5: of_figure(
+    5: figure_spec(
         "hysteresis of the reservoir",
         {log: PATHS.data(log) for log in EXPERIMENTS},
         **stage("draw.draw_reservoir_hysteresis"),
     ),
-    6: of_figure(
+    6: figure_spec(
         "control with the ESN",
         **stage("draw_schematics.draw_esn_system"),
         models=settings_of("esn", SETTINGS["models"]),
     ),
-    7: of_figure(
+    7: figure_spec(
         "control with the FPRC",
         **stage("draw_schematics.draw_fprc_system"),
         models=settings_of("fprc", SETTINGS["models"]),
         control=pick(SETTINGS["control"], "k_in_kpa_per_deg"),
     ),
-    8: of_figure(
+    8: figure_spec(
         "FPRC on training and test data",
         {
             "fit": PATHS.prediction("sweep", "fprc", "train"),
@@ -56,13 +56,13 @@ FIGURES = {
         **stage("draw.draw_training"),
         statistics=True,
     ),
-    9: of_figure(
+    9: figure_spec(
         "weight contributions",
         {"weights": PATHS.below("weights/fprc.json"), "published": PUBLISHED},
         **stage("draw.draw_weights"),
         statistics=True,
     ),
-    10: of_figure(
+    10: figure_spec(
         "epsilon and n_c",
         {
             **({"epsilon": PATHS.grid("epsilon")} if "fig10a" not in PLAN.unavailable else {}),
@@ -74,14 +74,14 @@ FIGURES = {
         statistics=True,
         priority=LONG,  # its execution times are measured last, and the report waits for it
     ),
-    11: of_figure(
+    11: figure_spec(
         "tap sizes",
         {"taps": PATHS.grid("taps"), "published": PUBLISHED, "seeds": GRIDS_OVER_SEEDS},
         **stage("draw.draw_taps"),
         statistics=True,
     ),
     **{
-        number: of_figure(
+        number: figure_spec(
             f"tracking {reference}",
             {
                 "open_loop": PATHS.log(run_log(reference, "fprc")),
@@ -93,12 +93,12 @@ FIGURES = {
         )
         for number, reference in enumerate(REFERENCES, start=12)
     },
-    16: of_figure(
+    16: figure_spec(
         "PD against FPRC+PD",
         {"runs": [PATHS.log(run) for run in BY_NAME["fig16"].logs]},
         **stage("draw_tracking.draw_loops"),
     ),
-    17: of_figure(
+    17: figure_spec(
         "the reservoir disturbed",
         {"run": PATHS.log(BY_NAME["fig17"].logs[0])},
         **stage("draw_tracking.draw_disturbance"),
@@ -132,7 +132,7 @@ rule draw_training:
         fit=PATHS.prediction("sweep", "{other}", "train"),
         prediction=PATHS.prediction("sweep", "{other}", "test"),
     output:
-        **drawn(PATHS.below("figures/training_{other}"), statistics=True),
+        **figure_files(PATHS.below("figures/training_{other}"), statistics=True),
     log:
         PATHS.messages("training_{other}"),
     wildcard_constraints:
@@ -149,7 +149,7 @@ rule draw_readout:
     input:
         cells=PATHS.below("readout/cells.json"),
     output:
-        **drawn(PATHS.below("readout/readout")),
+        **figure_files(PATHS.below("readout/readout")),
     log:
         PATHS.messages("readout_figure"),
     params:

@@ -35,7 +35,7 @@ if SETTINGS["source"] == "rig":
         # no rule for a log that exists: it is neither recorded again nor overwritten
         wildcard_constraints:
             name="|".join(
-                name for name in PLAN.every_log if not Path(placed(PATHS.log(name))).exists()
+                name for name in PLAN.every_log if not Path(with_prefix(PATHS.log(name))).exists()
             )
             or "none",
         threads: workflow.cores
@@ -44,7 +44,7 @@ if SETTINGS["source"] == "rig":
             name="{name}",
             settings=SETTINGS,
             armed=ARMED,
-            model=lambda wildcards: placed(FITTED(wildcards)),
+            model=lambda wildcards: with_prefix(FITTED(wildcards)),
         message:
             "Experiment {wildcards.name} on the real rig"
         script:

@@ -110,7 +110,7 @@ rule grid:
         values=lambda wildcards: pick(SETTINGS["grids"], *GRID_SETTINGS[wildcards.grid]),
         judgement=judgement(SETTINGS, "fprc"),
         workers=lambda wildcards, threads: threads,
-        checkpoint=placed(PATHS.below("grids/{grid}.partial.jsonl")),
+        checkpoint=with_prefix(PATHS.below("grids/{grid}.partial.jsonl")),
     message:
         "Grid of {wildcards.grid}, workers: {threads}"
     script:
@@ -159,7 +159,7 @@ rule measure_readout:
         epsilon=SETTINGS["grids"]["epsilon"],
         n_u=SETTINGS["grids"]["readout_taps"],
         workers=lambda wildcards, threads: threads,
-        checkpoint=placed(PATHS.below("readout/cells.partial.jsonl")),
+        checkpoint=with_prefix(PATHS.below("readout/cells.partial.jsonl")),
     message:
         "FPRC with P_o, without it, and with substitutes for it"
     script:

@@ -4,14 +4,14 @@ TRAINED_ON = {"2": "sweep", "3": "complex"}
 
 #: Tables by their rules.
 TABLES = {
-    "configuration_table": of_result(
+    "configuration_table": result_spec(
         "tables/table1",
         "Table I: settings of the models",
         {"published": PUBLISHED},
         **stage("tabulate.tabulate_configuration"),
         models=SETTINGS["models"],
     ),
-    "comparison_table": of_result(
+    "comparison_table": result_spec(
         "tables/table{number}",
         "Errors of the models: table{wildcards.number}",
         {
@@ -23,21 +23,21 @@ TABLES = {
         **stage("tabulate.tabulate_comparison"),
         left_out=PLAN.left_out,
     ),
-    "seeds_table": of_result(
+    "seeds_table": result_spec(
         "tables/table{number}_seeds",
         "Errors of the models over further seeds: table{wildcards.number}_seeds",
         {"published": PUBLISHED, "replicates": PLAN.replicates("models")},
         **stage("tabulate.tabulate_seeds"),
         trained_on=lambda wildcards: TRAINED_ON[wildcards.number],
     ),
-    "timing_table": of_result(
+    "timing_table": result_spec(
         "timing/table2_timing",
         "Execution times of Table II",
         {"published": PUBLISHED, "times": PATHS.below("timing/times.json")},
         **stage("tabulate.tabulate_times"),
         left_out=PLAN.left_out,
     ),
-    "tracking_table": of_result(
+    "tracking_table": result_spec(
         "tables/table4",
         "Table IV: errors of the closed-loop runs",
         {"published": PUBLISHED, "runs": [PATHS.log(run) for run in PLAN.runs]},
@@ -46,21 +46,21 @@ TABLES = {
         limits=SETTINGS["quality"],
         feedback=feedback_in_words(SETTINGS),
     ),
-    "tracking_seeds_table": of_result(
+    "tracking_seeds_table": result_spec(
         "tables/table4_seeds",
         "Table IV over further seeds",
         {"published": PUBLISHED, "replicates": PLAN.replicates("control")},
         **stage("tabulate.tabulate_tracking_seeds"),
         feedback=feedback_in_words(SETTINGS),
     ),
-    "steps_table": of_result(
+    "steps_table": result_spec(
         "timing/step_cost",
         "Cost of a control step",
         {"steps": PATHS.below("timing/steps.json")},
         **stage("tabulate.tabulate_steps"),
         left_out=PLAN.left_out,
     ),
-    "readout_table": of_result(
+    "readout_table": result_spec(
         "readout/readout",
         "Value of the readout: table",
         {"cells": PATHS.below("readout/cells.json")},

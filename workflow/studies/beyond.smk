@@ -23,7 +23,7 @@ wildcard_constraints:
     world="|".join(WORLDS),
 
 
-JUDGED["beyond_world"] = of_judgement(
+JUDGED["beyond_world"] = judgement_spec(
     "beyond/{world}",
     "Beyond the paper: the models and their competitors, world {wildcards.world}",
     "beyond.contest.judge_models",
@@ -34,7 +34,7 @@ JUDGED["beyond_world"] = of_judgement(
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
 )
 
-JUDGED["beyond_training"] = of_judgement(
+JUDGED["beyond_training"] = judgement_spec(
     "beyond/training_logs",
     "Beyond the paper: length and number of the training logs",
     "beyond.contest.judge_lengths",
@@ -52,7 +52,7 @@ JUDGED["beyond_training"] = of_judgement(
     },
 )
 
-JUDGED["beyond_steps"] = of_judgement(
+JUDGED["beyond_steps"] = judgement_spec(
     "beyond/steps",
     "Beyond the paper: time of a step",
     "beyond.contest.judge_steps",
@@ -64,11 +64,11 @@ JUDGED["beyond_steps"] = of_judgement(
     how={"contest": CONTEST},
 )
 
-JUDGED["beyond_capacity"] = of_judgement(
+JUDGED["beyond_capacity"] = judgement_spec(
     "beyond/capacity",
     "Beyond the paper: memory and nonlinear capacity",
     "beyond.driven_states.judge_capacity",
-    families=one_rig_each,
+    families=families_of_one_rig,
     units=list(range(BEYOND["capacity"]["seeds"])),
     how={
         "models": pick(SETTINGS["models"], "n_y", "fprc", "esn"),
@@ -76,13 +76,13 @@ JUDGED["beyond_capacity"] = of_judgement(
     },
 )
 
-JUDGED["beyond_settings"] = of_judgement(
+JUDGED["beyond_settings"] = judgement_spec(
     "beyond/settings",
     "Beyond the paper: FPRC with and without P_o over epsilon and n_c",
     "beyond.contest.judge_settings",
     *COMPETITORS,
     given={"tuned": TUNED},
-    families=one_rig_each,
+    families=families_of_one_rig,
     units=list(range(BEYOND["training"]["seeds"])),
     how={"contest": CONTEST, "grids": pick(SETTINGS["grids"], "epsilon", "n_c")},
 )
@@ -107,8 +107,8 @@ rule tune_world:
         seed=BEYOND["tuning"]["seed"],
         restarts=BEYOND["restarts"],
         judgement=judgement(SETTINGS, models=paper_models(SETTINGS), split="blocked"),
-        workers=each_thread,
-        checkpoint=placed(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
+        workers=one_per_thread,
+        checkpoint=with_prefix(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
     message:
         "Beyond the paper: tuning of the competitors, world {wildcards.world}"
     script:
@@ -156,35 +156,35 @@ rule beyond_tables:
 
 
 STUDY_FIGURES |= {
-    "draw_pairs": of_result(
+    "draw_pairs": result_spec(
         "beyond/figure_pairs",
         "Beyond the paper: error ratios of pairs of models",
         {"claims": PATHS.below("beyond/claims.csv")},
         **stage("studies.show_beyond.draw_pairs"),
         worlds=WORLDS,
     ),
-    "draw_tracking": of_result(
+    "draw_tracking": result_spec(
         "beyond/figure_tracking",
         "Beyond the paper: tracking errors against test errors",
         {"tracking": PATHS.below("beyond/tracking.csv")},
         **stage("studies.show_beyond.draw_tracking"),
         world=CONFIGURED_WORLD,
     ),
-    "draw_offsets": of_result(
+    "draw_offsets": result_spec(
         "beyond/figure_offsets",
         "Beyond the paper: offset of P_o",
         {"offsets": PATHS.below("beyond/offsets.csv")},
         **stage("studies.show_beyond.draw_offsets"),
         world=CONFIGURED_WORLD,
     ),
-    "draw_capacities": of_result(
+    "draw_capacities": result_spec(
         "beyond/figure_capacities",
         "Beyond the paper: capacities",
         {"capacities": PATHS.below("beyond/capacities.csv")},
         **stage("studies.show_beyond.draw_capacities"),
         world=CONFIGURED_WORLD,
     ),
-    "draw_settings": of_result(
+    "draw_settings": result_spec(
         "beyond/figure_settings",
         "Beyond the paper: what P_o is worth over epsilon and n_c",
         {"settings": PATHS.below("beyond/settings.csv")},

@@ -30,8 +30,8 @@ rule fit_rig:
         calibration=SETTINGS["calibration"],
         grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
         tracking=SETTINGS["tracking"],
-        workers=each_thread,
-        checkpoint=placed(PATHS.below("calibration/search.partial.jsonl")),
+        workers=one_per_thread,
+        checkpoint=with_prefix(PATHS.below("calibration/search.partial.jsonl")),
     message:
         "Fit of the rig to Tables II and III"
     script:
@@ -58,29 +58,29 @@ rule measure_sensitivity:
             "tracking": SETTINGS["tracking"],
             "surrogate": SURROGATE,
         },
-        workers=each_thread,
-        checkpoint=placed(PATHS.below("calibration/sensitivity.partial.jsonl")),
+        workers=one_per_thread,
+        checkpoint=with_prefix(PATHS.below("calibration/sensitivity.partial.jsonl")),
     message:
         "Sensitivity of all numbers to each parameter of the rig"
     script:
         "../scripts/stage.py"
 
 
-STUDY_TABLES["sensitivity_table"] = of_result(
+STUDY_TABLES["sensitivity_table"] = result_spec(
     "calibration/sensitivity",
     "Sensitivity",
     {"effects": PATHS.below("calibration/sensitivity.json")},
     **stage("studies.sensitivity.tabulate_sensitivity"),
 )
 
-STUDY_FIGURES["sensitivity_figure"] = of_result(
+STUDY_FIGURES["sensitivity_figure"] = result_spec(
     "calibration/sensitivity_figure",
     "Sensitivity",
     {"table": PATHS.below("calibration/sensitivity.csv")},
     **stage("studies.sensitivity.draw_sensitivity"),
 )
 
-JUDGED["measure_stop"] = of_judgement(
+JUDGED["measure_stop"] = judgement_spec(
     "calibration/stop",
     "Errors at the stop of the actuator",
     "families.stop.judge_stop",
@@ -91,14 +91,14 @@ JUDGED["measure_stop"] = of_judgement(
     how={"judgement": EVERY_SEED["judgement"]},
 )
 
-STUDY_TABLES["stop_table"] = of_result(
+STUDY_TABLES["stop_table"] = result_spec(
     "calibration/stop",
     "Errors at the stop",
     {"judged": PATHS.below("calibration/stop.json")},
     **stage("studies.sensitivity.tabulate_stop"),
 )
 
-STUDY_TABLES["targets_table"] = of_result(
+STUDY_TABLES["targets_table"] = result_spec(
     "calibration/targets",
     "Commanded compared with measured pressure as the models' target",
     {
@@ -110,7 +110,7 @@ STUDY_TABLES["targets_table"] = of_result(
     names=TARGET_NAMES,
 )
 
-STUDY_FIGURES["channels_figure"] = of_result(
+STUDY_FIGURES["channels_figure"] = result_spec(
     "calibration/channels",
     "C18: loops over the commanded and over the measured pressure",
     {"sweep": PATHS.log("sweep")},

@@ -43,7 +43,7 @@ def family_named(name):
 JUDGED, STUDY_TABLES, STUDY_FIGURES, STUDY_TARGETS = {}, {}, {}, {}
 
 
-def of_judgement(stem, words, judge, *models, given=None, priority=0, threads=None, **params):
+def judgement_spec(stem, words, judge, *models, given=None, priority=0, threads=None, **params):
     """Return what is peculiar to a job that judges families of rigs.
 
     Parameters
@@ -77,7 +77,7 @@ def of_judgement(stem, words, judge, *models, given=None, priority=0, threads=No
     )
 
 
-def each_thread(wildcards, threads):
+def one_per_thread(wildcards, threads):
     """Return the number of processes of a job: one for each of its threads."""
     return threads
 
@@ -87,7 +87,7 @@ def world_of(wildcards):
     return family_named(wildcards.world)
 
 
-def one_rig_each(wildcards):
+def families_of_one_rig(wildcards):
     """Return the worlds that have one rig."""
     return [family_named(name) for name in (CONFIGURED_WORLD, *OTHER_RIGS)]
 

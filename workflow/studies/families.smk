@@ -76,7 +76,7 @@ wildcard_constraints:
     chunk="|".join(str(first) for chunks in CHUNKS.values() for first in chunks),
 
 
-JUDGED["judge_family"] = of_judgement(
+JUDGED["judge_family"] = judgement_spec(
     "families/{family}_{chunk}",
     "Rigs {wildcards.family}: Tables II to IV, from number {wildcards.chunk}",
     "families.family.judge_tables",
@@ -117,7 +117,7 @@ rule families_summary:
 
 
 for table in FAMILY_TABLES:
-    STUDY_TABLES[f"families_{table}"] = of_result(
+    STUDY_TABLES[f"families_{table}"] = result_spec(
         f"families/{table}",
         f"Families of rigs: {table}",
         {"summary": PATHS.below("families/summary.json")},
@@ -125,7 +125,7 @@ for table in FAMILY_TABLES:
         table=table,
     )
 
-STUDY_FIGURES["families_figure"] = of_result(
+STUDY_FIGURES["families_figure"] = result_spec(
     "families/figure",
     "Families of rigs: share of rigs on which each claim holds",
     {"summary": PATHS.below("families/summary.json")},
@@ -151,8 +151,8 @@ rule find_near_print:
         drawn=pick(DRAWN, "angle_deg", "p_o_swing_kpa", "seed"),
         free=FREE,
         surrogate=SURROGATE,
-        workers=each_thread,
-        checkpoint=placed(PATHS.below("near_print/rigs.partial.jsonl")),
+        workers=one_per_thread,
+        checkpoint=with_prefix(PATHS.below("near_print/rigs.partial.jsonl")),
     message:
         "Search for rigs near Tables II and III"
     script:

@@ -3,7 +3,7 @@
 ONLINE = SETTINGS["online"]
 
 
-JUDGED["judge_online"] = of_judgement(
+JUDGED["judge_online"] = judgement_spec(
     "online/{world}",
     "Learning while it runs: family {wildcards.world}",
     "online.judge.judge_online",
@@ -17,7 +17,7 @@ JUDGED["judge_online"] = of_judgement(
 )
 
 for table in ("verdicts", "errors"):
-    STUDY_TABLES[f"online_{table}"] = of_result(
+    STUDY_TABLES[f"online_{table}"] = result_spec(
         f"online/{table}",
         f"Learning while it runs: {table}",
         {"families": expand(PATHS.below("online/{world}.json"), world=WORLDS)},
@@ -25,7 +25,7 @@ for table in ("verdicts", "errors"):
         table=table,
     )
 
-STUDY_FIGURES["online_figure"] = of_result(
+STUDY_FIGURES["online_figure"] = result_spec(
     "online/figure",
     "Learning while it runs: tracking error over the offset of P_o",
     {"errors": PATHS.below("online/errors.csv")},

@@ -19,8 +19,8 @@ for rule_name, judged in JUDGED.items():
         params:
             **judged.params,
             stage="studies.judge.judge_families",
-            workers=each_thread,
-            checkpoint=placed(PATHS.below(f"{judged.stem}.partial.jsonl")),
+            workers=one_per_thread,
+            checkpoint=with_prefix(PATHS.below(f"{judged.stem}.partial.jsonl")),
         message:
             judged.words
         script:
@@ -54,7 +54,7 @@ for rule_name, shown in STUDY_FIGURES.items():
         input:
             **shown.given,
         output:
-            **drawn(PATHS.below(shown.stem), shown.statistics),
+            **figure_files(PATHS.below(shown.stem), shown.statistics),
         log:
             PATHS.messages(rule_name),
         params:

@@ -30,7 +30,7 @@ class LearnedPart(NamedTuple):
 Learned = tuple[int, ...] | LearnedPart | list[LearnedPart]
 
 
-def is_ours(model: BaseEstimator) -> bool:
+def is_built_in(model: BaseEstimator) -> bool:
     """Return whether the class of a model is of this package."""
     return type(model).__module__.startswith(f"{__package__}.")
 
@@ -42,7 +42,7 @@ def is_learned(key: str) -> bool:
 
 def features_of(features: Any) -> int | None:
     """Return the number of features of a fitted map; None if its class is from outside."""
-    return features.count_features() if is_ours(features) else None
+    return features.count_features() if is_built_in(features) else None
 
 
 def describe(value: Any, *, seeds: bool = True) -> Any:
@@ -76,7 +76,7 @@ def check_learned(model: Any) -> None:
         Names part and attribute.
     """
     has = {key: value for key, value in vars(model).items() if is_learned(key)}
-    if not is_ours(model):
+    if not is_built_in(model):
         for key, value in has.items():
             parts = enumerate(value) if isinstance(value, list) else []
             for place, part in [(key, value), *((f"{key}.{i}", element) for i, element in parts)]:

@@ -12,7 +12,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
 from fprc.given import read_given
-from fprc.models.learned import check_learned, describe, is_learned, is_ours
+from fprc.models.learned import check_learned, describe, is_built_in, is_learned
 from fprc.models.model_file import MOST_BYTES, model_file, read_model_file
 from fprc.models.sequence import SequenceModel
 
@@ -195,7 +195,7 @@ def _unfitted(described: Mapping[str, Any], known: Mapping[str, type]) -> Any:
         model = known[name](**given)
     except TypeError as error:
         raise FprcError(f"{name}: {error}, so another version saved it; train it again") from error
-    if is_ours(model) and (missing := model.get_params(deep=False).keys() - given.keys()):
+    if is_built_in(model) and (missing := model.get_params(deep=False).keys() - given.keys()):
         keys = ", ".join(sorted(missing))
         raise FprcError(f"{name}: has no {keys}, so another version saved it; train it again")
     return model
