@@ -255,8 +255,8 @@ def _judge(
         )
     files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex")}
     tabulate_readout(cells, parts=parts, **files)
-    drawn = draw_readout(cells, pdf, png)
-    origin = describe(drawn, inputs=[cells], outputs=[pdf, png], settings=settings)
+    attributes = draw_readout(cells, pdf, png)
+    origin = describe(attributes, inputs=[cells], outputs=[pdf, png], settings=settings)
     write_json(folder / "readout.json", origin)
     return read_json(cells)
 

@@ -177,8 +177,8 @@ class SimulatedRig:
         missing = self._used + ticks - len(self._noise)
         if missing > 0:
             rows = math.ceil(missing / _NOISE_BLOCK) * _NOISE_BLOCK
-            drawn = self._rng.standard_normal((rows, NOISE_PER_TICK))
-            self._used, self._noise = 0, np.concatenate([self._noise[self._used :], drawn])
+            noise = self._rng.standard_normal((rows, NOISE_PER_TICK))
+            self._used, self._noise = 0, np.concatenate([self._noise[self._used :], noise])
         self._used += ticks
         return self._noise[self._used - ticks : self._used]
 

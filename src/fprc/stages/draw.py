@@ -23,7 +23,7 @@ from fprc.figures.training import plot_fit, show_tenths
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns, read_raw
 from fprc.signals import loop_growth, swing_frequency, turning_points, width_at_middle
-from fprc.tables.drawn import (
+from fprc.tables.figure_data import (
     fit_errors,
     grid_errors,
     grid_over_seeds,
@@ -181,25 +181,25 @@ def draw_settings(
     Without ``epsilon``, when there is no FPRC, only (b) and (c) are drawn.
     """
     by_n_c, timed = _read_grid(n_c, seeds, "n_c"), read_json(times)
-    drawn = {"b": grid_errors(by_n_c, "n_c"), "c": grid_times(timed, "n_c")}
+    tables = {"b": grid_errors(by_n_c, "n_c"), "c": grid_times(timed, "n_c")}
     if epsilon:
         by_epsilon = _read_grid(epsilon, seeds, "epsilon")
-        drawn = {"a": grid_errors(by_epsilon, "epsilon"), **drawn}
-    write_csv(csv, panels(drawn))
-    fig, axes = style.figure(len(drawn), 1, style.COLUMN_IN, 5.0 if epsilon else 3.6)
+        tables = {"a": grid_errors(by_epsilon, "epsilon"), **tables}
+    write_csv(csv, panels(tables))
+    fig, axes = style.figure(len(tables), 1, style.COLUMN_IN, 5.0 if epsilon else 3.6)
     if epsilon:
-        plot_errors_over(drawn["a"], "epsilon", axes[0])
+        plot_errors_over(tables["a"], "epsilon", axes[0])
         axes[0].set_xscale("log")
         axes[0].set_xlabel(r"$\epsilon$")
         style.letter(axes[0], "(a) Errors of FPRC")
         axes[0].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=1.4)
     errors, seconds = axes[-2:]
-    plot_errors_over(drawn["b"], "n_c", errors)
-    plot_times_over(drawn["c"], "n_c", seconds)
+    plot_errors_over(tables["b"], "n_c", errors)
+    plot_times_over(tables["c"], "n_c", seconds)
     for ax in (errors, seconds):
         ax.set_xscale("log", base=2)
         ax.set_xlabel("$n_c$")
-        ax.set_xticks(sorted(drawn["b"]["n_c"].unique()))
+        ax.set_xticks(sorted(tables["b"]["n_c"].unique()))
         ax.xaxis.set_major_formatter("{x:g}")
     style.letter(errors, "(b) Errors")
     style.letter(seconds, "(c) Execution times")

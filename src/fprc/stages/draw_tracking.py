@@ -20,7 +20,7 @@ from fprc.logs import Columns, read_run
 from fprc.logs.isolated import isolated_each
 from fprc.paper import LOOPS, REFERENCE_NAMES
 from fprc.signals import repeat_cycle, settled
-from fprc.tables.drawn import disturbed, tracking_errors
+from fprc.tables.figure_data import deviations, error_summary
 
 _CHANNELS = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa")
 #: Panels of the reservoir in Fig. 17.
@@ -37,9 +37,9 @@ def draw_following(
     The axis of the errors spans those of all ``runs``, so that the four figures can be compared.
     """
     opened, closed = isolated_each(read_run, [open_loop, closed_loop], names=_CHANNELS)
-    table = tracking_errors([opened, closed])
+    table = error_summary([opened, closed])
     write_csv(csv, table)
-    every = tracking_errors(isolated_each(read_run, runs, names=_CHANNELS[:3]))
+    every = error_summary(isolated_each(read_run, runs, names=_CHANNELS[:3]))
     limit = 1.05 * every["max_abs_error_deg"].max()
     fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.6, sharex=True, height_ratios=(4, 4, 4, 3, 2))
     plot_following(opened.channels, axes[0])
@@ -96,7 +96,7 @@ def draw_disturbance(
         name: repeat_cycle(time_s, channels["theta_d_deg"], channels[name], quiet_s)
         for name in _RESERVOIR
     }
-    table = disturbed(log, cycles, quiet_s)
+    table = deviations(log, cycles, quiet_s)
     write_csv(csv, table)
     rms = table.set_index("channel")
     fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.8, sharex=True, height_ratios=(4, 3, 3, 4, 4))

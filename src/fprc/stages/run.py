@@ -52,10 +52,10 @@ def run_stage(job: Any) -> None:
         os.environ["OMP_NUM_THREADS"] = "1"
         stage = stage_of(job.params.stage)  # first: the limit applies to loaded libraries only
         with threadpool_limits(1):
-            drawn = stage(**arguments)
+            data = stage(**arguments)
         if "sidecar" in job.output.keys():
             files = [path for path in job.output if path != job.output.sidecar]
-            origin = describe(drawn, inputs=list(job.input), outputs=files, settings=job.config)
+            origin = describe(data, inputs=list(job.input), outputs=files, settings=job.config)
             write_json(job.output.sidecar, origin)
         with explaining(results):
             write_digests(outputs, results)

@@ -31,7 +31,7 @@ def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:
     )
 
 
-def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
+def error_summary(runs: Sequence[Any]) -> pd.DataFrame:
     """RMSE and largest error of closed-loop runs after the settling time.
 
     Parameters
@@ -60,7 +60,7 @@ def tracking_errors(runs: Sequence[Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def disturbed(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float) -> pd.DataFrame:
+def deviations(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float) -> pd.DataFrame:
     """Errors of Fig. 17: of theta from its reference, of channels from their undisturbed cycle.
 
     Parameters

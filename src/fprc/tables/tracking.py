@@ -7,14 +7,14 @@ import pandas as pd
 
 from fprc.paper import REFERENCE_NAMES
 from fprc.registry import controller_title
-from fprc.tables.drawn import tracking_errors
+from fprc.tables.figure_data import error_summary
 from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, spread
 
 
 def tracking(runs: Sequence[Any], published: Mapping[str, Any]) -> pd.DataFrame:
     """Table IV: errors of every controller on every reference, tidy, from closed-loop logs."""
-    errors = tracking_errors(runs)
+    errors = error_summary(runs)
     table = errors[["controller", "reference", "rmse_deg", "max_abs_error_deg"]]
     return table.assign(published_rmse_deg=_printed(errors, published), source=errors["source"])
 

@@ -35,7 +35,7 @@ Family = Mapping[str, Any]
 Key = tuple[str, str, bool, str]
 
 
-def errors_of(family: Family) -> dict[Key, dict[int, dict[str, float]]]:
+def rmse_by_condition(family: Family) -> dict[Key, dict[int, dict[str, float]]]:
     """Return errors in deg by (model, condition, learns, loop), unit and reference."""
     found: dict[Key, dict[int, dict[str, float]]] = {}
     for cell in family["cells"]:
@@ -60,7 +60,7 @@ def _part(
 
 def parts_of(family: Family) -> list[list[Part]]:
     """Return the comparisons of D1 to D4."""
-    errors = errors_of(family)
+    errors = rmse_by_condition(family)
 
     def overall(model: str, condition: str = "none", loop: str = "closed") -> dict[int, float]:
         return _overall(errors.get((model, condition, True, loop), {}))
@@ -126,7 +126,7 @@ def _verdicts(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, s
 def _errors(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str]:
     rows = []
     for family in families:
-        for (model, condition, learns, loop), by_unit in errors_of(family).items():
+        for (model, condition, learns, loop), by_unit in rmse_by_condition(family).items():
             values = np.array(list(_overall(by_unit).values()))
             rows.append(
                 {

@@ -138,7 +138,7 @@ def test_tables_and_figure_are_written(tmp_path):
         assert "nan" not in (tmp_path / f"{name}.md").read_text()
     errors = pd.read_csv(tmp_path / "errors.csv")
     chosen = errors[(errors["model"] == "fprc") & errors["learns"] & (errors["loop"] == "open")]
-    expected = show.errors_of(read_json(path))["fprc", "+2 kPa", True, "open"]
+    expected = show.rmse_by_condition(read_json(path))["fprc", "+2 kPa", True, "open"]
     overall = [np.sqrt(np.mean(np.square(list(unit.values())))) for unit in expected.values()]
     found = chosen.set_index("condition").loc["P_o +2 kPa", "mean_deg"]
     assert found == pytest.approx(np.mean(overall))
