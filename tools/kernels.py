@@ -27,8 +27,8 @@ def main() -> None:
         bench = Track(settings["tracking"], control | {"feedforward": feedforward}, rig, 1)
         bench.follow("sine_0p5", "fprc_pd", fprc)
         theta_d, number = bench.reference("sine_0p5"), TRACKING_RUNS["sine_0p5"]
-        fed = bench.feed(fprc, bench.inputs(theta_d, number))
-        bench.simulate(theta_d, fed, number, feedback=True)
+        precomputed = bench.precompute(fprc, bench.inputs(theta_d, number))
+        bench.simulate(theta_d, precomputed, number, feedback=True)
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ def pressure_step(
     return volts, summed
 
 
-def lesson(
+def learning_target(
     error_deg: float,
     theta_deg: float,
     p_ff_kpa: float,

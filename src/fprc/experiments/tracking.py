@@ -163,15 +163,15 @@ class Track(NamedTuple):
         at_rest = self.simulate(theta_d, np.zeros(len(theta_d)), number, pushes, feedback=False)
         return np.column_stack(list(running_inputs(theta_d, at_rest["p_o_kpa"]).values()))
 
-    def feed(self, model: SequenceModel, inputs: np.ndarray) -> "Fed":
+    def precompute(self, model: SequenceModel, inputs: np.ndarray) -> "Precomputed":
         """Return P_ff of a model for a whole reference, and the model that learns, if it does."""
         X = inputs[:, : model.n_features_in_]
         X = X + np.array([0.0, self.control["feedforward"]["p_o_shift_kpa"]])[: X.shape[1]]
         if not self.control["feedforward"]["adapt"]:
-            return Fed(model.predict(X))
+            return Precomputed(model.predict(X))
         rows = model.features_.transform(X)
         phi = np.ascontiguousarray(model.readout_.regressors(rows))
-        return Fed(model.readout_.predict(rows), self.online(model), phi)
+        return Precomputed(model.readout_.predict(rows), self.online(model), phi)
 
     def online(self, model: SequenceModel) -> Online:
         """Return the model as it learns in a run, by the section ``control.feedforward``."""
@@ -186,16 +186,16 @@ class Track(NamedTuple):
     def simulate(
         self,
         theta_d: np.ndarray,
-        fed: "np.ndarray | Fed",
+        precomputed: "np.ndarray | Precomputed",
         number: int,
         pushes: np.ndarray | None = None,
         *,
         feedback: bool,
     ) -> dict[str, np.ndarray]:
-        """Do as ``drive``, in compiled code, with P_ff in kPa, or as ``feed`` gives it."""
+        """Do as ``drive``, in compiled code, with P_ff in kPa, or as ``precompute`` gives it."""
         rate_hz = self.control["sample_rate_hz"]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
-        given = fed if isinstance(fed, Fed) else Fed(fed)
+        given = precomputed if isinstance(precomputed, Precomputed) else Precomputed(precomputed)
         return simulate_tracking(
             device,
             self.control,
@@ -211,14 +211,14 @@ class Track(NamedTuple):
     def error(
         self,
         reference: str,
-        fed: "np.ndarray | Fed",
+        precomputed: "np.ndarray | Precomputed",
         pushes: np.ndarray | None = None,
         *,
         feedback: bool,
     ) -> float:
         """Follow a reference as ``simulate`` does, and return the RMSE, deg."""
         theta_d, number = self.reference(reference), TRACKING_RUNS[reference]
-        run = self.simulate(theta_d, fed, number, pushes, feedback=feedback)
+        run = self.simulate(theta_d, precomputed, number, pushes, feedback=feedback)
         return tracking_rmse(run, self.tracking["references"][reference]["settle_s"])
 
     def follow(
@@ -238,7 +238,7 @@ class Track(NamedTuple):
         )
 
 
-class Fed(NamedTuple):
+class Precomputed(NamedTuple):
     """The feedforward of a whole reference."""
 
     p_ff_kpa: np.ndarray  #: as the model was trained
@@ -295,7 +295,7 @@ def measure_control(
             driver = driven_by[name]
             channels = bench.simulate(
                 theta_d,
-                bench.feed(models[driver], inputs) if driver else np.zeros(len(theta_d)),
+                bench.precompute(models[driver], inputs) if driver else np.zeros(len(theta_d)),
                 number,
                 pushes,
                 feedback=has_feedback(name),
@@ -338,6 +338,6 @@ def tracking_errors(
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         inputs = bench.inputs(theta_d, number)
         for name, feedback in loops.items():
-            fed = bench.feed(model, inputs)
-            errors[name][reference] = bench.error(reference, fed, feedback=feedback)
+            precomputed = bench.precompute(model, inputs)
+            errors[name][reference] = bench.error(reference, precomputed, feedback=feedback)
     return errors

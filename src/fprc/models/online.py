@@ -114,7 +114,7 @@ class Online:
             return
         then = self._k % self.delay
         p_ff, p_fb = self._sent[then]
-        target = control_laws.lesson(
+        target = control_laws.learning_target(
             error_deg, theta_deg, p_ff, p_fb, 0.0, self.limit_kpa,
             self.settings.kpa_per_deg, self.settings.stop_deg,
         )  # fmt: skip

@@ -16,7 +16,7 @@ from fprc.rig.simulator import advance
 _clamp = kernel(control_laws.clamp)
 _pressure_step = kernel(control_laws.pressure_step)
 _pd_step = kernel(control_laws.pd_step)
-_lesson = kernel(control_laws.lesson)
+_learning_target = kernel(control_laws.learning_target)
 _may_learn = kernel(control_laws.may_learn)
 _learn_step = kernel(control_laws.learn_step)
 
@@ -92,7 +92,7 @@ def close_loop(
         p_learned = 0.0
         if size and k >= delay:
             then = k - delay
-            target = _lesson(
+            target = _learning_target(
                 theta_d - theta, theta, rows[then].p_ff_kpa, rows[then].p_fb_kpa, low, high,
                 learning.kpa_per_deg, learning.stop_deg,
             )  # fmt: skip

@@ -50,9 +50,9 @@ def test_compiled_run_is_that_of_the_model_in_the_loop(bench, models, reference,
     expected = bench.follow(reference, name, models["fprc"])
     theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
     pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
-    fed = bench.feed(models["fprc"], bench.inputs(theta_d, number, pushes))
-    fed = np.zeros(len(theta_d)) if name == "pd" else fed
-    result = bench.simulate(theta_d, fed, number, pushes, feedback=has_feedback(name))
+    precomputed = bench.precompute(models["fprc"], bench.inputs(theta_d, number, pushes))
+    precomputed = np.zeros(len(theta_d)) if name == "pd" else precomputed
+    result = bench.simulate(theta_d, precomputed, number, pushes, feedback=has_feedback(name))
     assert np.ptp(expected["theta_deg"]) > 5.0
     learns = "adapt" in feedforward and name != "pd"
     assert learns is ("p_learned_kpa" in expected) is ("p_learned_kpa" in result)
@@ -67,7 +67,7 @@ def test_compiled_run_is_that_of_the_model_in_the_loop(bench, models, reference,
 def test_feedforward_of_a_model_without_readout_ignores_p_o(bench, models):
     theta_d = bench.reference("sine_0p5")
     inputs = bench.inputs(theta_d, 20)
-    p_ff = {name: bench.feed(model, inputs).p_ff_kpa for name, model in models.items()}
+    p_ff = {name: bench.precompute(model, inputs).p_ff_kpa for name, model in models.items()}
     np.testing.assert_array_equal(
         p_ff["fuzzy_linear"], models["fuzzy_linear"].predict(theta_d[:, None])
     )
@@ -79,8 +79,8 @@ def follow(bench, model, **feedforward):
     bench = changed(bench, **feedforward)
     theta_d = bench.reference("sine_0p5")
     inputs = bench.inputs(theta_d, 20) + [0.0, 5.0]
-    fed = bench.feed(model, inputs)
-    return tracking_rmse(bench.simulate(theta_d, fed, 20, feedback=False), 5.0)
+    precomputed = bench.precompute(model, inputs)
+    return tracking_rmse(bench.simulate(theta_d, precomputed, 20, feedback=False), 5.0)
 
 
 def test_model_that_learns_or_is_re_zeroed_stands_an_offset_of_p_o(bench, models):
@@ -93,7 +93,7 @@ def test_model_that_learns_or_is_re_zeroed_stands_an_offset_of_p_o(bench, models
     rezeroed = follow(bench, model, p_o_shift_kpa=-5.0)
     theta_d = bench.reference("sine_0p5")
     undisturbed = bench.simulate(
-        theta_d, bench.feed(model, bench.inputs(theta_d, 20)), 20, feedback=False
+        theta_d, bench.precompute(model, bench.inputs(theta_d, 20)), 20, feedback=False
     )
     expected = tracking_rmse(undisturbed, 5.0)
     assert alone > 1.5 * expected
@@ -155,8 +155,8 @@ def test_an_hour_of_learning_with_a_leak_stays_bounded():
             time_s = begin_s + np.arange(len(theta_d)) / 200.0
             inputs = bench.inputs(theta_d, number)
             inputs[:, 1] -= 0.5 / 60.0 * time_s
-            fed = bench.feed(model, inputs)._replace(online=online)
-            run = bench.simulate(theta_d, fed, number, feedback=True)
+            precomputed = bench.precompute(model, inputs)._replace(online=online)
+            run = bench.simulate(theta_d, precomputed, number, feedback=True)
             errors.append(tracking_rmse(run, 5.0))
             largest.append(np.abs(online.learned).max())
             begin_s = time_s[-1]

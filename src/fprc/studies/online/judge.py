@@ -27,7 +27,7 @@ CHANGED_RIGS = {
     "worn": {"friction_kpa": 0.8, "friction_per_kpa": 0.8},
 }
 #: Models, and whether P_o is one of their inputs.
-MODELS = {"fprc": True, "fprc_lowpass": False, "fuzzy_linear": False}
+READS_P_O = {"fprc": True, "fprc_lowpass": False, "fuzzy_linear": False}
 LOOPS = {"open": False, "closed": True}
 
 
@@ -73,7 +73,7 @@ def judge_online(
     try:
         sweep = simulate(replace(on_rig, signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
         fitted = {}
-        for name in MODELS:
+        for name in READS_P_O:
             X, y = sweep.pair(name)
             fitted[name] = build(name, models, seed).fit(X, y).remember(X)
         rows = []
@@ -83,7 +83,7 @@ def judge_online(
             chosen = {
                 name: model
                 for name, model in fitted.items()
-                if condition in conditions(MODELS[name])
+                if condition in conditions(READS_P_O[name])
             }
             rows += _followed(bench, condition, chosen)
             if condition == "none":
@@ -114,8 +114,8 @@ def _followed(
             given = columns_for(name, inputs)
             for learns, bench in benches.items():
                 for loop, feedback in LOOPS.items():
-                    fed = bench.feed(model, given)
-                    error = bench.error(reference, fed, pushes, feedback=feedback)
+                    precomputed = bench.precompute(model, given)
+                    error = bench.error(reference, precomputed, pushes, feedback=feedback)
                     rows.append((name, condition, learns, loop, reference, error))
         if condition in conditions(False):
             error = bench.error(reference, np.zeros(len(theta_d)), pushes, feedback=True)
