@@ -24,7 +24,6 @@ KINDS = {
     "model": str,
     "model_file": str,
     "model_sha256": str,
-    "gain": str,
     "reference": str,
     "settle_s": float,
     "complete": bool,

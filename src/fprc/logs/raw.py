@@ -11,8 +11,8 @@ from fprc.errors import LogError
 from fprc.escape import in_words
 from fprc.logs.columns import LARGEST, Columns, gather_columns, write_columns
 
-#: Prefixes of the experiment names of closed-loop runs.
-RUNS = ("track_", "identify_")
+#: Prefix of the experiment names of closed-loop runs.
+RUN_PREFIX = "track_"
 
 #: Source of a log after its reservoir was simulated, by source of the original log.
 SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
@@ -70,7 +70,7 @@ def write_raw(
 
 
 def _is_run(attributes: Mapping[str, Any]) -> bool:
-    return str(attributes.get("experiment")).startswith(RUNS)
+    return str(attributes.get("experiment")).startswith(RUN_PREFIX)
 
 
 def read_raw(
@@ -129,7 +129,7 @@ def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
     if "experiment" in attributes and not _is_run(attributes):
         problems.append(
             f"{path}: attribute experiment = {attributes['experiment']}; must begin with "
-            f"{in_words(RUNS, 'or')}, as of a closed-loop run"
+            f"{RUN_PREFIX}, as of a closed-loop run"
         )
     if problems:
         raise LogError("\n".join(problems))

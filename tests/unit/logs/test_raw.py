@@ -106,9 +106,12 @@ def test_run_has_reference_feedforward_and_feedback(write_run):
     assert tuple(read_run(path, ("theta_d_deg", "p_i_kpa")).channels) == ("theta_d_deg", "p_i_kpa")
 
 
-@pytest.mark.parametrize("experiment", ["track_sweep_fprc_pd_identified", "identify_0.5"])
-def test_run_of_an_earlier_version_with_a_gain_is_readable(write_run, experiment):
-    old = {"experiment": experiment, "controller": "fprc_pd", "gain": "identified"}
+def test_run_of_an_earlier_version_with_a_gain_is_readable(write_run):
+    old = {
+        "experiment": "track_sweep_fprc_pd_identified",
+        "controller": "fprc_pd",
+        "gain": "identified",
+    }
     path = write_run(**old, rig={"gains": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}})
     assert tuple(read_raw(path, **RATE).channels) == needed_by("sim", tracking=True)
     found = read_run(path, ("theta_d_deg", "p_i_kpa"))
