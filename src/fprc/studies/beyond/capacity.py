@@ -1,4 +1,4 @@
-"""Memory capacity and information processing capacity of states driven by random input."""
+"""Information processing capacity of states driven by random input."""
 
 from collections import Counter
 from itertools import combinations_with_replacement
@@ -26,19 +26,6 @@ class Capacities(NamedTuple):
     threshold: float  #: a smaller estimate counts as 0
 
 
-def memory_capacity(
-    u: np.ndarray, states: np.ndarray, *, max_delay: int, p: float = 1e-4, tolerance: float = 1e-6
-) -> Capacities:
-    """Return how much of each past input a linear readout recovers from the states.
-
-    The sum over the delays is the short-term memory capacity (Jaeger 2002), here with the present
-    input, delay 0. See ``processing_capacity`` for the parameters.
-    """
-    return processing_capacity(
-        u, states, max_delay=max_delay, max_degree=1, p=p, tolerance=tolerance
-    )
-
-
 def processing_capacity(
     u: np.ndarray,
     states: np.ndarray,
@@ -54,6 +41,9 @@ def processing_capacity(
     of the best linear readout with a bias. The fit and the capacity use the same samples. A target
     that the states know nothing about therefore gets about rank / n_samples; an estimate that such
     a target would exceed with the probability ``p``, or less, counts as 0.
+
+    With ``max_degree`` 1, the sum over the delays is the short-term memory capacity (Jaeger 2002),
+    here with the present input, delay 0.
 
     Parameters
     ----------

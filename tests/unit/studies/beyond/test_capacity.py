@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 
 from fprc.errors import EvaluationError
-from fprc.studies.beyond.capacity import memory_capacity, processing_capacity
+from fprc.studies.beyond.capacity import processing_capacity
 
 examples = settings(max_examples=15, deadline=None, derandomize=True)
 
@@ -47,7 +47,7 @@ def test_all_polynomials_up_to_a_degree_fill_the_capacity():
 
 def test_capacity_agrees_with_a_least_squares_fit():
     states = np.tanh(delay_line(U, range(4)) @ np.random.default_rng(3).normal(size=(4, 6)))
-    found = memory_capacity(U, states, max_delay=4)
+    found = processing_capacity(U, states, max_delay=4, max_degree=1)
     design = np.column_stack([np.ones(N - 4), states[4:]])
     for delay in range(4):
         target = U[4 - delay : N - delay]
@@ -82,12 +82,12 @@ def test_shuffled_states_have_no_capacity(columns):
 def test_dependent_and_constant_states_do_not_count():
     line = delay_line(U, range(2))
     states = np.column_stack([line, line.sum(axis=1), np.full(N, 0.1), line[:, 0] * 1e9])
-    assert memory_capacity(U, states, max_delay=2).rank == 2
-    still = memory_capacity(U, np.full((N, 2), 0.1), max_delay=2)
+    assert processing_capacity(U, states, max_delay=2, max_degree=1).rank == 2
+    still = processing_capacity(U, np.full((N, 2), 0.1), max_delay=2, max_degree=1)
     assert (still.rank, still.by_degree.tolist()) == (0, [0.0])
     nearly = np.column_stack([U, U + 1e-8 * delayed(U, 1)])
-    assert memory_capacity(U, nearly, max_delay=2).rank == 1
-    assert memory_capacity(U, nearly, max_delay=2, tolerance=1e-12).rank == 2
+    assert processing_capacity(U, nearly, max_delay=2, max_degree=1).rank == 1
+    assert processing_capacity(U, nearly, max_delay=2, max_degree=1, tolerance=1e-12).rank == 2
 
 
 @pytest.mark.parametrize(
@@ -103,4 +103,4 @@ def test_dependent_and_constant_states_do_not_count():
 )
 def test_refuses_what_gives_no_capacity(u, states):
     with pytest.raises(EvaluationError):
-        memory_capacity(u, states, max_delay=3)
+        processing_capacity(u, states, max_delay=3, max_degree=1)
