@@ -172,7 +172,8 @@ def test_every_term_is_zero_on_a_rig_that_meets_every_aim():
 def test_terms_are_those_of_the_configuration_and_of_the_ledger():
     assert tuple(TERMS) == get_args(Term)
     decided = {term for claim in CLAIMS for term in (*claim.fitted_by, *claim.half_fitted_by)}
-    assert decided == set(TERMS) - {"plausible"}
+    # closed_errors is what a rig from elsewhere was searched for: no term of ours
+    assert decided - {"closed_errors"} == set(TERMS) - {"plausible"}
 
 
 # --- taps -----------------------------------------------------------------------------------------
