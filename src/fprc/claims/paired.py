@@ -107,9 +107,14 @@ class Part(NamedTuple):
 _WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
 
 
-def verdict_in_words(verdict: str, ratio: bool) -> str:
-    """Return a verdict as readers see it, on ratios to 1 or on what has a limit."""
-    return verdict if ratio else _WORDS.get(verdict, verdict)
+def verdict_in_words(verdict: str, ratio: bool, turned: str = "") -> str:
+    """Return a verdict as readers see it, on ratios to 1 or on what has a limit.
+
+    One that became undecided since subsets disagree is what it ``turned`` from, and unstable.
+    """
+    decided = turned or verdict
+    words = decided if ratio else _WORDS.get(decided, decided)
+    return f"{words}, unstable" if turned else words
 
 
 class Judged(NamedTuple):

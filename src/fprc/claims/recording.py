@@ -18,6 +18,7 @@ from fprc.claims.paired import (
     Judged,
     Part,
     judge_together,
+    verdict_in_words,
 )
 from fprc.registry import competitor_title
 
@@ -115,7 +116,8 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return each verdict in a few sentences."""
     lines = []
     for row in rows:
-        line = f"{row['claim']} ({row['id']}): {row['verdict']}."
+        words = verdict_in_words(row["verdict"], True, row["turned"])
+        line = f"{row['claim']} ({row['id']}): {words}."
         if row["ratio"] is not None:
             line += (
                 f" FPRC's error is {row['ratio']:#.3g} ({row['low']:#.3g} to {row['high']:#.3g}) "
@@ -152,6 +154,6 @@ def _reason(part: Part, outcome: Judged) -> str:
     if outcome.stable is not None:
         return (
             f"Without {LEFT_OUT} random blocks the verdict stays in {100 * outcome.stable:.0f} % "
-            f"of the cases; {100 * AGREEING:.0f} % are needed."
+            f"of the cases; {100 * AGREEING:.0f} % are needed, so it counts as undecided."
         )
     return "The interval contains 1 and is not within 5 % of it."

@@ -60,6 +60,16 @@ def test_ratio_and_interval_are_those_of_the_corrected_t_test_after_holm():
     assert math.log(row["high"] / row["ratio"]) == pytest.approx(half, rel=1e-4)
 
 
+def test_verdict_that_few_subsets_share_is_shown_as_unstable_and_counts_as_undecided(monkeypatch):
+    monkeypatch.setattr("fprc.claims.paired._share_of_subsets", lambda *rest: 0.9)
+    rows = judge_recording(report(fprc_lowpass=0.7, fuzzy_linear=1.5))
+    first, _, last = sentences(rows)
+    assert "(B1): superior, unstable. FPRC's error is 0.70" in first
+    assert "(R1): inferior, unstable. " in last
+    assert "stays in 90 % of the cases; 95 % are needed, so it counts as undecided." in first
+    assert answer(rows).startswith("**Not decided**: ")
+
+
 def test_model_without_errors_leaves_its_claim_unjudged():
     results = report(fprc_lowpass=0.7)
     results["cells"][2] = {"model": "ridge_p_o", "reason": "too long"}

@@ -13,7 +13,6 @@ import pandas as pd
 from fprc.claims.paired import (
     LEAST_UNITS,
     NOT_JUDGED,
-    Judged,
     Part,
     judge_together,
     verdict_in_words,
@@ -147,7 +146,7 @@ def judge_world(world: Mapping[str, Any]) -> list[dict[str, Any]]:
                 "id": name,
                 "claim": claim.text,
                 **judged._asdict(),
-                "words": _words(judged, claim.parts[0].ratio),
+                "words": verdict_in_words(judged.verdict, claim.parts[0].ratio, judged.turned),
                 "units": units,
                 "dropped": max(part.dropped for part in parts),
                 "fitted": [why for term, why in claim.favours.items() if term in world["fitted"]],
@@ -175,12 +174,6 @@ def beside_b1(world: Mapping[str, Any]) -> list[dict[str, Any]]:
         shown = _shown(part, 0.05) if len(part.values) > 1 else {}
         rows.append({"text": text, **{key: shown.get(key) for key in ("mean", "low", "high")}})
     return rows
-
-
-def _words(judged: Judged, ratio: bool) -> str:
-    """Return a verdict as readers see it."""
-    words = verdict_in_words(judged.turned or judged.verdict, ratio)
-    return f"{words}, unstable" if judged.turned else words
 
 
 #: Numbers by model and measure, or by set of states and quantity, one per simulated rig.
