@@ -227,7 +227,7 @@ def changed(channels):
     return change
 
 
-#: Forward test RMSE of each model over FPRC's, in the worlds of ``make_world``.
+#: Forward test RMSE of each model over FPRC's, in the families of ``make_family``.
 RATIOS = {
     "fprc": 1.0, "fprc_lowpass": 1.3, "fuzzy_linear": 1.25, "esn": 1.2, "ridge_p_o": 1.15,
     "bank_p_o": 1.05, "bank": 1.1, "bank_fuzzy": 1.12, "plays": 1.18, "plays_fuzzy": 1.1,
@@ -239,16 +239,16 @@ OFFSETS = (-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0)
 
 
 @pytest.fixture(scope="session")
-def make_world():
-    """Return what makes a world of ``snakemake beyond`` with known ratios.
+def make_family():
+    """Return what makes a family of ``snakemake beyond`` with known ratios.
 
     Numbers of a build are those of RATIOS, or of ``ratios``, with a factor common to its models and
     a factor of their own; ``spread`` is the standard deviation of both logarithms.
     """
-    return _world
+    return _family
 
 
-def _world(name="dry", units=12, builds=1, spread=0.03, ratios=None, seed=1, models=None, **more):
+def _family(name="dry", units=12, builds=1, spread=0.03, ratios=None, seed=1, models=None, **more):
     random = np.random.default_rng(seed)
     ratios = RATIOS | (ratios or {})
     cells = []

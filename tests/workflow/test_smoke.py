@@ -73,11 +73,11 @@ def test_families_stand_side_by_side(calibrated):
     assert len(pd.read_csv(folder / "answer.csv")) == 5
 
 
-def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(calibrated):
+def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(calibrated):
     folder = calibrated[0].folder / "results/smoke/beyond"
     ledgers = json.loads((folder / "claims.json").read_text())["ledgers"]
-    worlds = [ledger[0]["world"] for ledger in ledgers]
-    assert worlds == ["paper", "bouc_wen", "dry", "viscous", "near_print", "drawn"]
+    families = [ledger[0]["world"] for ledger in ledgers]
+    assert families == ["paper", "bouc_wen", "dry", "viscous", "near_print", "drawn"]
     assert all(
         [row["id"] for row in ledger] == [f"B{n}" for n in range(1, 9)] for ledger in ledgers
     )
@@ -90,4 +90,4 @@ def test_worlds_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(ca
     }  # fmt: skip
     assert (forward["units"] == 2).sum() == len(forward) - 4  # the slow models have one seed
     tuned = yaml.safe_load((folder / "tuned.yaml").read_text())
-    assert set(tuned) == set(worlds)
+    assert set(tuned) == set(families)

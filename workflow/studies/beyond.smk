@@ -1,10 +1,10 @@
-# Beyond the paper: competitors of its models, on several worlds of simulated rigs.
+# Beyond the paper: competitors of its models, on several families of simulated rigs.
 
 #: Settings of the tuned models; they were made by this workflow.
 TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
-CONFIGURED_WORLD = SETTINGS["fitted"]["name"]
-WORLDS = [CONFIGURED_WORLD, *OTHER_RIGS, *SETS]
+CONFIGURED_FAMILY = SETTINGS["fitted"]["name"]
+FAMILIES = [CONFIGURED_FAMILY, *OTHER_RIGS, *SETS]
 #: Names of the figures.
 FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities", "settings")
 #: Names of the tables in Markdown.
@@ -20,16 +20,16 @@ CONTEST = {
 
 
 wildcard_constraints:
-    world="|".join(WORLDS),
+    world="|".join(FAMILIES),
 
 
 JUDGED["beyond_world"] = judgement_spec(
     "beyond/{world}",
-    "Beyond the paper: the models and their competitors, world {wildcards.world}",
+    "Beyond the paper: the models and their competitors, family {wildcards.world}",
     "beyond.contest.judge_models",
     *COMPETITORS,
     given={"near_print": NEAR_PRINT, "tuned": TUNED},
-    families=lambda wildcards: [world_of(wildcards)],
+    families=lambda wildcards: [family_of(wildcards)],
     units=lambda wildcards: list(range(units_of(wildcards))),
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
 )
@@ -40,7 +40,7 @@ JUDGED["beyond_training"] = judgement_spec(
     "beyond.contest.judge_lengths",
     *COMPETITORS,
     given={"tuned": TUNED},
-    families=lambda wildcards: [family_named(CONFIGURED_WORLD)],
+    families=lambda wildcards: [family_named(CONFIGURED_FAMILY)],
     units=list(range(BEYOND["training"]["seeds"])),
     how={
         "contest": CONTEST,
@@ -59,7 +59,7 @@ JUDGED["beyond_steps"] = judgement_spec(
     *COMPETITORS,
     given={"tuned": TUNED},
     priority=ALONE,
-    families=lambda wildcards: [family_named(CONFIGURED_WORLD)],
+    families=lambda wildcards: [family_named(CONFIGURED_FAMILY)],
     units=[0],
     how={"contest": CONTEST},
 )
@@ -100,8 +100,8 @@ rule tune_world:
         mem_mb=memory_of,
         runtime=120,
     params:
-        **stage("studies.beyond.tune_world", *COMPETITORS, key="version"),
-        world=world_of,
+        **stage("studies.beyond.tune_family", *COMPETITORS, key="version"),
+        family=family_of,
         units=units_of_tuning,
         candidates=BEYOND["tuning"]["candidates"],
         seed=BEYOND["tuning"]["seed"],
@@ -110,14 +110,14 @@ rule tune_world:
         workers=one_per_thread,
         checkpoint=with_prefix(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
     message:
-        "Beyond the paper: tuning of the competitors, world {wildcards.world}"
+        "Beyond the paper: tuning of the competitors, family {wildcards.world}"
     script:
         "../scripts/stage.py"
 
 
 rule join_tuned:
     input:
-        tunings=expand(PATHS.below("beyond/tuning_{world}.json"), world=WORLDS),
+        tunings=expand(PATHS.below("beyond/tuning_{world}.json"), world=FAMILIES),
     output:
         tuned=PATHS.below("beyond/tuned.yaml"),
     log:
@@ -135,7 +135,7 @@ STUDY_TARGETS["tuned"] = PATHS.below("beyond/tuned.yaml")
 
 rule beyond_tables:
     input:
-        worlds=expand(PATHS.below("beyond/{world}.json"), world=WORLDS),
+        families=expand(PATHS.below("beyond/{world}.json"), world=FAMILIES),
         capacity=PATHS.below("beyond/capacity.json"),
         training=PATHS.below("beyond/training_logs.json"),
         steps=PATHS.below("beyond/steps.json"),
@@ -148,7 +148,7 @@ rule beyond_tables:
         PATHS.messages("beyond_tables"),
     params:
         **stage("studies.show_beyond.tabulate_beyond"),
-        world=CONFIGURED_WORLD,
+        family=CONFIGURED_FAMILY,
     message:
         "Beyond the paper: claims B1 to B8, tables"
     script:
@@ -161,28 +161,28 @@ STUDY_FIGURES |= {
         "Beyond the paper: error ratios of pairs of models",
         {"claims": PATHS.below("beyond/claims.csv")},
         **stage("studies.show_beyond.draw_pairs"),
-        worlds=WORLDS,
+        families=FAMILIES,
     ),
     "draw_tracking": result_spec(
         "beyond/figure_tracking",
         "Beyond the paper: tracking errors against test errors",
         {"tracking": PATHS.below("beyond/tracking.csv")},
         **stage("studies.show_beyond.draw_tracking"),
-        world=CONFIGURED_WORLD,
+        family=CONFIGURED_FAMILY,
     ),
     "draw_offsets": result_spec(
         "beyond/figure_offsets",
         "Beyond the paper: offset of P_o",
         {"offsets": PATHS.below("beyond/offsets.csv")},
         **stage("studies.show_beyond.draw_offsets"),
-        world=CONFIGURED_WORLD,
+        family=CONFIGURED_FAMILY,
     ),
     "draw_capacities": result_spec(
         "beyond/figure_capacities",
         "Beyond the paper: capacities",
         {"capacities": PATHS.below("beyond/capacities.csv")},
         **stage("studies.show_beyond.draw_capacities"),
-        world=CONFIGURED_WORLD,
+        family=CONFIGURED_FAMILY,
     ),
     "draw_settings": result_spec(
         "beyond/figure_settings",

@@ -29,7 +29,7 @@ def family_named(name):
     return {
         "name": name,
         "rigs": name if name in SETS else "one",
-        "every_model": name == CONFIGURED_WORLD,
+        "every_model": name == CONFIGURED_FAMILY,
         "first_seed": BEYOND["first_seed"],
         "seeds_per_rig": 1,
         "fitted": SETS[name]["terms"] if name in SETS else fitted,
@@ -82,23 +82,23 @@ def one_per_thread(wildcards, threads):
     return threads
 
 
-def world_of(wildcards):
-    """Return the world of a job."""
+def family_of(wildcards):
+    """Return the family of a job."""
     return family_named(wildcards.world)
 
 
 def families_of_one_rig(wildcards):
-    """Return the worlds that have one rig."""
-    return [family_named(name) for name in (CONFIGURED_WORLD, *OTHER_RIGS)]
+    """Return the families that have one rig."""
+    return [family_named(name) for name in (CONFIGURED_FAMILY, *OTHER_RIGS)]
 
 
 def units_of(wildcards):
-    """Return the number of seeds or rigs of a world."""
+    """Return the number of seeds or rigs of a family."""
     return BEYOND["rigs" if wildcards.world in SETS else "seeds"]
 
 
 def units_of_tuning(wildcards):
-    """Return the seeds or rigs of a world on which settings are chosen; they judge nothing else."""
+    """Return the seeds or rigs of a family on which settings are chosen; they judge nothing else."""
     first = units_of(wildcards)
     return list(range(first, first + BEYOND["tuning"]["units"]))
 

@@ -87,7 +87,7 @@ SHOWN_ON = {
         pages=["docs/drift.md"],
         tables=expand(PATHS.below("online/{table}.md"), table=("verdicts", "errors")),
         figures={"docs/images/drift.png": PATHS.below("online/figure.png")},
-        made_from=expand(PATHS.below("online/{world}.json"), world=WORLDS),
+        made_from=expand(PATHS.below("online/{world}.json"), world=FAMILIES),
     ),
 }
 

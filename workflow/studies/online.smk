@@ -10,7 +10,7 @@ JUDGED["judge_online"] = judgement_spec(
     *COMPETITORS,
     given={"near_print": NEAR_PRINT},
     families=lambda wildcards: [
-        world_of(wildcards) | {"first_seed": ONLINE["first_seed"], "seeds_per_rig": 1}
+        family_of(wildcards) | {"first_seed": ONLINE["first_seed"], "seeds_per_rig": 1}
     ],
     units=list(range(ONLINE["units"])),
     how={"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
@@ -20,7 +20,7 @@ for table in ("verdicts", "errors"):
     STUDY_TABLES[f"online_{table}"] = result_spec(
         f"online/{table}",
         f"Learning while it runs: {table}",
-        {"families": expand(PATHS.below("online/{world}.json"), world=WORLDS)},
+        {"families": expand(PATHS.below("online/{world}.json"), world=FAMILIES)},
         **stage("studies.online.tabulate_online"),
         table=table,
     )
@@ -30,7 +30,7 @@ STUDY_FIGURES["online_figure"] = result_spec(
     "Learning while it runs: tracking error over the offset of P_o",
     {"errors": PATHS.below("online/errors.csv")},
     **stage("studies.online.draw_online"),
-    names=WORLDS[:3],
+    names=FAMILIES[:3],
 )
 
 

@@ -20,7 +20,7 @@ NOT_JUDGED = "not judged"
 
 #: Two models are equivalent within this factor.
 EQUIVALENT_WITHIN = 1.05
-#: Chance that any of a world's verdicts is wrong.
+#: Chance that any of a family's verdicts is wrong.
 ALPHA = 0.05
 #: Fewest units that decide anything; units that a subset leaves out.
 LEAST_UNITS, LEFT_OUT = 8, 5

@@ -30,7 +30,7 @@ class Tuning(Section):
     """Choice of the competitors' settings, on seeds and rigs that are used for nothing else."""
 
     candidates: int = quantity(24, (1, 10000), "settings tried per model, the defaults first")
-    units: int = quantity(3, (1, 100), "seeds per world of one rig, rigs per world of many")
+    units: int = quantity(3, (1, 100), "seeds per family of one rig, rigs per family of many")
     seed: int = quantity(1, (0, 2**31), "seed of the draws")
 
 
@@ -66,13 +66,13 @@ class OnlineStudy(Section):
 
 
 class Beyond(Section):
-    """Competitors of the paper's models on several worlds; a world is one rig, or a set of rigs."""
+    """Competitors of the paper's models on several families: of one rig, or of many."""
 
     first_seed: int = quantity(
-        601, (0, 2**31 - 2**20), "first seed of the worlds; no fit has seen it or a later one"
+        601, (0, 2**31 - 2**20), "first seed of the families; no fit has seen it or a later one"
     )
-    seeds: int = quantity(40, (1, 10000), "seeds of each world with one rig")
-    rigs: int = quantity(40, (1, 10000), "rigs of each world with many")
+    seeds: int = quantity(40, (1, 10000), "seeds of each family with one rig")
+    rigs: int = quantity(40, (1, 10000), "rigs of each family with many")
     seeds_per_rig: int = quantity(3, (1, 100), "seeds of each drawn rig")
     slow: int = quantity(
         10, (0, 10000), "seeds that also judge slow models of no claim (ESN, trees, MLP)"

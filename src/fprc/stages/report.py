@@ -55,7 +55,7 @@ def write_report(
     figures : sequence of str
         Of each figure, PNG, sidecar and caption.
     beyond : Mapping, optional
-        ``worlds``, and ``ledgers``: of each world, the rows of ``judge_world``.
+        ``worlds``, and ``ledgers``: of each family, the rows of ``judge_family``.
     """
     folder = Path(html).parent
     fitted = settings["fitted"]

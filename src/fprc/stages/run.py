@@ -73,7 +73,7 @@ def stage_of(name: str) -> Callable[..., Any]:
 def module_of(name: str) -> str:
     """Return the module of a stage: ``judge.judge`` is in ``fprc.stages.judge``.
 
-    ``studies.beyond.tune_world`` is in ``fprc.studies.stages.beyond``.
+    ``studies.beyond.tune_family`` is in ``fprc.studies.stages.beyond``.
     """
     *package, module, _ = name.split(".")
     return ".".join(["fprc", *package, "stages", module])

@@ -19,8 +19,8 @@ from fprc.config import Settings
 from fprc.provenance import hash_of
 from fprc.stages import report
 from fprc.stages.report import GLOSSARY, symbols, write_report
-from fprc.studies.beyond.claims import judge_world
-from fprc.studies.beyond.tables import worlds_page
+from fprc.studies.beyond.claims import judge_family
+from fprc.studies.beyond.tables import families_page
 from fprc.tables.text import markdown
 
 TEMPLATE = [
@@ -369,11 +369,11 @@ def test_rows_of_a_half_fitted_table_say_what_was_fitted(project, fitted, kinds)
     assert page.texts("small") == ["half fitted"]
 
 
-def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_world):
+def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_family):
     assert 'id="beyond"' not in project.write()
-    worlds = [make_world(), make_world("sparse", units=3, capacity=None)]
-    ledgers = [judge_world(world) for world in worlds]
-    described = worlds_page(worlds).to_dict("records")
+    families = [make_family(), make_family("sparse", units=3, capacity=None)]
+    ledgers = [judge_family(family) for family in families]
+    described = families_page(families).to_dict("records")
     described[0]["What it is"] = "<b>shipped"
     project.beyond = {"worlds": described, "ledgers": ledgers}
     page = project.page()

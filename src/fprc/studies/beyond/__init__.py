@@ -1,1 +1,1 @@
-"""Competitors of the paper's models on several worlds of simulated rigs."""
+"""Competitors of the paper's models on several families of simulated rigs."""

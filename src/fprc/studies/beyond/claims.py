@@ -19,7 +19,7 @@ from fprc.claims.paired import (
 )
 from fprc.escape import in_words
 from fprc.registry import competitor_title
-from fprc.studies.beyond.worlds import capacities, measured, world_title
+from fprc.studies.beyond.measurements import capacities, family_title, measured
 
 #: Capacity of degree two or more from which P_o counts as nonlinear, of 1 for a single signal.
 LEAST_NONLINEAR = 0.1
@@ -112,13 +112,13 @@ CLAIMS = {
 }  # fmt: skip
 
 
-def judge_world(world: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Judge B1-B8 in one world.
+def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Judge B1-B8 in one family.
 
     Parameters
     ----------
-    world : Mapping
-        See ``fprc.studies.beyond.worlds``; ``fitted`` has the terms that its rigs were fitted to.
+    family : Mapping
+        See ``fprc.studies.beyond.measurements``; ``fitted``: the terms its rigs were fitted to.
 
     Returns
     -------
@@ -131,8 +131,8 @@ def judge_world(world: Mapping[str, Any]) -> list[dict[str, Any]]:
         ``mean``, ``low``, ``high`` (interval at the level that Holm's procedure gives),
         ``verdict``. A ratio below 1 supports the claim, as does a difference above 0.
     """
-    numbers = _numbers(world)
-    found = [[_part(pair, numbers, world) for pair in claim.parts] for claim in CLAIMS.values()]
+    numbers = _numbers(family)
+    found = [[_part(pair, numbers, family) for pair in claim.parts] for claim in CLAIMS.values()]
     rows = []
     for (name, claim), parts, judged in zip(
         CLAIMS.items(), found, judge_together(found), strict=True
@@ -140,17 +140,17 @@ def judge_world(world: Mapping[str, Any]) -> list[dict[str, Any]]:
         units = min(len(part.values) for part in parts)
         rows.append(
             {
-                **{key: world[key] for key in ("unit", "source")},
-                "world": world["name"],
-                "title": world_title(world["name"]),
+                **{key: family[key] for key in ("unit", "source")},
+                "world": family["name"],
+                "title": family_title(family["name"]),
                 "id": name,
                 "claim": claim.text,
                 **judged._asdict(),
                 "words": verdict_in_words(judged.verdict, claim.parts[0].ratio, judged.turned),
                 "units": units,
                 "dropped": max(part.dropped for part in parts),
-                "fitted": [why for term, why in claim.favours.items() if term in world["fitted"]],
-                "reason": _reason(parts, judged.verdict, world["unit"]),
+                "fitted": [why for term, why in claim.favours.items() if term in family["fitted"]],
+                "reason": _reason(parts, judged.verdict, family["unit"]),
                 "parts": [_shown(part, judged.level) for part in parts if len(part.values) > 1],
             }
         )
@@ -165,12 +165,12 @@ BESIDE = (
 )
 
 
-def beside_b1(world: Mapping[str, Any]) -> list[dict[str, Any]]:
+def beside_b1(family: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return ``text``, ``mean``, ``low``, ``high`` (95 %) of ``BESIDE``; None if not measured."""
-    numbers = _numbers(world)
+    numbers = _numbers(family)
     rows = []
     for text, ours, theirs in BESIDE:
-        part = _part(Pair((ours, "forward"), (theirs, "forward"), "forward"), numbers, world)
+        part = _part(Pair((ours, "forward"), (theirs, "forward"), "forward"), numbers, family)
         shown = _shown(part, 0.05) if len(part.values) > 1 else {}
         rows.append({"text": text, **{key: shown.get(key) for key in ("mean", "low", "high")}})
     return rows
@@ -181,8 +181,8 @@ Numbers = Mapping[tuple[str, str], pd.Series]
 _NONE = pd.Series(index=pd.MultiIndex.from_arrays([[], []], names=["unit", "seed"]), dtype=float)
 
 
-def _numbers(world: Mapping[str, Any]) -> Numbers:
-    tables = (measured(world), ["model", "measure"]), (capacities(world), ["set", "quantity"])
+def _numbers(family: Mapping[str, Any]) -> Numbers:
+    tables = (measured(family), ["model", "measure"]), (capacities(family), ["set", "quantity"])
     return {
         (name, measure): rows.set_index(["unit", "seed"])["value"]
         for table, columns in tables
@@ -190,7 +190,7 @@ def _numbers(world: Mapping[str, Any]) -> Numbers:
     }
 
 
-def _part(pair: Pair, numbers: Numbers, world: Mapping[str, Any]) -> Part:
+def _part(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
     ours, constant = numbers.get(pair.ours, _NONE), isinstance(pair.theirs, float)
     theirs: Any = pair.theirs if constant else numbers.get(pair.theirs, _NONE)
     # below 0 supports the claim; of a difference, readers see ours less theirs
@@ -198,10 +198,10 @@ def _part(pair: Pair, numbers: Numbers, world: Mapping[str, Any]) -> Part:
     # simulations of one rig with several seeds are one unit
     by_unit = values.groupby(level="unit").mean().to_dict()
     if not pair.ratio:
-        dropped = len(world.get("capacity") or ()) - len(values)
+        dropped = len(family.get("capacity") or ()) - len(values)
         return Part(pair.words, by_unit, False, operator.neg, dropped)
     text = f"{competitor_title(pair.ours[0])} / {competitor_title(pair.theirs[0])} ({pair.words})"
-    return Part(text, by_unit, dropped=len(world["cells"]) - len(values))
+    return Part(text, by_unit, dropped=len(family["cells"]) - len(values))
 
 
 def _shown(part: Part, level: float) -> dict[str, Any]:

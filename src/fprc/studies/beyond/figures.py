@@ -12,11 +12,11 @@ from fprc.claims.paired import EQUIVALENT_WITHIN
 from fprc.figures.style import line_of, symbols
 from fprc.paper import MODELS
 from fprc.registry import choice_of, competitor_title
-from fprc.studies.beyond.worlds import MEASURES, SETS, world_title
+from fprc.studies.beyond.measurements import MEASURES, SETS, family_title
 
-#: Marker and colour of each world, in their order, safe for colour-blind readers (Tol). Colours are
-#: signals elsewhere, but no figure of worlds shows one.
-_WORLDS = (
+#: Marker and colour of each family, in their order, safe for colour-blind readers (Tol). Colours
+#: are signals elsewhere, but no figure of families shows one.
+_FAMILIES = (
     ("o", "#000000"), ("s", "#ee6677"), ("D", "#4477aa"),
     ("^", "#228833"), ("v", "#aa3377"), ("P", "#ccbb44"),
 )  # fmt: skip
@@ -30,8 +30,8 @@ _WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
 
 
-def plot_pairs(table: DataFrame, worlds: Sequence[str], ax: Axes) -> Axes:
-    """Draw the ratios of the claims, one row per pair and one marker per world.
+def plot_pairs(table: DataFrame, families: Sequence[str], ax: Axes) -> Axes:
+    """Draw the ratios of the claims, one row per pair and one marker per family.
 
     The band holds what counts as equivalent. A hollow marker is a claim that is undecided.
 
@@ -39,18 +39,18 @@ def plot_pairs(table: DataFrame, worlds: Sequence[str], ax: Axes) -> Axes:
     ----------
     table : DataFrame
         From ``tables.verdicts.claims``; differences are left out.
-    worlds : sequence of str
-        Worlds in their order.
+    families : sequence of str
+        Families in their order.
     """
     table = table[table["ratio"].eq(True)]
     parts = dict.fromkeys(zip(table["id"], table["part"], strict=True))
     rows = {pair: row for row, pair in enumerate(parts)}
-    names = [name for name in worlds if name in set(table["world"])]
+    names = [name for name in families if name in set(table["world"])]
     shifts = dict(zip(names, np.linspace(-0.4, 0.4, len(names) + 2)[1:-1], strict=True))
     ax.axvspan(1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN, color="0.92", linewidth=0)
     ax.axvline(1.0, color="0.6", linewidth=0.6)
-    for name, (marker, colour) in zip(names, _WORLDS, strict=False):
-        ax.plot([], [], marker, color=colour, markersize=4, label=escape.figure(world_title(name)))
+    for name, (marker, colour) in zip(names, _FAMILIES, strict=False):
+        ax.plot([], [], marker, color=colour, markersize=4, label=escape.figure(family_title(name)))
         for row in table[table["world"] == name].itertuples():
             face = "white" if row.verdict in _UNDECIDED else colour
             arms = [[row.mean - row.low], [row.high - row.mean]]
@@ -99,7 +99,7 @@ def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> Axes:
     Parameters
     ----------
     table : DataFrame
-        One world and loop of ``tables.beyond.errors_and_tracking``.
+        One family and loop of ``tables.beyond.errors_and_tracking``.
     """
     place = table.set_index("model")[["forward", "tracking"]]
     ax.plot(place["forward"], place["tracking"], "o", color="0.6", markersize=3.5)
@@ -121,7 +121,7 @@ def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> Axes:
 
 
 def plot_settings(table: DataFrame, ax: Axes) -> Axes:
-    """Draw a ratio of errors over one setting, with its intervals, a line per world.
+    """Draw a ratio of errors over one setting, with its intervals, a line per family.
 
     Parameters
     ----------
@@ -132,13 +132,13 @@ def plot_settings(table: DataFrame, ax: Axes) -> Axes:
     span = 1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN
     ax.axhspan(*span, color="0.92", linewidth=0)
     ax.axhline(1.0, color="0.6", linewidth=0.6)
-    by_world = table.groupby("world", sort=False)
-    for (name, of_world), (marker, colour) in zip(by_world, _WORLDS, strict=False):
-        of_world = of_world.sort_values("value")
-        arms = [of_world["mean"] - of_world["low"], of_world["high"] - of_world["mean"]]
-        ax.errorbar(of_world["value"], of_world["mean"], yerr=arms, fmt=f"-{marker}", color=colour,
-                    markersize=3, linewidth=0.8,
-                    label=escape.figure(world_title(name)))  # fmt: skip
+    by_family = table.groupby("world", sort=False)
+    for (name, of_family), (marker, colour) in zip(by_family, _FAMILIES, strict=False):
+        of_family = of_family.sort_values("value")
+        arms = [of_family["mean"] - of_family["low"], of_family["high"] - of_family["mean"]]
+        ax.errorbar(of_family["value"], of_family["mean"], yerr=arms, fmt=f"-{marker}",
+                    color=colour, markersize=3, linewidth=0.8,
+                    label=escape.figure(family_title(name)))  # fmt: skip
     ax.set(xscale="log", yscale="log", ylabel="Error with $P_o$ / with\nlow-passed $\\theta_d$")
     ax.set_xlabel(r"$\epsilon$" if setting == "epsilon" else "$n_c$")
     values = sorted(table["value"].unique())
@@ -156,7 +156,7 @@ def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> Axes:
     Parameters
     ----------
     table : DataFrame
-        One world of ``tables.beyond.offsets``.
+        One family of ``tables.beyond.offsets``.
     measure : str
         forward, open_loop or closed_loop.
     """
@@ -187,7 +187,7 @@ def plot_capacities(table: DataFrame, ax: Axes) -> Axes:
     Parameters
     ----------
     table : DataFrame
-        One world of ``tables.beyond.capacity``.
+        One family of ``tables.beyond.capacity``.
     """
     means = table.pivot(index=["set", "states"], columns="quantity", values="mean")
     order = [name for name in SETS if name in means.index.get_level_values("set")]

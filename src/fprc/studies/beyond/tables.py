@@ -1,4 +1,4 @@
-"""Tables of the worlds of the target ``beyond``: models, and what changes their errors."""
+"""Tables of the families of the target ``beyond``: models, and what changes their errors."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,36 +9,36 @@ import pandas as pd
 from fprc.paper import SOURCES
 from fprc.registry import choice_of, competitor_title
 from fprc.signals import LEVEL, interval_of_mean
-from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
-from fprc.studies.beyond.worlds import (
+from fprc.studies.beyond.measurements import (
+    FAMILIES,
     LOOPS,
     MEASURES,
     SETS,
-    WORLDS,
     capacities,
+    family_title,
     measured,
-    world_title,
 )
+from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, markdown, three_digits
 
-Worlds = Sequence[Mapping[str, Any]]
+Families = Sequence[Mapping[str, Any]]
 
 
-def worlds_page(worlds: Worlds) -> pd.DataFrame:
-    """Return what each world is, and on how many seeds or rigs it is judged."""
+def families_page(families: Families) -> pd.DataFrame:
+    """Return what each family is, and on how many seeds or rigs it is judged."""
     rows = []
-    for world in worlds:
-        units = len({cell["unit"] for cell in world["cells"]})
-        seeds = len(world["cells"]) // max(units, 1)
-        judged = f"{units} {world['unit']}s" + (f", {seeds} seeds each" if seeds > 1 else "")
-        what = WORLDS.get(world["name"], ("", "a rig of one's own"))[1]
-        rows.append({"Rigs": world_title(world["name"]), "What it is": what, "Judged on": judged})
+    for family in families:
+        units = len({cell["unit"] for cell in family["cells"]})
+        seeds = len(family["cells"]) // max(units, 1)
+        judged = f"{units} {family['unit']}s" + (f", {seeds} seeds each" if seeds > 1 else "")
+        what = FAMILIES.get(family["name"], ("", "a rig of one's own"))[1]
+        rows.append({"Rigs": family_title(family["name"]), "What it is": what, "Judged on": judged})
     return pd.DataFrame(rows)
 
 
-def models(worlds: Worlds) -> pd.DataFrame:
-    """Mean of each model's measures over the units of each world, tidy.
+def models(families: Families) -> pd.DataFrame:
+    """Mean of each model's measures over the units of each family, tidy.
 
     Returns
     -------
@@ -47,26 +47,26 @@ def models(worlds: Worlds) -> pd.DataFrame:
         empty for a single one), ``units``, ``source``.
     """
     tables = []
-    for world in worlds:
-        table = measured(world)
+    for family in families:
+        table = measured(family)
         table = table[table["measure"].isin(list(MEASURES))]
         steps = [
             {"unit": 0, "model": model, "measure": "step_us", "value": value}
-            for model, value in (world.get("step_us") or {}).items()
+            for model, value in (family.get("step_us") or {}).items()
             if value is not None
         ]
         if steps:
             table = pd.concat([table, pd.DataFrame(steps)])
-        tables.append(_means(table, world, "model", "measure"))
+        tables.append(_means(table, family, "model", "measure"))
     return _joined(tables)
 
 
-def models_page(table: pd.DataFrame, world: str, *, intervals: bool = False) -> pd.DataFrame:
-    """Return the models of one world as a page, one row each."""
-    of_world = table[table["world"] == world]
+def models_page(table: pd.DataFrame, family: str, *, intervals: bool = False) -> pd.DataFrame:
+    """Return the models of one family as a page, one row each."""
+    of_family = table[table["world"] == family]
     headings = {_heading(measure): measure for measure in MEASURES}
     rows = []
-    for model, measures in of_world.groupby("model", sort=False):
+    for model, measures in of_family.groupby("model", sort=False):
         found = measures.set_index("measure")
         units = found["units"].drop("step_us", errors="ignore")
         rows.append(
@@ -79,17 +79,17 @@ def models_page(table: pd.DataFrame, world: str, *, intervals: bool = False) -> 
     return pd.DataFrame(rows, columns=["Model", *headings, "Units"])
 
 
-def leaderboard(table: pd.DataFrame, world: str) -> pd.DataFrame:
-    """Return the models of one world as a page, the lowest forward test RMSE first.
+def leaderboard(table: pd.DataFrame, family: str) -> pd.DataFrame:
+    """Return the models of one family as a page, the lowest forward test RMSE first.
 
     Models whose settings were chosen on the test log, or matched to another's, are left out.
     """
     offered = table[~table["model"].map(choice_of).isin(["oracle", "matched"])]
-    forward = offered[(offered["world"] == world) & (offered["measure"] == "forward")]
+    forward = offered[(offered["world"] == family) & (offered["measure"] == "forward")]
     order = forward.sort_values("mean", kind="stable")["model"].tolist()
     ranked = offered[offered["model"].isin(order)]
     ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
-    page = models_page(ranked, world, intervals=True)
+    page = models_page(ranked, family, intervals=True)
     return page[[name for name in page if not name.startswith("Closed loop")]]
 
 
@@ -105,8 +105,8 @@ def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
     -------
     DataFrame
         ``world``, ``model``, ``forward`` (kPa), ``loop`` (open_loop or closed_loop), ``tracking``
-        (deg), ``models`` (their number) and ``rank_correlation`` (Spearman's, of the world and
-        loop), ``source``. Worlds of fewer than three such models are left out.
+        (deg), ``models`` (their number) and ``rank_correlation`` (Spearman's, of the family and
+        loop), ``source``. Families of fewer than three such models are left out.
     """
     offered = table[table["model"].map(choice_of) != "oracle"]
     wide = offered.pivot(index=["world", "source", "model"], columns="measure", values="mean")
@@ -115,31 +115,31 @@ def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
     for loop in ("open_loop", "closed_loop"):
         pairs = wide.reindex(columns=["forward", loop]).dropna().reset_index()
         pairs = pairs.rename(columns={loop: "tracking"}).assign(loop=loop)
-        for _, of_world in pairs.groupby("world", sort=False):
-            if len(of_world) > 2:
-                rho = of_world["forward"].rank().corr(of_world["tracking"].rank())
-                parts.append(of_world.assign(models=len(of_world), rank_correlation=rho))
+        for _, of_family in pairs.groupby("world", sort=False):
+            if len(of_family) > 2:
+                rho = of_family["forward"].rank().corr(of_family["tracking"].rank())
+                parts.append(of_family.assign(models=len(of_family), rank_correlation=rho))
     order = "world model forward loop tracking models rank_correlation source".split()
     return _joined(parts or [pd.DataFrame(columns=order)])[order]
 
 
 def correlations_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return how forward test error ranks tracking, one row per world."""
+    """Return how forward test error ranks tracking, one row per family."""
     wide = table.pivot_table(
         index=["world", "models"], columns="loop", values="rank_correlation", sort=False
     )
     return pd.DataFrame(
         {
-            "Rigs": world_title(world),
+            "Rigs": family_title(family),
             "Models": str(count),
             "Open loop": f"{row['open_loop']:.2f}",
             "Closed loop": f"{row['closed_loop']:.2f}",
         }
-        for (world, count), row in wide.iterrows()
+        for (family, count), row in wide.iterrows()
     )
 
 
-def offsets(worlds: Worlds) -> pd.DataFrame:
+def offsets(families: Families) -> pd.DataFrame:
     """Forward test RMSE, and tracking, where P_o is shifted or disturbed after training, tidy.
 
     Returns
@@ -150,8 +150,8 @@ def offsets(worlds: Worlds) -> pd.DataFrame:
         ``source``; and the errors of Fuzzy-linear, which has no P_o, at no offset.
     """
     tables = []
-    for world in worlds:
-        table = measured(world)
+    for family in families:
+        table = measured(family)
         kind = table["measure"].str.extract("^([a-z_]*)/(.*)$")
         disturbed = kind[0] == "disturbed"
         without = table["measure"].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
@@ -160,22 +160,22 @@ def offsets(worlds: Worlds) -> pd.DataFrame:
         table["disturbance"] = kind[1].where(disturbed, "none")
         table["offset_kpa"] = kind[1].where(~disturbed).fillna("0").astype(float)
         table = table[kind[0].notna() | without]
-        tables.append(_means(table, world, "model", "measure", "disturbance", "offset_kpa"))
+        tables.append(_means(table, family, "model", "measure", "disturbance", "offset_kpa"))
     return _joined(tables)
 
 
-def offsets_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
+def offsets_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
     """Return one row per model and measure, one column per offset and disturbance; means alone."""
-    of_world = table[table["world"] == world]
-    offsets_kpa = sorted(of_world["offset_kpa"].unique())
+    of_family = table[table["world"] == family]
+    offsets_kpa = sorted(of_family["offset_kpa"].unique())
     headings = {f"{kpa:+g}" if kpa else "0": ("none", kpa) for kpa in offsets_kpa}
-    kinds = of_world["disturbance"].unique()
+    kinds = of_family["disturbance"].unique()
     words = {"drift": "drift", "noise": "noise", "pushed": "push"}
     headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
     order = ["measure", "model"]
-    wide = of_world.pivot(index=order, columns=["disturbance", "offset_kpa"], values="mean")
+    wide = of_family.pivot(index=order, columns=["disturbance", "offset_kpa"], values="mean")
     places = {measure: place for place, measure in enumerate(MEASURES)}
-    rows = of_world[order].drop_duplicates()
+    rows = of_family[order].drop_duplicates()
     rows = rows.sort_values("measure", key=lambda names: names.map(places), kind="stable")
     wide = wide.reindex(index=pd.MultiIndex.from_frame(rows), columns=list(headings.values()))
     page = wide.map(lambda mean: three_digits(mean) or "-").set_axis(list(headings), axis=1)
@@ -189,37 +189,38 @@ def _heading(measure: str) -> str:
     return words[:1].upper() + words[1:]
 
 
-def capacity(worlds: Worlds) -> pd.DataFrame:
+def capacity(families: Families) -> pd.DataFrame:
     """Capacity of each set of states, tidy.
 
     Returns
     -------
     DataFrame
-        ``world``, ``set``, ``states``, ``quantity`` (see ``worlds.capacities``), ``mean``, ``low``,
-        ``high``, ``units``, ``source``.
+        ``world``, ``set``, ``states``, ``quantity`` (see ``measurements.capacities``), ``mean``,
+        ``low``, ``high``, ``units``, ``source``.
     """
-    tables = [_means(capacities(world), world, "set", "states", "quantity") for world in worlds]
-    return _joined(tables)
+    return _joined(
+        [_means(capacities(family), family, "set", "states", "quantity") for family in families]
+    )
 
 
-def capacity_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
-    """Return the capacities of one world as a page, one row per set of states."""
-    of_world = table[table["world"] == world]
+def capacity_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
+    """Return the capacities of one family as a page, one row per set of states."""
+    of_family = table[table["world"] == family]
     # memory is the capacity of degree 1
     left_out = ("nonlinear", "degree 1")
-    quantities = [name for name in of_world["quantity"].unique() if name not in left_out]
+    quantities = [name for name in of_family["quantity"].unique() if name not in left_out]
     rows = [
         (
             SETS.get(name, name),
             str(states),
             *(_cell(found.set_index("quantity"), quantity) for quantity in quantities),
         )
-        for (name, states), found in of_world.groupby(["set", "states"], sort=False)
+        for (name, states), found in of_family.groupby(["set", "states"], sort=False)
     ]
     return pd.DataFrame(rows, columns=["States", "Number", *map(str.capitalize, quantities)])
 
 
-def lengths(worlds: Worlds) -> pd.DataFrame:
+def lengths(families: Families) -> pd.DataFrame:
     """Forward test RMSE over the length of the training log, tidy.
 
     Returns
@@ -229,7 +230,7 @@ def lengths(worlds: Worlds) -> pd.DataFrame:
         ``high``, ``units``, ``source``.
     """
     tables = []
-    for world in worlds:
+    for family in families:
         rows = [
             {
                 "unit": entry["seed"],
@@ -237,25 +238,25 @@ def lengths(worlds: Worlds) -> pd.DataFrame:
                 "training": "two logs" if entry.get("two_logs") else f"{entry['seconds']:g} s",
                 "value": float(errors["test_rmse_kpa"]),
             }
-            for entry in world.get("training_length") or ()
+            for entry in family.get("training_length") or ()
             for model, errors in entry["models"].items()
             if errors.get("test_rmse_kpa") is not None
         ]
         table = pd.DataFrame(rows, columns=["unit", "model", "training", "value"])
-        tables.append(_means(table, world, "model", "training"))
+        tables.append(_means(table, family, "model", "training"))
     return _joined(tables)
 
 
-def lengths_page(table: pd.DataFrame, world: str) -> pd.DataFrame:
+def lengths_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
     """Return one row per model and one column per length of the training log."""
-    of_world = table[table["world"] == world]
-    lengths = sorted(set(of_world["training"]), key=_seconds)
+    of_family = table[table["world"] == family]
+    lengths = sorted(set(of_family["training"]), key=_seconds)
     rows = [
         (
             competitor_title(model),
             *(_cell(found.set_index("training"), length) for length in lengths),
         )
-        for model, found in of_world.groupby("model", sort=False)
+        for model, found in of_family.groupby("model", sort=False)
     ]
     return pd.DataFrame(rows, columns=["Model", *lengths])
 
@@ -280,19 +281,19 @@ def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 def pages(
     verdicts: Mapping[str, Any],
     tables: Mapping[str, pd.DataFrame],
-    world: str,
+    family: str,
 ) -> dict[str, str]:
     """Return the tables in Markdown by their names; docs/beyond.md and others show them.
 
     Parameters
     ----------
     verdicts : Mapping
-        ``source``, ``worlds`` (rows of ``worlds_page``), and ``ledgers``: of
-        each world, the rows of ``beyond.claims.judge_world``.
+        ``source``, ``worlds`` (rows of ``families_page``), and ``ledgers``: of
+        each family, the rows of ``beyond.claims.judge_family``.
     tables : Mapping
         ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
-    world : str
-        The world that the tables of models, offsets, capacities and lengths show.
+    family : str
+        The family that the tables of models, offsets, capacities and lengths show.
     """
     titles = [ledger[0]["title"] for ledger in verdicts["ledgers"]]
     beside = pd.DataFrame(
@@ -306,14 +307,14 @@ def pages(
         "fitted": fitted_page(verdicts["ledgers"]),
         "details": details_page(verdicts["ledgers"]),
         "tracking": correlations_page(tables["tracking"]),
-        "models": models_page(tables["models"], world),
-        "offsets": offsets_page(tables["offsets"], world),
-        "capacities": capacity_page(tables["capacities"], world),
-        "lengths": lengths_page(tables["lengths"], world),
-        "leaderboard": leaderboard(tables["models"], world),
+        "models": models_page(tables["models"], family),
+        "offsets": offsets_page(tables["offsets"], family),
+        "capacities": capacity_page(tables["capacities"], family),
+        "lengths": lengths_page(tables["lengths"], family),
+        "leaderboard": leaderboard(tables["models"], family),
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
-    offsets_of = tables["offsets"][tables["offsets"]["world"] == world]
+    offsets_of = tables["offsets"][tables["offsets"]["world"] == family]
     half = float((offsets_of["high"] - offsets_of["low"]).max() / 2.0)
     widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
     notes = {"offsets": f"{note} Means{widest}."}
@@ -331,13 +332,13 @@ def _seconds(training: str) -> float:
     return float("inf") if training == "two logs" else float(training.removesuffix(" s"))
 
 
-def _means(table: pd.DataFrame, world: Mapping[str, Any], *keys: str) -> pd.DataFrame:
+def _means(table: pd.DataFrame, family: Mapping[str, Any], *keys: str) -> pd.DataFrame:
     """Return the mean over units, and its interval, for each value of the keys."""
     # simulations of one rig with several seeds are one unit
     units = table.groupby(["unit", *keys], sort=False)["value"].mean().reset_index()
     means = means_of(units, *keys, count="units").drop(columns=["std", "min", "max"])
-    means.insert(0, "world", world["name"])
-    return means.assign(source=world["source"])
+    means.insert(0, "world", family["name"])
+    return means.assign(source=family["source"])
 
 
 def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:

@@ -15,12 +15,12 @@ _SYMBOLS = {"FPRC": "†", "P_o": "‡"}
 
 
 def claims(ledgers: Ledgers) -> pd.DataFrame:
-    """Claims B1-B8 in each world, tidy: one row for each part, one for a claim not judged.
+    """Claims B1-B8 in each family, tidy: one row for each part, one for a claim not judged.
 
     Parameters
     ----------
     ledgers : sequence
-        Of each world, the rows of ``beyond.claims.judge_world``.
+        Of each family, the rows of ``beyond.claims.judge_family``.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
 
 
 def claims_page(ledgers: Ledgers) -> pd.DataFrame:
-    """Return one row per claim: its verdict in each world, and what the fit favours."""
+    """Return one row per claim: its verdict in each family, and what the fit favours."""
     return pd.DataFrame(
         {
             "Id": of_claim[0]["id"],
@@ -73,7 +73,7 @@ def means_of(row: Mapping[str, Any]) -> str:
 
 
 def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
-    """Return whom the fit of rigs favours, what was fitted, and the claims and worlds concerned."""
+    """Return whom the fit of rigs favours, what was fitted, the claims and families concerned."""
     why = ["In favour of", "What was fitted"]
     found = pd.DataFrame(
         (
@@ -85,7 +85,7 @@ def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
         ),
         columns=[*why, "Claims", "Rigs"],
     )
-    # claims of the same worlds share a row
+    # claims of the same families share a row
     for key, joined in (("Claims", "Rigs"), ("Rigs", "Claims")):
         groups = found.groupby([*why, key], sort=False)[joined]
         found = groups.agg(", ".join).reset_index()

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from fprc.claims.paired import Part, judge_together, verdict_in_words
-from fprc.studies.beyond.worlds import over_references, world_title
+from fprc.studies.beyond.measurements import family_title, over_references
 
 #: Loops, as readers see them.
 LOOPS = {"open": "open loop", "closed": "closed loop"}
@@ -113,7 +113,7 @@ def _verdicts(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, s
         line = {"Id": name, "Claim": of_claim["claim"].iloc[0]}
         for family, of_family in of_claim.groupby("family", sort=False):
             ratios = ", ".join(f"{mean:.3g}" for mean in of_family["mean"])
-            line[world_title(str(family))] = f"{of_family['verdict'].iloc[0]} {ratios}"
+            line[family_title(str(family))] = f"{of_family['verdict'].iloc[0]} {ratios}"
         page.append(line)
     note = (
         "Learning while it runs: verdicts on D1 to D4 of the preregistration, with the means of "
@@ -148,7 +148,7 @@ def _errors(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str
                 line[f"{words[:1].upper()}{words[1:]}, {how}"] = value
         page.append(line)
     note = (
-        f"Tracking error on the rig {world_title(families[0]['name'])}, root mean square over the "
+        f"Tracking error on the rig {family_title(families[0]['name'])}, root mean square over the "
         f"four references of Table IV, mean over {int(first['units'].max())} seeds [deg]. "
         "Re-zeroed, an FPRC with a constant offset of P_o is one without."
     )

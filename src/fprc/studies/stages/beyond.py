@@ -17,11 +17,11 @@ from fprc.studies.families.family import unit_of
 Settings = Mapping[str, Any]
 
 
-def tune_world(
+def tune_family(
     near_print: str,
     tuning: str,
     *,
-    world: Settings,
+    family: Settings,
     units: Sequence[int],
     candidates: int,
     seed: int,
@@ -34,33 +34,33 @@ def tune_world(
     Parameters
     ----------
     units : sequence of int
-        Seeds or rigs of the world that judge nothing else.
+        Seeds or rigs of the family that judge nothing else.
     seed : int
         Seed of the settings.
     judgement : Mapping
         Arguments of ``Judgement``.
     """
-    names = [name for name in SPACES if world["rigs"] == "one" or f"{name}_tuned" in BRIEF]
+    names = [name for name in SPACES if family["rigs"] == "one" or f"{name}_tuned" in BRIEF]
     cells = [
         {"model": name, "settings": settings}
         for name in names
         for settings in candidates_of(name, candidates, seed)
     ]
-    logs = [simulate(*unit_of(unit, world, near_print).rigs[0]) for unit in units]
+    logs = [simulate(*unit_of(unit, family, near_print).rigs[0]) for unit in units]
     with judged_cells(
         partial(judge_candidate, logs=logs, judgement=Judgement(**judgement), restarts=restarts),
         cells,
-        settings=[world, list(units), restarts, judgement],
+        settings=[family, list(units), restarts, judgement],
         files=[near_print],
         **run,
     ) as tried:
         by_model = {name: [cell for cell in tried if cell["model"] == name] for name in names}
-        described = {"world": world["name"], "source": "sim"}
+        described = {"world": family["name"], "source": "sim"}
         write_json(tuning, described | {"tried": tried, "chosen": chosen(by_model)})
 
 
 def join_tuned(tunings: Sequence[str], tuned: str) -> None:
-    """Write the chosen settings of every world as YAML."""
+    """Write the chosen settings of every family as YAML."""
     reports = [read_json(path) for path in tunings]
     text = yaml.safe_dump(
         {report["world"]: report["chosen"] for report in reports},

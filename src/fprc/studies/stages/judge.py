@@ -92,7 +92,7 @@ def _tuned(path: str, family: str) -> Any:
     known = read_yaml(path)
     if family not in known:
         raise FprcError(
-            f"{path}: no settings for the world {family}; make them with the target `tuned`, and "
+            f"{path}: no settings for the family {family}; make them with the target `tuned`, and "
             "copy results/beyond/tuned.yaml there"
         )
     return known[family]

@@ -8,14 +8,14 @@ import pandas as pd
 from fprc.artifacts import read_json
 from fprc.figures import style
 from fprc.paper import SOURCES
-from fprc.studies.beyond.worlds import world_of, world_title
+from fprc.studies.beyond.measurements import family_of, family_title
 from fprc.studies.online import show
 from fprc.tables.text import write_table
 
 
 def tabulate_online(families: Sequence[str], *, table: str, **files: str) -> None:
     """Write one of the tables: ``verdicts`` on D1 to D4, ``errors`` under every condition."""
-    tidy, page, note = show.TABLES[table]([world_of(read_json(path)) for path in families])
+    tidy, page, note = show.TABLES[table]([family_of(read_json(path)) for path in families])
     write_table(tidy, page, f"{note}\nData: {SOURCES['sim']}.", **files)
 
 
@@ -27,7 +27,7 @@ def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> Map
         for row, loop in enumerate(show.LOOPS):
             ax = axes[row][column]
             show.plot_offsets(table[(table["family"] == name) & (table["loop"] == loop)], ax)
-            ax.set_title(f"{world_title(name)}, {show.LOOPS[loop]}", fontsize=7)
+            ax.set_title(f"{family_title(name)}, {show.LOOPS[loop]}", fontsize=7)
             # the scales of the panels differ, so every panel shows its numbers
             ax.set(xlabel=ax.get_xlabel() if row else "", ylabel="" if column else ax.get_ylabel())
     style.share_legend(fig, axes[0][0])

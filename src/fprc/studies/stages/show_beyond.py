@@ -10,13 +10,13 @@ from fprc.artifacts import read_json, write_csv, write_json, write_text
 from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond.claims import beside_b1, judge_world
+from fprc.studies.beyond.claims import beside_b1, judge_family
+from fprc.studies.beyond.measurements import family_of
 from fprc.studies.beyond.verdicts import claims as claims_table
-from fprc.studies.beyond.worlds import world_of
 
 
 def tabulate_beyond(
-    worlds: Sequence[str],
+    families: Sequence[str],
     capacity: str,
     training: str,
     steps: str,
@@ -24,39 +24,39 @@ def tabulate_beyond(
     verdicts: str,
     pages: Sequence[str],
     *,
-    world: str,
+    family: str,
     **csv: str,
 ) -> None:
-    """Judge B1-B8 in every world, and write the tables.
+    """Judge B1-B8 in every family, and write the tables.
 
     Parameters
     ----------
-    worlds : sequence of str
-        Reports of the worlds; the first one's rig is that of ``training`` and ``steps``.
+    families : sequence of str
+        Reports of the families; the first one's rig is that of ``training`` and ``steps``.
     capacity : str
-        Capacities in each world with one rig.
+        Capacities in each family with one rig.
     over_settings : str
         Errors over epsilon and n_c.
     verdicts : str
-        Outcome: what each world is, and the rows of ``judge_world`` for each.
+        Outcome: what each family is, and the rows of ``judge_family`` for each.
     pages : sequence of str
         Tables in Markdown, named after ``tables.pages``.
-    world : str
-        World whose models, offsets, capacities and lengths the pages show.
+    family : str
+        Family whose models, offsets, capacities and lengths the pages show.
     **csv : str
         Tables by name: ``models``, ``claims``, ``tracking``, ``offsets``, ``capacities``,
         ``lengths``, ``settings``.
     """
-    found = [world_of(read_json(path)) for path in worlds]
+    found = [family_of(read_json(path)) for path in families]
     capacities = read_json(capacity)["cells"]
     for judged in found:
         judged["capacity"] = [row for row in capacities if row["family"] == judged["name"]]
     found[0]["training_length"] = read_json(training)["cells"]
     found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
-    ledgers = list(map(judge_world, found))
+    ledgers = list(map(judge_family, found))
     outcome = {
         "source": "sim",
-        "worlds": tables.worlds_page(found).to_dict("records"),
+        "worlds": tables.families_page(found).to_dict("records"),
         "ledgers": ledgers,
         "beside": list(map(beside_b1, found)),
     }
@@ -73,22 +73,22 @@ def tabulate_beyond(
     write_json(verdicts, outcome)
     for name, table in made.items():
         write_csv(csv[name], table)
-    texts = tables.pages(outcome, made, world)
+    texts = tables.pages(outcome, made, family)
     for path in pages:
         write_text(path, texts[Path(path).stem])
 
 
-def draw_pairs(claims: str, pdf: str, png: str, *, worlds: Sequence[str]) -> Mapping[str, Any]:
-    """Draw the ratio of the errors of each pair in each world, in the order of ``worlds``."""
+def draw_pairs(claims: str, pdf: str, png: str, *, families: Sequence[str]) -> Mapping[str, Any]:
+    """Draw the ratio of the errors of each pair in each family, in the order of ``families``."""
     fig, axes = style.figure(1, 1, style.PAGE_IN, 4.6)
-    figures.plot_pairs(pd.read_csv(claims), worlds, axes)
+    figures.plot_pairs(pd.read_csv(claims), families, axes)
     style.share_legend(fig, axes)
     return style.save(fig, _SIMULATED, pdf, png)
 
 
-def draw_tracking(tracking: str, pdf: str, png: str, *, world: str) -> Mapping[str, Any]:
+def draw_tracking(tracking: str, pdf: str, png: str, *, family: str) -> Mapping[str, Any]:
     """Draw tracking over the forward test error, without and with feedback."""
-    table = _of(tracking, world)
+    table = _of(tracking, family)
     fig, axes = style.figure(2, 1, style.COLUMN_IN, 4.4, sharex=True)
     for ax, (loop, words) in zip(axes, _LOOPS.items(), strict=True):
         of_loop = table[table["loop"] == loop]
@@ -101,9 +101,9 @@ def draw_tracking(tracking: str, pdf: str, png: str, *, world: str) -> Mapping[s
     return style.save(fig, _SIMULATED, pdf, png)
 
 
-def draw_offsets(offsets: str, pdf: str, png: str, *, world: str) -> Mapping[str, Any]:
+def draw_offsets(offsets: str, pdf: str, png: str, *, family: str) -> Mapping[str, Any]:
     """Draw the forward test error and the tracking errors over the offset of P_o."""
-    table = _of(offsets, world)
+    table = _of(offsets, family)
     fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6, sharex=True)
     for ax, measure in zip(axes, ("forward", *_LOOPS), strict=True):
         figures.plot_offsets(table, measure, ax)
@@ -111,10 +111,10 @@ def draw_offsets(offsets: str, pdf: str, png: str, *, world: str) -> Mapping[str
     return style.save(fig, _SIMULATED, pdf, png)
 
 
-def draw_capacities(capacities: str, pdf: str, png: str, *, world: str) -> Mapping[str, Any]:
+def draw_capacities(capacities: str, pdf: str, png: str, *, family: str) -> Mapping[str, Any]:
     """Draw the capacities of each set of states."""
     fig, axes = style.figure(1, 1, style.COLUMN_IN, 3.0)
-    figures.plot_capacities(_of(capacities, world), axes)
+    figures.plot_capacities(_of(capacities, family), axes)
     style.share_legend(fig, axes)
     return style.save(fig, _SIMULATED, pdf, png)
 
@@ -134,6 +134,6 @@ _SIMULATED: dict[str, Any] = {"source": "sim", "seeds": []}
 _LOOPS = {"open_loop": "(a) Open loop", "closed_loop": "(b) Closed loop"}
 
 
-def _of(path: str, world: str) -> pd.DataFrame:
+def _of(path: str, family: str) -> pd.DataFrame:
     table = pd.read_csv(path)
-    return table[table["world"] == world]
+    return table[table["world"] == family]

@@ -1,4 +1,4 @@
-"""Claims B1-B8 in worlds whose ratios are known."""
+"""Claims B1-B8 in families whose ratios are known."""
 
 import math
 from pathlib import Path
@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fprc.studies.beyond.claims import CLAIMS, beside_b1, judge_world
+from fprc.studies.beyond.claims import CLAIMS, beside_b1, judge_family
 
 
-def judged(world):
-    return {row["id"]: row for row in judge_world(world)}
+def judged(family):
+    return {row["id"]: row for row in judge_family(family)}
 
 
 def test_claims_stand_in_the_page_that_was_written_before():
@@ -21,8 +21,8 @@ def test_claims_stand_in_the_page_that_was_written_before():
         assert f"| {name} | {claim.text} |" in page
 
 
-def test_every_claim_compares_what_it_says(make_world):
-    rows = judged(make_world(spread=0.0))
+def test_every_claim_compares_what_it_says(make_family):
+    rows = judged(make_family(spread=0.0))
     parts = {name: [round(part["mean"], 6) for part in row["parts"]] for name, row in rows.items()}
     assert parts["B1"] == parts["B2"] == pytest.approx([1 / 1.3], abs=1e-6)
     assert parts["B3"] == pytest.approx([1 / 1.3, 1 / 1.3], abs=1e-6)
@@ -36,46 +36,46 @@ def test_every_claim_compares_what_it_says(make_world):
     assert set(verdicts.values()) == {"superior"}
 
 
-def test_tracking_is_the_mean_square_over_the_references(make_world):
-    world = make_world(spread=0.0)
-    for cell in world["cells"]:
+def test_tracking_is_the_mean_square_over_the_references(make_family):
+    family = make_family(spread=0.0)
+    for cell in family["cells"]:
         cell["models"]["fprc"]["open_loop_deg"] = {
             "sine_0p2": 1.0, "sine_0p5": 2.0, "sweep": 3.0, "complex": 4.0,
         }  # fmt: skip
         cell["models"]["fprc_lowpass"]["open_loop_deg"] = dict.fromkeys(
             ("sine_0p2", "sine_0p5", "sweep", "complex"), 2.0
         )
-    opened = judged(world)["B3"]["parts"][0]
+    opened = judged(family)["B3"]["parts"][0]
     assert opened["mean"] == pytest.approx(math.sqrt(30 / 4) / 2)
-    assert judged(world)["B3"]["verdict"] == "inferior"
+    assert judged(family)["B3"]["verdict"] == "inferior"
 
 
-def test_builds_of_a_rig_are_averaged_first(make_world):
-    world = make_world(units=9, builds=3, spread=0.2)
-    world["cells"].pop()  # the last rig has two builds
+def test_builds_of_a_rig_are_averaged_first(make_family):
+    family = make_family(units=9, builds=3, spread=0.2)
+    family["cells"].pop()  # the last rig has two builds
     errors = {
         (cell["unit"], cell["seed"]): [
             cell["models"][name]["forward"]["test_rmse_kpa"] for name in ("fprc", "fprc_lowpass")
         ]
-        for cell in world["cells"]
+        for cell in family["cells"]
     }
     ratios = [
         np.mean([math.log(a / b) for (unit, _), (a, b) in errors.items() if unit == rig])
         for rig in range(9)
     ]
-    row = judged(world)["B1"]
+    row = judged(family)["B1"]
     assert row["units"] == 9
     assert row["parts"][0]["mean"] == pytest.approx(math.exp(np.mean(ratios)))
 
 
-def test_missing_numbers_leave_their_pairs_only(make_world):
-    world = make_world(units=12)
-    cells = world["cells"]
+def test_missing_numbers_leave_their_pairs_only(make_family):
+    family = make_family(units=12)
+    cells = family["cells"]
     cells[0] = {"unit": 0, "seed": 601, "failed": "the reservoir is empty"}
     del cells[1]["models"]["fprc_lowpass"]
     cells[2]["models"]["ridge_p_o"]["forward"]["test_rmse_kpa"] = None
     cells[3]["models"]["fprc"]["closed_loop_deg"]["sweep"] = float("inf")
-    rows = judged(world)
+    rows = judged(family)
     lost = {name: (row["units"], row["dropped"]) for name, row in rows.items()}
     assert lost["B1"] == lost["B2"] == lost["B4"] == (10, 2)
     assert lost["B3"] == (9, 3)
@@ -83,54 +83,54 @@ def test_missing_numbers_leave_their_pairs_only(make_world):
     assert lost["B8"] == (12, 0)
 
 
-def test_claim_without_its_model_is_not_judged(make_world):
-    rows = judged(make_world(models=("fprc", "fuzzy_linear"), capacity=None))
+def test_claim_without_its_model_is_not_judged(make_family):
+    rows = judged(make_family(models=("fprc", "fuzzy_linear"), capacity=None))
     assert {name for name, row in rows.items() if row["verdict"] != "not judged"} == {"B7"}
     assert rows["B5"]["reason"] == "not measured here: FPRC / ESN, matched in training (forward)"
     assert rows["B5"]["parts"] == []
     assert rows["B7"]["reason"] == ""
 
 
-def test_half_of_a_claim_is_not_judged(make_world):
-    world = make_world()
-    for cell in world["cells"]:
+def test_half_of_a_claim_is_not_judged(make_family):
+    family = make_family()
+    for cell in family["cells"]:
         cell["models"]["fprc"]["closed_loop_deg"] = None
-    row = judged(world)["B3"]
+    row = judged(family)["B3"]
     assert row["verdict"] == "not judged"
     assert row["reason"]
 
 
-def test_few_units_decide_nothing_and_it_is_said(make_world):
-    rows = judged(make_world(units=7, spread=0.0))
+def test_few_units_decide_nothing_and_it_is_said(make_family):
+    rows = judged(make_family(units=7, spread=0.0))
     assert {row["verdict"] for row in rows.values()} == {"undecided"}
     assert rows["B1"]["reason"] == "7 seeds; at least 8 decide"
 
 
-def test_little_nonlinear_capacity_does_not_hold(make_world):
-    world = make_world()
-    for entry in world["capacity"]:
+def test_little_nonlinear_capacity_does_not_hold(make_family):
+    family = make_family()
+    for entry in family["capacity"]:
         entry["sets"]["p_o"]["by_degree"] = {"1": 0.9, "2": 0.03, "3": 0.04}
-    row = judged(world)["B8"]
+    row = judged(family)["B8"]
     assert row["verdict"] == "inferior"
     assert row["parts"][0]["mean"] == pytest.approx(-0.03)
     assert [part["verdict"] for part in row["parts"]] == ["inferior", "superior"]
 
 
-def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_world, monkeypatch):
+def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_family, monkeypatch):
     monkeypatch.setattr("fprc.claims.paired._share_of_subsets", lambda *rest: 0.9)
-    rows = judged(make_world(spread=0.0))
+    rows = judged(make_family(spread=0.0))
     assert {row["verdict"] for row in rows.values()} <= {"undecided", "not judged"}
     decided = {row["words"] for row in rows.values()} - {"undecided", "not judged"}
     assert decided
     assert all(words.endswith(", unstable") for words in decided)
 
 
-def test_ratios_beside_b1_are_those_of_the_models(make_world):
-    world = make_world(spread=0.0)
-    rows = {row["text"]: row for row in beside_b1(world)}
-    first = world["cells"][0]["models"]
+def test_ratios_beside_b1_are_those_of_the_models(make_family):
+    family = make_family(spread=0.0)
+    rows = {row["text"]: row for row in beside_b1(family)}
+    first = family["cells"][0]["models"]
     ratio = first["fprc"]["forward"]["test_rmse_kpa"] / first["bank"]["forward"]["test_rmse_kpa"]
     assert rows["FPRC / ridge on low-passes of theta_d"]["mean"] == pytest.approx(ratio, rel=0.01)
-    for cell in world["cells"]:
+    for cell in family["cells"]:
         cell["models"].pop("bank", None)
-    assert beside_b1(world)[0]["mean"] is None
+    assert beside_b1(family)[0]["mean"] is None

@@ -1,4 +1,4 @@
-"""Figures of worlds with many models, and with almost none."""
+"""Figures of families with many models, and with almost none."""
 
 import numpy as np
 import pytest
@@ -9,33 +9,33 @@ from fprc.paper import MODELS
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond import verdicts
-from fprc.studies.beyond.claims import judge_world
+from fprc.studies.beyond.claims import judge_family
 
-WORLDS = ("dry", "sparse")
+FAMILIES = ("dry", "sparse")
 
 
 @pytest.fixture(scope="module")
-def worlds(make_world):
+def families(make_family):
     sparse = {"capacity": None, "training_length": None, "step_us": None}
     few = ("fprc", "fuzzy_linear", "fprc_lowpass")
     return {
-        "dry": make_world(spread=0.02),
-        "sparse": make_world("sparse", units=3, models=few, **sparse),
+        "dry": make_family(spread=0.02),
+        "sparse": make_family("sparse", units=3, models=few, **sparse),
     }
 
 
-def of(table, world):
-    return table[table["world"] == world]
+def of(table, family):
+    return table[table["world"] == family]
 
 
-def claims(worlds):
-    return verdicts.claims([judge_world(world) for world in worlds.values()])
+def claims(families):
+    return verdicts.claims([judge_family(family) for family in families.values()])
 
 
-@pytest.mark.parametrize("world", ["dry", "sparse"])
-def test_pairs_have_a_row_each_and_the_band_of_equivalence(worlds, world, axes):
-    table = claims({world: worlds[world]})
-    figures.plot_pairs(table, WORLDS, axes)
+@pytest.mark.parametrize("family", ["dry", "sparse"])
+def test_pairs_have_a_row_each_and_the_band_of_equivalence(families, family, axes):
+    table = claims({family: families[family]})
+    figures.plot_pairs(table, FAMILIES, axes)
     labels = [label.get_text() for label in axes.get_yticklabels()]
     assert [label[:2] for label in labels] == table[table["ratio"].eq(True)]["id"].tolist()
     assert axes.get_xscale() == "log"
@@ -44,9 +44,9 @@ def test_pairs_have_a_row_each_and_the_band_of_equivalence(worlds, world, axes):
     assert 1.0 in axes.get_xticks()
 
 
-def test_hollow_markers_are_undecided(worlds, axes):
-    table = claims(worlds)
-    figures.plot_pairs(table, WORLDS, axes)
+def test_hollow_markers_are_undecided(families, axes):
+    table = claims(families)
+    figures.plot_pairs(table, FAMILIES, axes)
     shown = table[table["ratio"].eq(True)]
     hollow = [to_hex(bars[0].get_markerfacecolor()) == "#ffffff" for bars in axes.containers]
     assert hollow == shown["verdict"].isin(["undecided", "not judged"]).tolist()
@@ -56,9 +56,9 @@ def test_hollow_markers_are_undecided(worlds, axes):
     assert centres == pytest.approx(shown["mean"].tolist())
 
 
-@pytest.mark.parametrize("world", ["dry", "sparse"])
-def test_every_model_is_a_point_and_the_papers_and_the_best_have_names(worlds, world, axes):
-    table = of(tables.errors_and_tracking(tables.models(list(worlds.values()))), world)
+@pytest.mark.parametrize("family", ["dry", "sparse"])
+def test_every_model_is_a_point_and_the_papers_and_the_best_have_names(families, family, axes):
+    table = of(tables.errors_and_tracking(tables.models(list(families.values()))), family)
     table = table[table["loop"] == "closed_loop"].set_index("model")[["forward", "tracking"]]
     figures.plot_errors_and_tracking(table.reset_index(), axes)
     points = np.column_stack([axes.lines[0].get_xdata(), axes.lines[0].get_ydata()])
@@ -69,14 +69,14 @@ def test_every_model_is_a_point_and_the_papers_and_the_best_have_names(worlds, w
     assert len(axes.texts) <= 5
 
 
-def test_rank_correlation_is_spearmans(make_world):
+def test_rank_correlation_is_spearmans(make_family):
     random = np.random.default_rng(2)
-    world = make_world(units=2)
-    for cell in world["cells"]:
+    family = make_family(units=2)
+    for cell in family["cells"]:
         for report in cell["models"].values():
             factor = random.uniform(0.5, 2.0)
             report["open_loop_deg"] = {k: v * factor for k, v in report["open_loop_deg"].items()}
-    table = tables.errors_and_tracking(tables.models([world]))
+    table = tables.errors_and_tracking(tables.models([family]))
     for _, own in table.groupby("loop"):
         expected = spearmanr(own["forward"], own["tracking"]).statistic
         assert own["rank_correlation"].iloc[0] == pytest.approx(expected)
@@ -84,10 +84,10 @@ def test_rank_correlation_is_spearmans(make_world):
         assert (own["models"] == len(own)).all()
 
 
-@pytest.mark.parametrize("world", ["dry", "sparse"])
+@pytest.mark.parametrize("family", ["dry", "sparse"])
 @pytest.mark.parametrize("measure", ["forward", "open_loop", "closed_loop"])
-def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, measure, axes):
-    table = of(tables.offsets(list(worlds.values())), world)
+def test_offsets_have_fuzzy_linear_as_a_level_line(families, family, measure, axes):
+    table = of(tables.offsets(list(families.values())), family)
     figures.plot_offsets(table, measure, axes)
     lines = {line.get_label(): line for line in axes.lines}
     level = table[table["model"] == "fuzzy_linear"].set_index("measure")["mean"][measure]
@@ -97,8 +97,8 @@ def test_offsets_have_fuzzy_linear_as_a_level_line(worlds, world, measure, axes)
     assert not any("tuned" in label for label in lines)
 
 
-def test_stacked_capacities_end_at_the_total(worlds, axes):
-    table = of(tables.capacity(list(worlds.values())), "dry")
+def test_stacked_capacities_end_at_the_total(families, axes):
+    table = of(tables.capacity(list(families.values())), "dry")
     figures.plot_capacities(table, axes)
     ends = {}
     for bars in axes.containers:
@@ -113,18 +113,18 @@ def test_stacked_capacities_end_at_the_total(worlds, axes):
 
 
 @pytest.mark.parametrize("what", ["pairs", "tracking", "offsets", "capacities"])
-def test_world_of_failures_is_drawn_empty(what, make_world, axes):
+def test_family_of_failures_is_drawn_empty(what, make_family, axes):
     nothing = {"capacity": None, "training_length": None, "step_us": None}
-    world = make_world(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
+    family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
     if what == "pairs":
-        figures.plot_pairs(claims({"dry": world}), WORLDS, axes)
+        figures.plot_pairs(claims({"dry": family}), FAMILIES, axes)
     elif what == "tracking":
-        table = tables.errors_and_tracking(tables.models([world]))
+        table = tables.errors_and_tracking(tables.models([family]))
         figures.plot_errors_and_tracking(table, axes)
     elif what == "offsets":
-        figures.plot_offsets(tables.offsets([world]), "forward", axes)
+        figures.plot_offsets(tables.offsets([family]), "forward", axes)
     else:
-        figures.plot_capacities(tables.capacity([world]), axes)
+        figures.plot_capacities(tables.capacity([family]), axes)
     assert axes.get_xlabel()
     assert not axes.texts
     assert not axes.containers

@@ -1,4 +1,4 @@
-"""Tables of worlds whose numbers are known."""
+"""Tables of families whose numbers are known."""
 
 import re
 from pathlib import Path
@@ -13,16 +13,16 @@ from fprc.studies.beyond.claims import beside_b1
 from fprc.tables.text import markdown, read_markdown
 
 
-def means(world, measure, name):
+def means(family, measure, name):
     rows = [
-        (cell["unit"], cell["models"][name][measure]["test_rmse_kpa"]) for cell in world["cells"]
+        (cell["unit"], cell["models"][name][measure]["test_rmse_kpa"]) for cell in family["cells"]
     ]
     return pd.DataFrame(rows).groupby(0)[1].mean().to_numpy()
 
 
-def test_means_and_intervals_are_over_units(worlds):
-    table = tables.models(worlds).set_index(["world", "model", "measure"])
-    row, values = table.loc[("drawn", "esn", "reversed")], means(worlds[1], "reversed", "esn")
+def test_means_and_intervals_are_over_units(families):
+    table = tables.models(families).set_index(["world", "model", "measure"])
+    row, values = table.loc[("drawn", "esn", "reversed")], means(families[1], "reversed", "esn")
     half = t.ppf(0.975, 8) * values.std(ddof=1) / 3.0
     assert row["units"] == 9
     assert [row["mean"], row["low"], row["high"]] == pytest.approx(
@@ -30,23 +30,23 @@ def test_means_and_intervals_are_over_units(worlds):
     )
 
 
-def test_no_number_is_missing_where_there_are_two_units(worlds):
+def test_no_number_is_missing_where_there_are_two_units(families):
     for make in (tables.models, tables.offsets, tables.capacity, tables.lengths):
-        table = make(worlds)
-        assert list(make(worlds[3:])) == list(table)  # of a world with nothing
+        table = make(families)
+        assert list(make(families[3:])) == list(table)  # of a family with nothing
         several = table[table["units"] > 1]
         assert not several.isna().any().any()
         assert np.isfinite(table["mean"]).all()
         assert not table.duplicated([c for c in table if c not in ("mean", "low", "high")]).any()
 
 
-def test_pages_survive_a_world_with_nothing(worlds):
+def test_pages_survive_a_family_with_nothing(families):
     pages = [
-        tables.leaderboard(tables.models(worlds), "broken"),
-        tables.correlations_page(tables.errors_and_tracking(tables.models(worlds))),
-        tables.worlds_page(worlds),
+        tables.leaderboard(tables.models(families), "broken"),
+        tables.correlations_page(tables.errors_and_tracking(tables.models(families))),
+        tables.families_page(families),
         *(
-            page(make(worlds), "broken")
+            page(make(families), "broken")
             for page, make in (
                 (tables.models_page, tables.models),
                 (tables.offsets_page, tables.offsets),
@@ -61,8 +61,8 @@ def test_pages_survive_a_world_with_nothing(worlds):
         assert "nan" not in page.to_string().lower().split()
 
 
-def test_leaderboard_begins_with_the_lowest_error_and_offers_no_oracle(worlds):
-    page = tables.leaderboard(tables.models(worlds), "dry")
+def test_leaderboard_begins_with_the_lowest_error_and_offers_no_oracle(families):
+    page = tables.leaderboard(tables.models(families), "dry")
     errors = [float(text.split()[0]) for text in page["Forward test [kPa]"]]
     assert errors == sorted(errors)
     assert page["Model"].iloc[0] == "FPRC, tuned"
@@ -71,8 +71,8 @@ def test_leaderboard_begins_with_the_lowest_error_and_offers_no_oracle(worlds):
     assert {"Reversed test [kPa]", "Open loop [deg]", "One step [us]"} < set(page)
 
 
-def test_offsets_and_disturbances_have_their_columns(worlds):
-    table = tables.offsets(worlds)
+def test_offsets_and_disturbances_have_their_columns(families):
+    table = tables.offsets(families)
     assert set(table["offset_kpa"]) == {-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0}
     assert set(table["disturbance"]) == {"none", "drift", "pushed"}
     page = tables.offsets_page(table, "dry").set_index(["Model", "Error"])
@@ -87,15 +87,15 @@ def test_offsets_and_disturbances_have_their_columns(worlds):
     assert page.loc[("FPRC", "Forward test [kPa]")].ne("-").all()
 
 
-def test_pages_are_the_blocks_of_the_documentation(worlds, ledgers):
+def test_pages_are_the_blocks_of_the_documentation(families, ledgers):
     found = {
-        "models": tables.models(worlds), "offsets": tables.offsets(worlds),
-        "tracking": tables.errors_and_tracking(tables.models(worlds)),
-        "capacities": tables.capacity(worlds), "lengths": tables.lengths(worlds),
+        "models": tables.models(families), "offsets": tables.offsets(families),
+        "tracking": tables.errors_and_tracking(tables.models(families)),
+        "capacities": tables.capacity(families), "lengths": tables.lengths(families),
     }  # fmt: skip
     judged = {"source": "sim", "ledgers": ledgers,
-              "beside": [beside_b1(world) for world in worlds],
-              "worlds": tables.worlds_page(worlds).to_dict("records")}  # fmt: skip
+              "beside": [beside_b1(family) for family in families],
+              "worlds": tables.families_page(families).to_dict("records")}  # fmt: skip
     pages = tables.pages(judged, found, "dry")
     root = Path(__file__).parents[4]
     begun = {
@@ -107,7 +107,7 @@ def test_pages_are_the_blocks_of_the_documentation(worlds, ledgers):
     assert pages["leaderboard"].startswith("Data: simulated rig, not hardware.")
 
 
-def test_lengths_are_in_order_and_two_logs_last(worlds):
-    page = tables.lengths_page(tables.lengths(worlds), "dry")
+def test_lengths_are_in_order_and_two_logs_last(families):
+    page = tables.lengths_page(tables.lengths(families), "dry")
     assert list(page) == ["Model", "15 s", "30 s", "60 s", "two logs"]
     assert page.iloc[0].tolist() == ["FPRC", "16.7", "13.3", "11.7", "10.4"]

@@ -1,4 +1,4 @@
-"""Tables of verdicts in worlds whose numbers are known."""
+"""Tables of verdicts in families whose numbers are known."""
 
 from fprc.studies.beyond import verdicts
 from fprc.tables.text import markdown, read_markdown
@@ -42,7 +42,7 @@ def test_tidy_claims_have_a_row_for_each_part(ledgers):
     assert not decided.isna().any().any()
 
 
-def test_pages_survive_worlds_with_nothing(ledgers):
+def test_pages_survive_families_with_nothing(ledgers):
     for few in (ledgers, ledgers[3:]):
         for page in (
             verdicts.claims_page(few), verdicts.fitted_page(few), verdicts.details_page(few)
@@ -52,7 +52,7 @@ def test_pages_survive_worlds_with_nothing(ledgers):
             assert "nan" not in page.to_string().lower().split()
 
 
-def test_what_was_fitted_names_its_claims_and_worlds(ledgers):
+def test_what_was_fitted_names_its_claims_and_families(ledgers):
     page = verdicts.fitted_page(ledgers).set_index("What was fitted")
     assert page.loc["FPRC's forward error, at epsilon 0.01"].tolist() == ["FPRC †", "B1, B4", "dry"]
     assert page.loc["P_o's share of the readout's weights"].tolist() == [

@@ -5,7 +5,7 @@ import yaml
 from fprc.studies.stages.beyond import join_tuned
 
 
-def test_chosen_settings_are_joined_by_world(tmp_path):
+def test_chosen_settings_are_joined_by_family(tmp_path):
     names = ("dry", "viscous")
     for name in names:
         chosen = {"bank_tuned": {"epsilons": [0.1, 0.01], "alpha": 1e-06}}

@@ -63,7 +63,7 @@ def test_pool_has_a_process_for_four_units_within_its_limit(
 def test_family_without_tuned_settings_is_refused_before_anything_is_judged(family, run, tmp_path):
     tuned = tmp_path / "tuned.yaml"
     tuned.write_text("viscous: {}\n")
-    with pytest.raises(FprcError, match="no settings for the world dry"):
+    with pytest.raises(FprcError, match="no settings for the family dry"):
         run(tuned=str(tuned), judge="beyond.contest.judge_models", families=[family], units=[0],
             how={})  # fmt: skip
     assert [path.name for path in tmp_path.iterdir()] == ["tuned.yaml"]

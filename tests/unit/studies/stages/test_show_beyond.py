@@ -25,19 +25,19 @@ SETTINGS = [
 
 
 @pytest.fixture(scope="module")
-def tabulated(make_world, tmp_path_factory):
-    """Tables of two worlds; a file for each part of the first one, as the workflow has them."""
+def tabulated(make_family, tmp_path_factory):
+    """Tables of two families; a file for each part of the first one, as the workflow has them."""
     tmp_path = tmp_path_factory.mktemp("beyond")
     parts = ("capacity", "training_length", "step_us")
-    worlds = [make_world(spread=0.02), make_world("viscous", spread=0.02)]
-    taken = [{name: world.pop(name) for name in parts} for world in worlds]
+    families = [make_family(spread=0.02), make_family("viscous", spread=0.02)]
+    taken = [{name: family.pop(name) for name in parts} for family in families]
     written = {
-        world["name"]: {
+        family["name"]: {
             "source": "sim",
-            "families": {world["name"]: {key: world[key] for key in ("fitted", "unit")}},
-            "cells": world["cells"],
+            "families": {family["name"]: {key: family[key] for key in ("fitted", "unit")}},
+            "cells": family["cells"],
         }
-        for world in worlds
+        for family in families
     }
     written |= {
         "capacity": {"cells": [{"family": "dry", **row} for row in taken[0]["capacity"]]},
@@ -52,20 +52,20 @@ def tabulated(make_world, tmp_path_factory):
     tabulate_beyond(
         [path["dry"], path["viscous"]],
         *(path[name] for name in ("capacity", "training", "steps", "settings", "verdicts")),
-        [str(tmp_path / f"beyond/{name}.md") for name in PAGES], world="dry", **tables,
+        [str(tmp_path / f"beyond/{name}.md") for name in PAGES], family="dry", **tables,
     )  # fmt: skip
     return path["verdicts"], tables
 
 
-def test_what_was_measured_beside_the_models_belongs_to_its_world(tabulated):
+def test_what_was_measured_beside_the_models_belongs_to_its_family(tabulated):
     verdicts, tables = tabulated
     ledgers = json.loads(Path(verdicts).read_text())["ledgers"]
     judged = [{row["id"]: row["verdict"] for row in ledger} for ledger in ledgers]
     assert judged[0]["B8"] != "not judged"
-    assert judged[1]["B8"] == "not judged"  # no capacity of that world
-    worlds = {name: set(pd.read_csv(path)["world"]) for name, path in tables.items()}
-    assert worlds["claims"] == worlds["models"] == {"dry", "viscous"}
-    assert worlds["lengths"] == worlds["capacities"] == {"dry"}
+    assert judged[1]["B8"] == "not judged"  # no capacity of that family
+    families = {name: set(pd.read_csv(path)["world"]) for name, path in tables.items()}
+    assert families["claims"] == families["models"] == {"dry", "viscous"}
+    assert families["lengths"] == families["capacities"] == {"dry"}
 
 
 def test_page_and_leaderboard_have_the_numbers_of_the_tables(tabulated, tmp_path):
@@ -106,8 +106,8 @@ def test_ratio_over_a_setting_is_a_geometric_mean(tabulated, tmp_path):
     assert Path(png).stat().st_size > 1000
 
 
-def test_tracking_of_a_world_without_models_is_drawn_empty(tabulated, tmp_path):
+def test_tracking_of_a_family_without_models_is_drawn_empty(tabulated, tmp_path):
     tracking = tabulated[1]["tracking"]
     pdf, png = (str(tmp_path / f"tracking.{kind}") for kind in ("pdf", "png"))
-    assert draw_tracking(tracking, pdf, png, world="none")["source"] == "sim"
+    assert draw_tracking(tracking, pdf, png, family="none")["source"] == "sim"
     assert Path(png).stat().st_size > 1000

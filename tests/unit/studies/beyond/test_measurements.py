@@ -2,14 +2,14 @@ import math
 
 import pytest
 
-from fprc.studies.beyond.worlds import capacities, measured
+from fprc.studies.beyond.measurements import capacities, measured
 
 CELL = {"unit": 3, "seed": 601, "rig": None}
 
 
 def values(**report):
-    world = {"cells": [CELL | {"models": {"fprc": report}}]}
-    table = measured(world)
+    family = {"cells": [CELL | {"models": {"fprc": report}}]}
+    table = measured(family)
     return dict(zip(table["measure"], table["value"], strict=True))
 
 

@@ -1,6 +1,6 @@
-"""Read the measurements of a world of the target ``beyond``; a world is one rig or a set of rigs.
+"""Read the measurements of a family of the target ``beyond``; a family is one rig or a set of rigs.
 
-A world has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to), ``unit``
+A family has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to), ``unit``
 (seed or rig), ``cells`` (one per rig and seed, with the errors of each model), ``capacity``,
 ``training_length`` and ``step_us``.
 """
@@ -39,8 +39,8 @@ SETS = {
     "esn_noisy": "ESN, noise of P_o",
 }
 
-#: Title of each world, and what it is.
-WORLDS = {
+#: Title of each family, and what it is.
+FAMILIES = {
     "paper": ("paper", "the default rig: dry friction and creep, fitted to the paper"),
     "dry": ("dry", "an earlier rig of mostly dry friction, fitted to the paper"),
     "bouc_wen": (
@@ -56,19 +56,19 @@ WORLDS = {
 }
 
 
-def world_of(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the one family of a report of ``fprc.studies.stages.judge`` as a world."""
+def family_of(report: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the one family of a report of ``fprc.studies.stages.judge`` with what was measured."""
     ((name, described),) = report["families"].items()
     return {"name": name, "source": report["source"], **described, "cells": report["cells"]}
 
 
-def world_title(name: str) -> str:
-    """Return a world's name for readers."""
-    return WORLDS[name][0] if name in WORLDS else name.replace("_", "-")
+def family_title(name: str) -> str:
+    """Return a family's name for readers."""
+    return FAMILIES[name][0] if name in FAMILIES else name.replace("_", "-")
 
 
-def measured(world: Mapping[str, Any]) -> pd.DataFrame:
-    """Return every number of the models in a world, tidy.
+def measured(family: Mapping[str, Any]) -> pd.DataFrame:
+    """Return every number of the models in a family, tidy.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def measured(world: Mapping[str, Any]) -> pd.DataFrame:
     """
     rows = [
         (cell["unit"], cell["seed"], model, measure, float(value))
-        for cell in world["cells"]
+        for cell in family["cells"]
         for model, report in cell.get("models", {}).items()
         for measure, value in _numbers(report)
         if _is_usable(value)
@@ -120,8 +120,8 @@ def _is_usable(value: Any) -> bool:
     return isinstance(value, int | float) and math.isfinite(value) and value > 0
 
 
-def capacities(world: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the capacities of every set of states in a world, tidy.
+def capacities(family: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the capacities of every set of states in a family, tidy.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def capacities(world: Mapping[str, Any]) -> pd.DataFrame:
         degrees from 2 on.
     """
     rows = []
-    for entry in world.get("capacity") or ():
+    for entry in family.get("capacity") or ():
         unit = entry.get("unit", entry["seed"])
         for name, found in entry["sets"].items():
             degrees = found.get("by_degree", {})
