@@ -242,20 +242,20 @@ OFFSETS = (-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0)
 def make_family():
     """Return what makes a family of ``snakemake beyond`` with known ratios.
 
-    Numbers of a build are those of RATIOS, or of ``ratios``, with a factor common to its models and
-    a factor of their own; ``spread`` is the standard deviation of both logarithms.
+    Numbers of a repeat are those of RATIOS, or of ``ratios``, with a factor common to its models
+    and a factor of their own; ``spread`` is the standard deviation of both logarithms.
     """
     return _family
 
 
-def _family(name="dry", units=12, builds=1, spread=0.03, ratios=None, seed=1, models=None, **more):
+def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, models=None, **more):
     random = np.random.default_rng(seed)
     ratios = RATIOS | (ratios or {})
     cells = []
     for unit in range(units):
         common = np.exp(spread * random.standard_normal())
-        for build in range(builds):
-            own = {
+        for repeat in range(repeats):
+            errors = {
                 model: 12.0 * ratio * common * np.exp(spread * random.standard_normal())
                 for model, ratio in ratios.items()
                 if models is None or model in models
@@ -263,16 +263,16 @@ def _family(name="dry", units=12, builds=1, spread=0.03, ratios=None, seed=1, mo
             cells.append(
                 {
                     "unit": unit,
-                    "seed": 601 + builds * unit + build,
-                    "rig": unit if builds > 1 else None,
-                    "models": {model: _model(model, error) for model, error in own.items()},
+                    "seed": 601 + repeats * unit + repeat,
+                    "rig": unit if repeats > 1 else None,
+                    "models": {model: _model(model, error) for model, error in errors.items()},
                 }
             )
     return {
         "name": name,
         "title": f"{name} rig",
         "source": "sim",
-        "unit": "rig" if builds > 1 else "seed",
+        "unit": "rig" if repeats > 1 else "seed",
         "fitted": ["tables", "orders", "open_loop"],
         "cells": cells,
         "capacity": [_capacity(601 + unit, random) for unit in range(units)],

@@ -17,7 +17,7 @@ from fprc.paper import SOURCES
 from fprc.provenance import sha256
 from fprc.tables import readout
 
-#: Recordings of one role, training or test: each is a file and its map.
+#: Recordings of one role, training or test: files with their maps.
 Recordings = Sequence[tuple[str, ImportMap]]
 _TARGETS = {"command": "commanded", "measured": "measured"}
 

@@ -17,7 +17,7 @@ log = logging.getLogger(__name__)
 
 
 def cells_of(grid: str, values: Mapping[str, Sequence[float]]) -> list[dict[str, Any]]:
-    """Return the cells of a grid: each is a model and the settings that the grid varies."""
+    """Return the cells of a grid: a model, and the settings that the grid varies."""
     return [
         {"model": model, **dict(zip(GRID_SETTINGS[grid], cell, strict=True))}
         for model in GRID_MODELS[grid]

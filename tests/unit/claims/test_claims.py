@@ -632,8 +632,8 @@ def test_claim_is_half_fitted_where_the_fit_began_at_a_rig_that_was_searched_for
 ):
     rows = judge_claims(Results(**vars(ideal)), PUBLISHED, {"to": [to], "start": [start]})
     assert {row["id"] for row in rows if row["rig"] == "half fitted"} == set(half.split())
-    said = {row["id"] for row in rows if "the rig at which the fit began" in row["note"]}
-    assert said == set(began.split())
+    noted = {row["id"] for row in rows if "the rig at which the fit began" in row["note"]}
+    assert noted == set(began.split())
 
 
 def test_what_a_rig_may_have_been_searched_for_has_words_or_is_a_claim():
@@ -677,10 +677,10 @@ def test_step_is_chosen_on_the_first_half_of_the_seeds_and_judged_on_the_others(
 
 
 def test_claims_over_grids_say_that_they_rest_on_the_first_fold(ideal):
-    said = {row["id"] for row in judged(ideal) if "the first fold of each" in row["basis"]}
-    assert said == {"C9a", "C9b", "C9c", "C11", "C12a", "C12b", "C12c"}
+    noted = {row["id"] for row in judged(ideal) if "the first fold of each" in row["basis"]}
+    assert noted == {"C9a", "C9b", "C9c", "C11", "C12a", "C12b", "C12c"}
 
 
 def test_claims_on_n_u_say_where_the_contrast_of_the_paper_is_absent(ideal):
-    said = [row["id"] for row in judged(ideal) if "the paper's contrast" in row["note"]]
-    assert said == ["C12a", "C12c"]
+    noted = [row["id"] for row in judged(ideal) if "the paper's contrast" in row["note"]]
+    assert noted == ["C12a", "C12c"]

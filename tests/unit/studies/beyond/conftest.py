@@ -12,7 +12,7 @@ def families(make_family):
     failed = [{"unit": 0, "seed": 601, "rig": None, "failed": "no pressure"}]
     return [
         make_family("dry", fitted=["tables", "orders", "open_loop", "C8"]),
-        make_family("drawn", units=9, builds=2, spread=0.1, fitted=[]),
+        make_family("drawn", units=9, repeats=2, spread=0.1, fitted=[]),
         make_family("sparse", units=3, models=("fprc", "fuzzy_linear"), **sparse),
         make_family("broken", cells=failed, **sparse),
     ]

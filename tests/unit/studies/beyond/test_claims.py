@@ -50,9 +50,9 @@ def test_tracking_is_the_mean_square_over_the_references(make_family):
     assert judged(family)["B3"]["verdict"] == "inferior"
 
 
-def test_builds_of_a_rig_are_averaged_first(make_family):
-    family = make_family(units=9, builds=3, spread=0.2)
-    family["cells"].pop()  # the last rig has two builds
+def test_repeats_of_a_rig_are_averaged_first(make_family):
+    family = make_family(units=9, repeats=3, spread=0.2)
+    family["cells"].pop()  # the last rig has two repeats
     errors = {
         (cell["unit"], cell["seed"]): [
             cell["models"][name]["forward"]["test_rmse_kpa"] for name in ("fprc", "fprc_lowpass")
