@@ -148,7 +148,7 @@ newest:  ## run the unit tests with the newest Python and libraries: NEWEST=pyth
 	.venv/newest/bin/python -m pytest --quiet -m "not slow" tests/unit $(PYTEST)
 	.venv/newest/bin/python -m pytest --quiet tests/unit/models/test_sklearn_checks.py
 
-damage: .venv/.ready  ## damage every byte of small logs; CI damages one of eleven
+damage: .venv/.ready  ## damage every byte of small logs; CI damages one of 23
 	FPRC_EXAMPLES=200 pytest -m slow tests/unit/logs
 
 loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on this computer

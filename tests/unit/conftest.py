@@ -17,7 +17,7 @@ from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 
 # `make quick` asks for fewer examples, .ci/weekly for more
-EXAMPLES = int(os.environ.get("FPRC_EXAMPLES", "25"))
+EXAMPLES = int(os.environ.get("FPRC_EXAMPLES", "15"))
 settings.register_profile("unit", max_examples=EXAMPLES, deadline=None, derandomize=True)
 settings.load_profile("unit")
 
@@ -26,9 +26,9 @@ settings.load_profile("unit")
 def damaged_bytes():
     """Return the function that gives, for the size of a file, the bytes to damage.
 
-    These are all with 200 examples or more (`make damage`), and one of eleven with fewer.
+    These are all with 200 examples or more (`make damage`), and one of 23 with fewer.
     """
-    return lambda size: range(0, size, 1 if EXAMPLES >= 200 else 11)
+    return lambda size: range(0, size, 1 if EXAMPLES >= 200 else 23)
 
 
 @pytest.fixture(scope="session", autouse=True)
