@@ -45,8 +45,8 @@ _TRACKING = ("table4_seeds", "fig12", "fig13", "fig14", "fig15")
 _TABLES = ("tables", "orders")
 _TAPS = "few: 1 to 3 taps, medium: 4 to 7, many: 8 to 10"
 _BEST_N_U = (
-    "the paper's contrast, few n_u best in training and a medium one in the test, is absent on the "
-    "rig paper: there n_u 2 is best in both"
+    "the paper's contrast, few n_u best in training and a medium one in the test, needs C12a and "
+    "C12c"
 )
 
 
