@@ -158,7 +158,7 @@ class Calibration(Section):
         "one",
     )  # fmt: skip
     taps: Distinct[int] = quantity(
-        (2, 4, 7, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
+        (2, 5, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
     )
     first: FirstSearch = FirstSearch()
     rounds: NotEmpty[int] = quantity(

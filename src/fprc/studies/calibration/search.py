@@ -21,8 +21,10 @@ from scipy.optimize import least_squares
 
 from fprc.artifacts import resuming
 
-#: Step of the finite differences, in units of the cube's edge.
-_STEP = 0.03
+#: Steps of the finite differences, in units of the cube's edge: the first one, the least and the
+#: largest, and by how much the numbers should change (root mean square). A longer step sees the
+#: curvature, a shorter one the noise.
+_STEP, _FINEST, _COARSEST, _CHANGE = 0.03, 0.01, 0.06, 0.012
 
 #: Steps of a round, and the distances that each tries, as multiples of the radius.
 _STEPS, _REACH = 6, (0.2, 0.6, 1.5, 3.0)
@@ -34,6 +36,10 @@ _RADIUS, _LEAST, _MOST, _SHRINK = 0.15, 0.01, 0.4, 0.4
 #: Weight of the step's length beside the deviations, and share of a correction that the model takes
 #: over: numbers of one pair of points are noisy.
 _DAMPING, _CORRECTED = 0.3, 0.7
+
+#: Where the solver of a step begins, as the least distance from a bound in shares of the range, and
+#: the most steps that it takes.
+_INSET, _SOLVED = 0.05, 15
 
 #: A round that lowers the loss by a smaller share is the last: the next would hardly differ.
 _WORTH = 0.01
@@ -55,6 +61,7 @@ class _Here(NamedTuple):
     point: np.ndarray
     numbers: np.ndarray
     loss: float
+    slopes: np.ndarray | None = None  #: as the steps that led here had corrected them
 
 
 def search(
@@ -157,7 +164,7 @@ def _steps(
         else:
             radius *= _SHRINK
         radius = max(radius, _LEAST)
-        yield here
+        yield here._replace(slopes=slopes)
 
 
 def _loss(judged: _Here) -> float:
@@ -181,9 +188,14 @@ def _slopes(
     """Return how the numbers change along each parameter, and the neighbours that show it.
 
     The slopes have the shape (n_numbers, n_parameters). A parameter whose neighbour is impossible
-    has the slope 0.
+    has the slope 0. Where slopes are known from the round before, they say how far the neighbours
+    are.
     """
-    steps = np.where(here.point + _STEP <= 1.0, _STEP, -_STEP)
+    lengths = np.full(len(here.point), _STEP)
+    if here.slopes is not None:
+        changes = np.sqrt(np.mean(here.slopes**2, axis=0))
+        lengths = np.clip(_CHANGE / np.maximum(changes, 1e-9), _FINEST, _COARSEST)
+    steps = np.where(here.point + lengths <= 1.0, lengths, -lengths)
     points = [
         here.point + step * axis for step, axis in zip(steps, np.eye(len(steps)), strict=True)
     ]
@@ -218,11 +230,13 @@ def _least_within(
     effects = np.linalg.norm(slopes, axis=0)
     radii = radius / np.maximum(effects / max(float(np.median(effects)), 1e-9), 1.0)
 
-    def residuals(step: np.ndarray) -> np.ndarray:
-        deviations = deviations_of((here.numbers + slopes @ step).tolist())
-        return np.concatenate([deviations, _DAMPING * step / radii])
+    def residuals(share: np.ndarray) -> np.ndarray:
+        deviations = deviations_of((here.numbers + slopes @ (radii * share)).tolist())
+        return np.concatenate([deviations, _DAMPING * share])
 
-    low, high = np.maximum(-radii, -here.point), np.minimum(radii, 1.0 - here.point)
-    begin = np.clip(np.zeros(len(low)), low + 1e-9, high - 1e-9)
-    fit = least_squares(residuals, begin, bounds=(low, high), diff_step=1e-3, max_nfev=25)
-    return np.clip(here.point + fit.x, 0.0, 1.0)
+    low, high = np.maximum(-1.0, -here.point / radii), np.minimum(1.0, (1.0 - here.point) / radii)
+    # a start close to a bound costs the solver most of its steps
+    inset = _INSET * (high - low)
+    begin = np.clip(np.zeros(len(low)), low + inset, high - inset)
+    fit = least_squares(residuals, begin, bounds=(low, high), diff_step=1e-3, max_nfev=_SOLVED)
+    return np.clip(here.point + radii * fit.x, 0.0, 1.0)
