@@ -141,9 +141,7 @@ def bandwidth(features: EchoStates, X: np.ndarray, rounds: int) -> str:
         run()
     seconds = interleaved(work, rounds)
     read = {"step": same.nbytes * len(few), "same": same.nbytes * len(few), "large": large.nbytes}
-    gb_per_s = {
-        name: read[name] / statistics.median(times) / 1e9 for name, times in seconds.items()
-    }
+    gb_per_s = {name: read[name] / statistics.median(seconds[name]) / 1e9 for name in read}
     share = statistics.median(a / b for a, b in zip(seconds["same"], seconds["step"], strict=True))
     gflop = {"step": 2e-9 * same.size * len(few), "product": 2e-9 * len(square) ** 3}
     rate = {name: gflop[name] / statistics.median(seconds[name]) for name in gflop}
