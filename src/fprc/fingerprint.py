@@ -20,6 +20,9 @@ import fprc
 _STANDARD = get_path("stdlib")
 _INSTALLED = {"site-packages", "dist-packages"}
 
+#: What can hold an import or a docstring. Most of a module is expressions, which cannot.
+_BLOCKS = (ast.stmt, ast.excepthandler, ast.match_case)
+
 
 def fingerprint(*modules: str) -> str:
     """Hash the code of modules, and of every module of this package or the user that they import.
@@ -76,7 +79,7 @@ def _source(module: str) -> tuple[str, set[tuple[str, str]]]:
     tree = ast.parse(path.read_bytes())
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     imports = set(_imports(tree, package))
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         match getattr(node, "body", None):
             case [ast.Expr(ast.Constant(str())), *_] as body:
                 body.pop(0)
@@ -91,5 +94,14 @@ def _imports(tree: ast.AST, package: str) -> Iterator[tuple[str, str]]:
         elif isinstance(node, ast.ImportFrom):
             origin = resolve_name("." * node.level + (node.module or ""), package)
             yield from ((origin, alias.name) for alias in node.names)
-        elif not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"):
+        elif isinstance(node, _BLOCKS) and not (
+            isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+        ):
             yield from _imports(node, package)
+
+
+def _statements(tree: ast.AST) -> Iterator[ast.AST]:
+    yield tree
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, _BLOCKS):
+            yield from _statements(node)
