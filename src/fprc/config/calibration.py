@@ -162,7 +162,7 @@ class Calibration(Section):
     )
     first: FirstSearch = FirstSearch()
     rounds: NotEmpty[int] = quantity(
-        (4, 4, 4, 4, 4), (1, 1000),
+        (2,) * 10, (1, 1000),
         "rounds of each search for calibration.fit; each starts where the one before ended",
     )  # fmt: skip
     minutes: float = quantity(
