@@ -85,7 +85,7 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
     assert (on_rig["target"], on_rig["control"]) == ("command", expected["control"])
     smoke = from_files(FILES).model_dump(mode="json")
     assert (call["grids"], call["tracking"]) == (smoke["grids"], smoke["tracking"])
-    assert call["tracking"]["references"]["sweep"]["duration_s"] == 8.0
+    assert call["tracking"]["references"]["sweep"]["duration_s"] == 4.0
     assert json.dumps(call)  # plain values, as the key of the checkpoint needs them
 
 
