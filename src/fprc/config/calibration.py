@@ -58,7 +58,7 @@ class Fitted(Section):
 
 
 class FirstSearch(Section):
-    """The first search, on the first seed; those for ``calibration.fit``, on all seeds, follow."""
+    """The first search, on the first seed; that for ``calibration.fit``, on all seeds, follows."""
 
     fit: tuple[Term, ...] = Field(
         ("tables", "orders", "plausible", "C18", "open_loop", "closed_loop", "closed_sweep"),
@@ -154,17 +154,14 @@ class Calibration(Section):
     )
     full_seeds: NotEmpty[int] = quantity(
         (41, 42, 43, 44, 45, 46, 47, 48), (0, 2**31),
-        "noise seeds on which the full models judge the rig where a search begins, and the fitted "
-        "one",
+        "noise seeds on which the full models judge the rig where a round for calibration.fit "
+        "begins, and the fitted one",
     )  # fmt: skip
     taps: Distinct[int] = quantity(
         (2, 5, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
     )
     first: FirstSearch = FirstSearch()
-    rounds: NotEmpty[int] = quantity(
-        (2,) * 10, (1, 1000),
-        "rounds of each search for calibration.fit; each starts where the one before ended",
-    )  # fmt: skip
+    rounds: int = quantity(20, (1, 1000), "rounds of the search for calibration.fit")
     minutes: float = quantity(
         120, (0.01, 10000), "after this time each search judges only the rig at which it starts",
         unit="min",

@@ -54,6 +54,7 @@ def fuzzy_c_means(
     coarse: int = 10,
     clustering: str = "fprc",
     restarts: int = 1,
+    init: np.ndarray | None = None,
 ) -> Clusters:
     """Cluster the rows of ``X`` by alternating memberships and centres.
 
@@ -77,6 +78,8 @@ def fuzzy_c_means(
     restarts : int
         Number of starts; the clustering with the lowest objective is kept. Starts that lead to one
         optimum of the thinned rows are converged on all rows once.
+    init : ndarray of shape (n_clusters, n_features), optional
+        The only start, instead of the random ones; it converges on all rows at once.
 
     Raises
     ------
@@ -94,6 +97,8 @@ def fuzzy_c_means(
     if len(thinned) < 10 * n_clusters:
         thinned = X
     converge = {"fprc": _converge, "scikit-fuzzy": converge_skfuzzy}[clustering]
+    if init is not None:
+        return converge(X, init, tolerance, max_iterations)
     rng = check_random_state(random_state)
 
     found, optima = list[Clusters](), list[float]()

@@ -74,14 +74,19 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         yield "centers_", (self.n_c, self.n_features_in_)
         yield "W_out_", (self.n_c, 1 + self.n_features_in_)
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
-        """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8)."""
+    def fit(self, X: ArrayLike, y: ArrayLike, *, init: np.ndarray | None = None) -> Self:
+        """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8).
+
+        ``init``, of the shape of ``centers_``, is where the clustering begins; by default at
+        random samples.
+        """
         check_limits(self, self.LIMITS)
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         rng = check_random_state(self.random_state)
         clusters = fuzzy_c_means(
-            rows, self.n_c, random_state=rng, clustering=self.clustering, restarts=self.restarts
-        )
+            rows, self.n_c, random_state=rng, clustering=self.clustering, restarts=self.restarts,
+            init=init,
+        )  # fmt: skip
         extended = with_bias(rows)
         self.centers_ = clusters.centers
         self.W_out_ = np.array(

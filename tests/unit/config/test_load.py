@@ -113,7 +113,7 @@ def test_unknown_key_names_the_nearest(config, unknown, nearest):
         ("calibration.seeds", [-1], ".0"),
         ("calibration.seeds", [], ""),
         ("calibration.taps", [4], ""),
-        ("calibration.rounds", 50, ""),
+        ("calibration.rounds", [50], ""),
         ("quality.pressure_range_kpa", [], ""),
         ("tracking.angle_range_deg", [1], ""),
         # of a model from outside this package

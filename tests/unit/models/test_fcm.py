@@ -139,10 +139,13 @@ def test_restarts_keep_the_start_with_the_lowest_objective(traps):
     assert np.array_equal(kept.memberships, first.memberships)
 
 
-@pytest.mark.parametrize(("restarts", "n_clusters", "seed"), [(1, 4, 0), (3, 6, 1)])
-def test_scikit_fuzzy_agrees_from_equal_starts(restarts, n_clusters, seed):
+@pytest.mark.parametrize(
+    ("restarts", "n_clusters", "seed", "init"),
+    [(1, 4, 0, None), (3, 6, 1, None), (1, 3, 0, hysteresis(600)[[5, 90, 300]])],
+)
+def test_scikit_fuzzy_agrees_from_equal_starts(restarts, n_clusters, seed, init):
     X = hysteresis(600)
-    tight = {"tolerance": 1e-12, "max_iterations": 20_000, "restarts": restarts}
+    tight = {"tolerance": 1e-12, "max_iterations": 20_000, "restarts": restarts, "init": init}
     ours, theirs = (
         fuzzy_c_means(X, n_clusters, random_state=seed, clustering=clustering, **tight)
         for clustering in ("fprc", "scikit-fuzzy")

@@ -1,5 +1,6 @@
 """Fit the simulated rig to published numbers and claims."""
 
+import copy
 import hashlib
 import json
 import logging
@@ -11,6 +12,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from joblib import Parallel, delayed, parallel_config
 
 from fprc import __version__
 from fprc.config.rig import Rig
@@ -18,7 +20,14 @@ from fprc.errors import FprcError
 from fprc.experiments.settings import RigSettings
 from fprc.provenance import hash_of
 from fprc.studies.calibration.full_models import judge_fully, ratios_to_full
-from fprc.studies.calibration.objective import Aim, Objective, aim_of, logs_of
+from fprc.studies.calibration.objective import (
+    Aim,
+    aim_of,
+    deviations,
+    judged_of,
+    logs_of,
+    scaled,
+)
 from fprc.studies.calibration.search import SearchResult, search
 from fprc.studies.calibration.space import (
     Free,
@@ -60,12 +69,11 @@ def fit_rig(
     Values outside their range are first moved to its end. A first search asks for those terms of
     ``calibration.fit`` that ``calibration.first.fit`` names, if there are any, on the first seed
     only. It begins at several points, since a single one often leads to a valley without a good
-    rig. Then one search for all of ``calibration.fit`` follows for each number in
-    ``calibration.rounds``, on all seeds; each begins at the best point of the one before. All use
-    cheap surrogates of the models. Where a search begins, the full models judge the rig on
-    ``calibration.full_seeds``, and the search multiplies the surrogate's errors by the ratios of
-    theirs to its own: the ratios change along the way, and few seeds are no fair sample. At the
-    end the full models judge the fitted rig on these seeds.
+    rig. The search for all of ``calibration.fit`` follows from its best point, on all seeds. Both
+    use cheap surrogates of the models. Where a round begins, the full models judge the rig, in the
+    first search on its seed, then on ``calibration.full_seeds``, since few seeds are no fair
+    sample; the surrogate's errors of the round are multiplied by the ratios of theirs to its own.
+    At the end the full models judge the fitted rig on these seeds.
 
     Parameters
     ----------
@@ -79,18 +87,16 @@ def fit_rig(
     Returns
     -------
     dict, dict
-        The fitted rig, and a summary of the fit. Losses are those of the last search;
-        rounds and rigs are those of all.
+        The fitted rig, and a summary of the fit. Losses are of the last search's terms, with the
+        surrogate corrected at the rig that has them; rounds and rigs are those of all searches.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
     seeds = calibration["seeds"]
     first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
-    planned = [
-        {"fit": calibration["fit"], "rounds": rounds, "seeds": seeds, "starts": 1}
-        for rounds in calibration["rounds"]
-    ]
+    planned = [{"rounds": calibration["rounds"], "starts": 1}]
     if first:
-        planned.insert(0, {**calibration["first"], "fit": first, "seeds": seeds[:1]})
+        one = seeds[:1]
+        planned.insert(0, {**calibration["first"], "fit": first, "seeds": one, "full_seeds": one})
     ends = time.monotonic() + 60.0 * calibration["minutes"]
     searched = partial(
         _searched, printed=printed, judgement=judgement, grids=grids, tracking=tracking,
@@ -100,29 +106,29 @@ def fit_rig(
     start_rig = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
     done: list[Searched] = []
     for number, plan in enumerate(planned, start=1):
-        log.info("search %d of %d, for %s", number, len(planned), ", ".join(plan["fit"]))
-        at = done[-1].best if done else start_rig
         changed = {**calibration, **plan}
+        log.info("search %d of %d, for %s", number, len(planned), ", ".join(changed["fit"]))
+        at = done[-1].best if done else start_rig
         done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
-    best, objective, estimate, judge, _, result = done[-1]
-    log.info("judging the fitted rig with the full models")
+    best, aim, judge, result = done[-1]
+    log.info("judging the first and the fitted rig with the full models")
+    at_start, at_end = judge(start_rig, workers=workers), judge(best, workers=workers)
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
         "software": f"fprc {__version__}",
         "seeds": list(seeds),
         "full_seeds": list(calibration["full_seeds"]),
-        **_outcome(objective, judge(best), estimate(best, seeds)),
-        "median_deviation_at_start": float(np.median(_off(done[0].began, objective.aim))),
-        "loss_at_start": objective.loss(estimate(start_rig, seeds)),
-        "loss": result.loss,
+        **_outcome(at_end, aim),
+        "median_deviation_at_start": float(np.median(_off(at_start.full, aim))),
+        "loss_at_start": sum(_losses(at_start, aim).values()),
+        "loss": sum(_losses(at_end, aim).values()),
         "rig_sha256": hash_of(best.rig),
         "searches": [
-            {"fit": list(plan["fit"]), "rounds": end.result.rounds}
-            for plan, end in zip(planned, done, strict=True)
+            {"fit": list(search.aim.fit), "rounds": search.result.rounds} for search in done
         ],
-        "rounds": sum(end.result.rounds for end in done),
-        "evaluations": sum(end.result.evaluations for end in done),
-        "finished": all(end.result.finished for end in done),
+        "rounds": sum(search.result.rounds for search in done),
+        "evaluations": sum(search.result.evaluations for search in done),
+        "finished": all(search.result.finished for search in done),
         "parameters": [
             p._asdict() | {"began_at": before, "share": share}
             for p, before, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
@@ -131,14 +137,20 @@ def fit_rig(
     return best.rig, summary
 
 
+class Corrected(NamedTuple):
+    """A rig as the full models and the surrogate judge it, one mapping per seed."""
+
+    full: list[dict[str, dict[str, float]]]
+    estimated: list[dict[str, Any]]
+    ratios: dict[str, dict[str, float]]  #: see ``ratios_to_full``
+
+
 class Searched(NamedTuple):
     """The end of a search."""
 
     best: RigSettings
-    objective: Objective
-    estimate: Callable[[RigSettings, Sequence[int]], list[dict[str, Any]]]  #: by the surrogate
-    judge: Callable[[RigSettings], list[dict[str, dict[str, float]]]]  #: by the full models
-    began: list[dict[str, dict[str, float]]]  #: of the rig where it began, by the full models
+    aim: Aim
+    judge: Callable[..., Corrected]  #: of a rig, and ``workers``
     result: SearchResult
 
 
@@ -166,59 +178,114 @@ def _searched(
         tracking=tracking,
     )
     judge = partial(
-        judge_fully,
-        seeds=calibration["full_seeds"],
-        workers=workers,
+        _corrected,
+        estimate=estimate,
+        seeds=seeds,
+        full_seeds=calibration["full_seeds"],
         judgement=judgement,
         tracking=tracking,
         loops={
             name: feedback for name, feedback in LOOPS.items() if name in _measures(calibration)
         },
     )
-    log.info("judging the rig at which the search begins, with the full models")
-    began, like = judge(start_rig), estimate(start_rig, seeds)
-    objective = Objective(aim, ratios_to_full(began, like), like)
+    like = estimate(start_rig, seeds)
     # a search that ran out of time goes on if it is given more
     settings = {key: value for key, value in calibration.items() if key != "minutes"}
     depends_on = [asdict(start_rig), judgement, settings, grids, tracking, aim, version]
+    key = hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest()
     result = search(
-        partial(judge_point, on_rig=start_rig, free=free, seeds=seeds, estimate=estimate),
-        lambda logs: np.concatenate([*objective.terms(objective.judged(logs)).values()]),
+        partial(judge_point, on_rig=start_rig, free=free, seeds=seeds, estimate=estimate, key=key),
+        partial(corrections, on_rig=start_rig, free=free, judge=judge, workers=workers),
+        lambda logs: np.concatenate([*deviations(judged_of(logs, like), aim).values()]),
         starts_near(encode(start_rig.rig, free), calibration["starts"], seeds[0]),
         rounds=calibration["rounds"],
         workers=workers,
         checkpoint=checkpoint,
-        key=hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest(),
+        key=key,
         seconds=ends - time.monotonic(),
         progress=partial(log.info, "round %d of %d, least loss %.4f, %.0f s"),
     )
-    best = replace(start_rig, rig=resolved(decode(result.point, start_rig.rig, free)))
-    return Searched(best, objective, estimate, judge, began, result)
+    return Searched(_rig_at(result.point, start_rig, free), aim, judge, result)
 
 
-def _outcome(
-    objective: Objective,
-    full: Sequence[Mapping[str, Mapping[str, float]]],
-    judged: Sequence[Mapping[str, Any]],
-) -> dict[str, Any]:
+def _rig_at(point: np.ndarray, on_rig: RigSettings, free: Sequence[Free]) -> RigSettings:
+    return replace(on_rig, rig=resolved(decode(point, on_rig.rig, free)))
+
+
+def _corrected(
+    on_rig: RigSettings,
+    *,
+    estimate: Callable[..., list[dict[str, Any]]],
+    seeds: Sequence[int],
+    full_seeds: Sequence[int],
+    workers: int,
+    **full: Any,
+) -> Corrected:
+    """Judge a rig by the full models, and by the surrogate that they correct."""
+    by_full = judge_fully(on_rig, full_seeds, workers=workers, **full)
+    estimated = estimate(on_rig, seeds)
+    return Corrected(by_full, estimated, ratios_to_full(by_full, estimated))
+
+
+def corrections(
+    points: Sequence[np.ndarray],
+    *,
+    on_rig: RigSettings,
+    free: Sequence[Free],
+    judge: Callable[..., Corrected],
+    workers: int,
+) -> list[list[list[float]] | None]:
+    """Return the logarithms of the surrogate's measures at points, and what the full models add.
+
+    None stands for a rig on which the full models are impossible.
+    """
+    # one rig's seeds or several rigs are judged side by side
+    at_once = min(workers, len(points))
+    with parallel_config("loky", inner_max_num_threads=1):
+        return Parallel(n_jobs=at_once)(
+            delayed(_correction)(_rig_at(point, on_rig, free), judge, workers // at_once)
+            for point in points
+        )
+
+
+def _correction(
+    on_rig: RigSettings, judge: Callable[..., Corrected], workers: int
+) -> list[list[float]] | None:
+    try:
+        Rig.model_validate(on_rig.rig)
+        _, estimated, ratios = judge(on_rig, workers=workers)
+    except (FprcError, ValueError):
+        return None
+    logs = logs_of(estimated)
+    added = np.subtract(logs_of(scaled(estimated, ratios)), logs)
+    return [logs, added.tolist()] if np.isfinite(logs).all() and np.isfinite(added).all() else None
+
+
+def _losses(judged: Corrected, aim: Aim) -> dict[str, float]:
+    """Return the sum of squares of each term."""
+    terms = deviations(scaled(judged.estimated, judged.ratios), aim)
+    return {name: float(np.sum(values**2)) for name, values in terms.items()}
+
+
+def _outcome(judged: Corrected, aim: Aim) -> dict[str, Any]:
     """Describe a rig by the full models' errors, and the surrogate's terms and properties.
 
     The median and the largest deviation are of Tables II and III.
     """
-    off = _off(full, objective.aim)
+    off = _off(judged.full, aim)
     return {
-        "fit": list(objective.aim.fit),
-        "printed": objective.aim.printed,
-        "residuals": relative(full, objective.aim),
+        "fit": list(aim.fit),
+        "printed": aim.printed,
+        "residuals": relative(judged.full, aim),
         "median_deviation": float(np.median(off)),
         "largest_deviation": float(np.max(off)),
-        "terms": objective.losses(judged),
+        "terms": _losses(judged, aim),
         "properties": {
-            name: float(np.mean([seed["properties"][name] for seed in judged]))
-            for name in judged[0]["properties"]
+            name: float(np.mean([seed["properties"][name] for seed in judged.estimated]))
+            for name in judged.estimated[0]["properties"]
         },
-        "plausible": dict(objective.aim.ranges),
-        "surrogate_ratios": objective.ratios,
+        "plausible": dict(aim.ranges),
+        "surrogate_ratios": judged.ratios,
     }
 
 
@@ -234,14 +301,19 @@ def judge_seeds(
     calibration: Mapping[str, Any],
     grids: Mapping[str, Sequence[float]],
     tracking: Mapping[str, Any],
+    centers: dict[int, dict[str, np.ndarray]] | None = None,
 ) -> list[dict[str, Any]]:
-    """Return the surrogate's measures of each seed; grids are judged on the first ones only."""
-    wanted = _measures(calibration)
+    """Return the surrogate's measures of each seed; grids are judged on the first ones only.
+
+    ``centers`` are those of ``judge_by_surrogate``, by seed.
+    """
+    wanted, centers = _measures(calibration), {} if centers is None else centers
     surrogate = {key: calibration[key] for key in ("stride", "esn_nodes", "restarts")}
     return [
         judge_by_surrogate(
             on_rig, seed, models, surrogate, grids, tracking,
             wanted if i < calibration["grid_seeds"] else wanted.difference(_GRIDS),
+            centers.setdefault(seed, {}),
         )
         for i, seed in enumerate(seeds)
     ]  # fmt: skip
@@ -253,20 +325,43 @@ def _measures(calibration: Mapping[str, Any]) -> set[str]:
 
 def judge_point(
     point: np.ndarray,
+    beside: np.ndarray,
     *,
     on_rig: RigSettings,
     free: Sequence[Free],
     seeds: Sequence[int],
     estimate: Any,
+    key: str,
 ) -> list[float] | None:
-    """Return the logarithms of the measures at a point; None if the rig is impossible."""
-    rig = resolved(decode(point, on_rig.rig, free))
+    """Return the logarithms of the measures at a point; None if the rig is impossible.
+
+    Its clusterings begin at those of the point ``beside``. ``key`` says what is measured.
+    """
+    at, near = (_rig_at(each, on_rig, free) for each in (point, beside))
     try:
-        Rig.model_validate(rig)
-        logs = logs_of(estimate(replace(on_rig, rig=rig), seeds))
+        Rig.model_validate(at.rig)
+        centers = centers_of(near, seeds, estimate, key)
+        logs = logs_of(estimate(at, seeds, centers=copy.deepcopy(centers)))
     except (FprcError, ValueError):
         return None
     return logs if np.isfinite(logs).all() else None
+
+
+#: Centres of the clusterings of the last rig around which others were judged, in this process.
+_LAST: dict[str, dict[int, dict[str, np.ndarray]]] = {}
+
+
+def centers_of(
+    on_rig: RigSettings, seeds: Sequence[int], estimate: Any, key: str
+) -> dict[int, dict[str, np.ndarray]]:
+    """Return the centres of a rig's clusterings, by seed; those of the last rig are kept."""
+    of = hash_of({"rig": on_rig.rig, "of": key})
+    if of not in _LAST:
+        centers: dict[int, dict[str, np.ndarray]] = {}
+        estimate(on_rig, seeds, centers=centers)
+        _LAST.clear()
+        _LAST[of] = centers
+    return _LAST[of]
 
 
 def relative(

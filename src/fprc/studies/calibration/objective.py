@@ -15,13 +15,18 @@ from fprc.signals import loop_growth, width_at_middle
 Channels = Mapping[str, np.ndarray]
 Judged = Sequence[Mapping[str, Any]]
 
-#: Scales of deviations: of the logarithm of an error of Tables II and III, of one of Table IV, of a
-#: ratio that a claim limits, and of a correlation. A missed claim weighs more than an error off by
-#: 5 %.
-_TABLES, _TRACKING, _RATIO, _CORRELATION = 0.05, 0.06, 0.025, 0.1
+#: Scales of deviations: of the logarithm of an error of Tables II and III, of one of Table IV in
+#: open loop and with feedback, of a ratio that a claim limits, and of a correlation. A missed claim
+#: weighs more than an error off by 5 %. Feedback that hardly damps differs by a tenth between
+#: neighbouring rigs.
+_TABLES, _OPEN, _CLOSED, _RATIO, _CORRELATION = 0.03, 0.06, 0.15, 0.025, 0.1
 
 #: The part of an error's logarithm beyond this counts several times.
 _NEAR, _FAR_WEIGHT = 0.1, 3.0
+
+#: How often an error of a table counts: the validation errors, which are no targets, are close to
+#: the training errors.
+_COUNTED = {"train": 2.0, "test": 1.0}
 
 #: Most that feedback may leave of the open-loop error.
 _LEFT = 0.8
@@ -130,38 +135,18 @@ def judged_of(logs: Sequence[float], like: Judged) -> Judged:
     return _with_numbers(like, numbers)
 
 
-class Objective(NamedTuple):
-    """Deviations of the surrogate's measures from an aim."""
-
-    aim: Aim
-    ratios: Mapping[str, Mapping[str, float]]  #: see ``full_models.ratios_to_full``
-    like: Sequence[Mapping[str, Any]]  #: measures of any rig, for their structure
-
-    def judged(self, logs: Sequence[float]) -> Sequence[Mapping[str, Any]]:
-        """Return measures, given their logarithms."""
-        return judged_of(logs, self.like)
-
-    def terms(self, judged: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
-        """Return the deviations of each term."""
-        scaled = [
-            {
-                **seed,
-                **{
-                    measure: {key: ratio * seed[measure][key] for key, ratio in ratios.items()}
-                    for measure, ratios in self.ratios.items()
-                },
-            }
-            for seed in judged
-        ]
-        return deviations(scaled, self.aim)
-
-    def losses(self, judged: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-        """Return the sum of squares of each term."""
-        return {name: float(np.sum(values**2)) for name, values in self.terms(judged).items()}
-
-    def loss(self, judged: Sequence[Mapping[str, Any]]) -> float:
-        """Return the sum of all squares."""
-        return sum(self.losses(judged).values())
+def scaled(judged: Judged, ratios: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:
+    """Return measures of which those in ``ratios`` are multiplied by them."""
+    return [
+        {
+            **seed,
+            **{
+                measure: {key: ratio * seed[measure][key] for key, ratio in of_measure.items()}
+                for measure, of_measure in ratios.items()
+            },
+        }
+        for seed in judged
+    ]
 
 
 def _numbers(value: Any) -> Iterator[float]:
@@ -184,7 +169,8 @@ def _with_numbers(like: Any, numbers: Iterator[float]) -> Any:
 
 def _tables(judged: Judged, aim: Aim) -> list[float]:
     return [
-        _far(math.log(_mean(judged, "errors", key) / printed)) / _TABLES
+        math.sqrt(_COUNTED[key.rsplit("/", 1)[1]])
+        * _absolute(math.log(_mean(judged, "errors", key) / printed) / _TABLES)
         for key, printed in aim.printed["errors"].items()
     ]
 
@@ -258,7 +244,10 @@ def _c18(judged: Judged, aim: Aim) -> list[float]:
 
 
 def _open_loop(judged: Judged, aim: Aim) -> list[float]:
-    return [_tracked(judged, aim, "open_loop", name) for name in aim.printed["open_loop"]]
+    return [
+        _far(math.log(_mean(judged, "open_loop", name) / printed)) / _OPEN
+        for name, printed in aim.printed["open_loop"].items()
+    ]
 
 
 def _closed_loop(judged: Judged, aim: Aim) -> list[float]:
@@ -271,7 +260,8 @@ def _closed_loop(judged: Judged, aim: Aim) -> list[float]:
 
 def _closed_sweep(judged: Judged, aim: Aim) -> list[float]:
     """How much feedback helps in the sweep; this says which inertia, and the others judge it."""
-    return [_tracked(judged, aim, "closed_loop", "sweep")]
+    printed = aim.printed["closed_loop"]["sweep"]
+    return [math.log(_mean(judged, "closed_loop", "sweep") / printed) / _CLOSED]
 
 
 #: Terms of the objective by their names in ``calibration.fit``.
@@ -308,9 +298,14 @@ def _far(deviation: float) -> float:
     return math.copysign(abs(deviation) + (_FAR_WEIGHT - 1.0) * beyond, deviation)
 
 
-def _tracked(judged: Judged, aim: Aim, loop: str, reference: str) -> float:
-    printed = aim.printed[loop][reference]
-    return _far(math.log(_mean(judged, loop, reference) / printed)) / _TRACKING
+def _absolute(deviation: float) -> float:
+    """Return a number whose square grows as the deviation does, and faster where it is far.
+
+    A sum of magnitudes has a low median where a sum of squares has many middling deviations.
+    """
+    beyond = max(abs(deviation) - _NEAR / _TABLES, 0.0)
+    square = 2.0 * (math.sqrt(1.0 + deviation**2) - 1.0) + _FAR_WEIGHT * beyond**2
+    return math.copysign(math.sqrt(square), deviation)
 
 
 def _above(ratio: float, limit: float) -> float:

@@ -5,15 +5,16 @@ numbers are almost linear in it; the loss, with its limits and squares, is not. 
 search therefore measures how all numbers change along each parameter, minimises the loss over this
 linear model within several distances, judges the points that this gives, goes on from the best of
 them, and corrects the model by what they showed: the method of Gauss and Newton, with Broyden's
-update. The numbers have more than one valley, so a search may begin at several points; after each
-round it leaves the worse half of them. It resumes from a checkpoint after a kill.
+update. The numbers have more than one valley, so a search may begin at several points; before each
+round it leaves the worse half of them. What judges is cheap and not exact: where a round begins,
+an exact judge corrects it. It resumes from a checkpoint after a kill.
 """
 
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed, parallel_config
@@ -59,13 +60,15 @@ class _Here(NamedTuple):
     """A point that was judged."""
 
     point: np.ndarray
-    numbers: np.ndarray
+    numbers: np.ndarray  #: corrected
     loss: float
+    correction: np.ndarray  #: what was added to the numbers
     slopes: np.ndarray | None = None  #: as the steps that led here had corrected them
 
 
 def search(
-    judge: Callable[[np.ndarray], list[float] | None],
+    judge: Callable[[np.ndarray, np.ndarray], list[float] | None],
+    correct: Callable[[Sequence[np.ndarray]], list[list[list[float]] | None]],
     deviations_of: Callable[[Sequence[float]], np.ndarray],
     starts: np.ndarray,
     *,
@@ -76,7 +79,7 @@ def search(
     seconds: float = np.inf,
     progress: Callable[[int, int, float, float], None] = lambda begun, total, best, elapsed: None,
 ) -> SearchResult:
-    """Minimise the sum of squares of ``deviations_of(judge(point))`` over the unit cube.
+    """Minimise the sum of squares of ``deviations_of`` over the unit cube.
 
     The points are a function of what was judged, so the checkpoint holds only the judgements; a
     resumed search replays them.
@@ -84,7 +87,11 @@ def search(
     Parameters
     ----------
     judge : callable
-        Picklable; takes a point and returns its numbers, or None if it is impossible.
+        Picklable; takes a point, and the point where its round begins, and returns the numbers of
+        the first; None if it is impossible.
+    correct : callable
+        Takes points, and returns for each its numbers, and what is to be added to the numbers of
+        all points that are judged in the round that begins there; None if it is impossible.
     starts : ndarray of shape (n_starts, n_parameters)
         The search begins at each of them. Each round goes on from the better half of those of the
         round before.
@@ -92,17 +99,18 @@ def search(
         Those of the start that is best. A round judges a point for each parameter, and 24 more.
     checkpoint : path
         See ``artifacts.resuming``; the head is ``key`` with ``starts`` and ``rounds``, the entries
-        are the judgements of points that were judged together. A file with another head is kept.
+        are the judgements of points that were judged together, and the corrections of a round. A
+        file with another head is kept.
     key : str
         Hash of everything that the judgements depend on.
     seconds : float
-        After this time, s, nothing but the first start is judged any more.
+        After this time, s, nothing but the starts is judged any more.
     progress : callable
         Called after each step with the rounds begun and planned, the least loss, and the time, s.
     """
     head = {"key": key, "starts": np.asarray(starts).tolist(), "rounds": rounds}
     begin_s, evaluations, begun, finished = time.monotonic(), 0, 0, True
-    best = _Here(starts[0], np.empty(0), math.inf)
+    best = lowest = _Here(starts[0], np.empty(0), math.inf, np.empty(0))
     with (
         resuming(checkpoint, head, keep=True) as (known, append),
         parallel_config("loky", inner_max_num_threads=1),
@@ -110,52 +118,75 @@ def search(
     ):
         replayed = iter(known)
 
-        def judged(points: Sequence[np.ndarray]) -> list[_Here | None]:
+        def found_by(judging: Callable[[], list[Any]], count: int) -> list[Any]:
             nonlocal evaluations
             found = next(replayed, None)
             if found is None:
                 if evaluations and time.monotonic() - begin_s >= seconds:
                     raise TimeoutError
-                found = pool(delayed(judge)(point) for point in points)
+                found = judging()
                 append(found)
-            evaluations += len(points)
-            return [_here(*pair, deviations_of) for pair in zip(points, found, strict=True)]
+            evaluations += count
+            return found
+
+        def here_of(point: np.ndarray, numbers: list[float], correction: np.ndarray) -> _Here:
+            exact = np.asarray(numbers) + correction
+            loss = float(np.sum(deviations_of(exact.tolist()) ** 2))
+            return _Here(point, exact, loss, correction)
+
+        def corrected(points: Sequence[_Here]) -> list[_Here]:
+            if not points:
+                return []
+            found = found_by(lambda: correct([here.point for here in points]), len(points))
+            return [
+                here_of(here.point, pair[0], np.asarray(pair[1]))._replace(slopes=here.slopes)
+                for here, pair in zip(points, found, strict=True)
+                if pair
+            ]
+
+        def judged(points: Sequence[np.ndarray], begin: _Here) -> list[_Here | None]:
+            found = found_by(
+                lambda: pool(delayed(judge)(point, begin.point) for point in points), len(points)
+            )
+            return [
+                numbers and here_of(point, numbers, begin.correction)
+                for point, numbers in zip(points, found, strict=True)
+            ]
 
         try:
-            points = []
-            for start in starts:
-                points += [here for here in judged([start]) if here]
-                best = min([best, *points], key=_loss)
-            planned = [math.ceil(len(points) / 2**round_) for round_ in range(rounds)]
+            ended = [best._replace(point=start) for start in starts]
+            planned = [math.ceil(len(starts) / 2**round_) for round_ in range(rounds)]
             for count in planned:
-                ended, before = [], best.loss
-                for here in sorted(points, key=_loss)[:count]:
+                points, ended = sorted(corrected(ended), key=_loss)[:count], []
+                best = lowest = min([best, *points], key=_loss)
+                for here in points:
                     begun += 1
                     for after in _steps(here, judged, deviations_of):
-                        best = min(best, after, key=_loss)
+                        lowest = min(lowest, after, key=_loss)
                         elapsed_s = time.monotonic() - begin_s
-                        progress(begun, sum(planned), best.loss, elapsed_s)
+                        progress(begun, sum(planned), lowest.loss, elapsed_s)
                     ended.append(after)
-                points = ended
-                if count <= 1 and best.loss > (1.0 - _WORTH) * before:
+                if len(points) == 1 and ended[0].loss > (1.0 - _WORTH) * points[0].loss:
                     break
+            best = min([best, *corrected(ended)], key=_loss)
         except TimeoutError:
-            finished = False
+            best, finished = lowest, False
     return SearchResult(best.point, best.loss, begun, evaluations, finished)
 
 
 def _steps(
-    here: _Here,
-    judged: Callable[[Sequence[np.ndarray]], list[_Here | None]],
+    begin: _Here,
+    judged: Callable[[Sequence[np.ndarray], _Here], list[_Here | None]],
     deviations_of: Callable[[Sequence[float]], np.ndarray],
 ) -> Iterator[_Here]:
     """Yield the best point after each step of a round."""
-    slopes, near = _slopes(here, judged)
-    here, radius = min(here, *near, key=_loss), _RADIUS
+    slopes, near = _slopes(begin, judged)
+    here, radius = min(begin, *near, key=_loss), _RADIUS
     for _ in range(_STEPS):
         radii = [min(share * radius, _MOST) for share in _REACH]
         points = [_least_within(r, here, slopes, deviations_of) for r in radii]
-        tried = [(new, r) for new, r in zip(judged(points), radii, strict=True) if new]
+        found = judged(points, begin)
+        tried = [(new, r) for new, r in zip(found, radii, strict=True) if new]
         for new, _ in sorted(tried, key=lambda pair: -pair[0].loss):
             slopes = _corrected(slopes, here, new)
         best, reached = min(tried, key=lambda pair: pair[0].loss, default=(here, 0.0))
@@ -171,19 +202,8 @@ def _loss(judged: _Here) -> float:
     return judged.loss
 
 
-def _here(
-    point: np.ndarray,
-    numbers: Sequence[float] | None,
-    deviations_of: Callable[[Sequence[float]], np.ndarray],
-) -> _Here | None:
-    """Return a judged point; None if it is impossible."""
-    if numbers is None:
-        return None
-    return _Here(point, np.asarray(numbers), float(np.sum(deviations_of(numbers) ** 2)))
-
-
 def _slopes(
-    here: _Here, judged: Callable[[Sequence[np.ndarray]], list[_Here | None]]
+    here: _Here, judged: Callable[[Sequence[np.ndarray], _Here], list[_Here | None]]
 ) -> tuple[np.ndarray, list[_Here]]:
     """Return how the numbers change along each parameter, and the neighbours that show it.
 
@@ -199,7 +219,7 @@ def _slopes(
     points = [
         here.point + step * axis for step, axis in zip(steps, np.eye(len(steps)), strict=True)
     ]
-    neighbours = judged(points)
+    neighbours = judged(points, here)
     slopes = np.column_stack([
         np.zeros(len(here.numbers)) if near is None else (near.numbers - here.numbers) / step
         for near, step in zip(neighbours, steps, strict=True)

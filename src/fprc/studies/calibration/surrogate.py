@@ -2,7 +2,8 @@
 
 Instead of five readouts for five folds, one is fitted to every ``stride``-th row, with the ridge
 parameter scaled to the number of rows; the ESN is smaller. Features have memory: they are computed
-over whole logs, once for all cells of the grids.
+over whole logs, once for all cells of the grids. The clusterings may begin at those of another rig:
+then the numbers of neighbouring rigs do not jump where a clustering ends elsewhere.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -40,6 +41,7 @@ def judge_by_surrogate(
     grids: Mapping[str, Sequence[float]],
     tracking: Mapping[str, Any],
     measures: Collection[str] = (),
+    centers: dict[str, np.ndarray] | None = None,
 ) -> dict[str, Any]:
     """Return what the objective needs of a rig, for one seed.
 
@@ -53,6 +55,9 @@ def judge_by_surrogate(
         Section ``tracking`` of the configuration.
     measures : collection of str
         Which of ``MEASURES`` to compute.
+    centers : dict, optional
+        Centres of every clustering. One that is in it begins there, and all others begin at random
+        and are added.
 
     Returns
     -------
@@ -64,7 +69,7 @@ def judge_by_surrogate(
     """
     simulated = simulate(on_rig, seed)
     logs = {name: data.channels for name, data in simulated.items()}
-    thinned = _FuzzyModels(logs, models, seed, surrogate)
+    thinned = _FuzzyModels(logs, models, seed, surrogate, {} if centers is None else centers)
     fuzzy = {
         (train, name): thinned.fit(train, name == "fprc") for train, _ in DIRECTIONS
         for name in ("fprc", "fuzzy_linear")
@@ -109,7 +114,9 @@ class _FuzzyModels:
         models: Mapping[str, Any],
         seed: int,
         surrogate: Mapping[str, int],
+        centers: dict[str, np.ndarray],
     ):
+        self.centers = centers
         self.logs, stride = logs, surrogate["stride"]
         self.settings = {
             **models["fprc"], "n_y": models["n_y"], "restarts": surrogate["restarts"]
@@ -129,8 +136,8 @@ class _FuzzyModels:
 
     def fit(self, log: str, reservoir: bool, **changed: Any) -> TakagiSugenoReadout:
         """Fit a readout to the features of a log."""
-        rows = self.rows(log, reservoir, **changed)
-        return self._readout(**changed).fit(rows, self.y[log])
+        rows, what = self.rows(log, reservoir, **changed), f"{log}, {reservoir}, {changed}"
+        return self._fitted(what, rows, self.y[log], **changed)
 
     def error(
         self, readout: TakagiSugenoReadout, log: str, reservoir: bool, **changed: Any
@@ -153,14 +160,19 @@ class _FuzzyModels:
     def shares(self) -> float:
         """Return the mean share of P_o in the weights over that of theta_d (Eqs. 13, 14)."""
         rows, n_y = self.rows("sweep", True), self.settings["n_y"]
-        readout = self._readout().fit(to_unit(rows, n_y), self.y["sweep"])
+        readout = self._fitted("shares", to_unit(rows, n_y), self.y["sweep"])
         weights = shares_of(readout.W_out_)
         return float(weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum())
 
-    def _readout(self, **changed: Any) -> TakagiSugenoReadout:
+    def _fitted(
+        self, what: str, rows: np.ndarray, y: np.ndarray, **changed: Any
+    ) -> TakagiSugenoReadout:
         settings = self.settings | changed
         parameters = {key: settings[key] for key in ("n_c", "sigma", "clustering", "restarts")}
-        return TakagiSugenoReadout(**parameters, alpha=self.alpha, random_state=self.seed)
+        readout = TakagiSugenoReadout(**parameters, alpha=self.alpha, random_state=self.seed)
+        readout.fit(rows, y, init=self.centers.get(what))
+        self.centers.setdefault(what, readout.centers_)
+        return readout
 
     def _thinned(self, log: str, epsilon: float | None, size: int) -> np.ndarray:
         key = log, epsilon, size

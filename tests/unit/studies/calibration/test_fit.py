@@ -33,8 +33,8 @@ SEARCH = importlib.import_module("fprc.studies.calibration.search")
 
 
 def rigs(rounds):
-    """Return how many rigs a search judges: the start, and neighbours and steps of each round."""
-    return 1 + rounds * (3 + 24)
+    """Return how many rigs a search judges: where rounds begin and end, neighbours, and steps."""
+    return 1 + rounds * (1 + 3 + 24)
 
 
 # --- tiny configuration ---------------------------------------------------------------------------
@@ -55,7 +55,7 @@ def settings():
         "taps": [4, 1],
         "fit": list(TERMS),
         "first": {"fit": [], "rounds": 1, "starts": 1},
-        "rounds": [ROUNDS],
+        "rounds": ROUNDS,
         **SURROGATE,
     }
     signals = {name: signal | {"duration_s": 8.0} for name, signal in found["experiments"].items()}
@@ -105,7 +105,7 @@ def test_grids_are_measured_on_the_first_seeds_only(
 ):
     asked = []
 
-    def judge(on_rig, seed, models, surrogate, grids, tracking, measures):
+    def judge(on_rig, seed, models, surrogate, grids, tracking, measures, centers):
         asked.append((seed, set(measures)))
         return {"errors": {}, "seed": seed}
 
@@ -132,14 +132,14 @@ def logs_at(on_rig):
     def call(point, paths, estimate=None):
         seen = []
 
-        def judge(settings, seeds):
+        def judge(settings, seeds, centers):
             seen.append((settings, seeds))
             return estimate(settings, seeds) if estimate else [{"errors": {"a": 2.0, "b": 3.0}}]
 
         free = free_parameters(paths)
         found = stage.judge_point(
-            np.array(point), on_rig=replace(on_rig, rig=RIG), free=free, seeds=[21, 22],
-            estimate=judge,
+            np.array(point), np.array(point), on_rig=replace(on_rig, rig=RIG), free=free,
+            seeds=[21, 22], estimate=judge, key="k",
         )  # fmt: skip
         return found, seen
 
@@ -272,10 +272,10 @@ def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report
     assert report["largest_deviation"] == pytest.approx(deviations.max())
 
 
-def test_surrogate_is_corrected_by_its_ratios_on_the_rig_at_the_start(
-    report, settings, full, on_rig
+def test_surrogate_is_corrected_by_its_ratios_on_the_fitted_rig(
+    fitted, report, settings, full, on_rig
 ):
-    models = settings["judgement"]["models"]
+    models, on_rig = settings["judgement"]["models"], replace(on_rig, rig=written(fitted))
     cheap = judge_by_surrogate(
         on_rig, 21, models, SURROGATE, {}, settings["tracking"], {"open_loop", "closed_loop"}
     )
@@ -304,9 +304,9 @@ def judged(monkeypatch):
     found = SimpleNamespace(points=[])
     judge_point = stage.judge_point
 
-    def noting(point, **settings):
+    def noting(point, beside, **settings):
         found.points.append(tuple(np.asarray(point).tolist()))
-        return judge_point(point, **settings)
+        return judge_point(point, beside, **settings)
 
     monkeypatch.setattr(stage, "judge_point", noting)
     return found
@@ -315,7 +315,7 @@ def judged(monkeypatch):
 class Quick:
     """A fit without simulations: all errors deviate from print by what a function of the rig says.
 
-    A deviation of 1 counts as one from print, so the loss is 12 times its square.
+    A deviation of 1 is a factor of 1.05.
     """
 
     def __init__(self, monkeypatch, settings):
@@ -330,12 +330,18 @@ class Quick:
         monkeypatch.setattr(stage, "judge_seeds", self.judge)
         monkeypatch.setattr(stage, "judge_fully", self.judge_fully)
 
+    def loss(self, deviation):
+        """Return the loss of a deviation."""
+        judged = [{"errors": {key: value * math.exp(0.05 * deviation)
+                              for key, value in self.aim.printed["errors"].items()}}]  # fmt: skip
+        return float(np.sum(deviations(judged, self.aim)["tables"] ** 2))
+
     def errors(self, on_rig, seeds):
         point = encode(on_rig.rig, self.free)
         factor = math.exp(0.05 * self.deviation(point, list(seeds)))
         return {key: factor * value for key, value in self.aim.printed["errors"].items()}
 
-    def judge(self, on_rig, seeds, *, grids, **rest):
+    def judge(self, on_rig, seeds, *, grids, centers=None, **rest):
         self.grids.append(grids)
         return [{"errors": self.errors(on_rig, seeds), "properties": {"angle_deg": 60.0}}
                 for _ in seeds]  # fmt: skip
@@ -365,8 +371,8 @@ def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
     for module in (stage, SEARCH):
         monkeypatch.setattr(module, "time", clock)
     first = {"fit": ["tables"], "rounds": 100, "starts": 1}
-    minutes = (rigs(2) + 1) / 60.0
-    changes = with_calibration(quick.settings, first=first, rounds=[100], minutes=minutes)
+    minutes = (2 * (3 + 24) + 1) / 60.0  # where a round begins no time goes by
+    changes = with_calibration(quick.settings, first=first, rounds=100, minutes=minutes)
     found = quick.fit(tmp_path, **changes)
     assert (found["finished"], found["rounds"]) == (False, 3 + 1)
     every = list(quick.settings["calibration"]["fit"])
@@ -376,16 +382,19 @@ def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
     ]
 
 
-@pytest.mark.parametrize(("slope", "warned"), [(1.0, False), (-1.0, True)])
+@pytest.mark.parametrize(
+    ("slope", "first", "warned"), [(1.0, [], False), (-1.0, [], False), (-1.0, ["tables"], True)]
+)
 def test_rig_from_which_the_full_models_are_farther_than_from_the_start_is_warned_of(
-    quick, tmp_path, caplog, slope, warned
+    quick, tmp_path, caplog, slope, first, warned
 ):
+    """Only a first search, on its own seed, can lead to such a rig."""
     quick.deviation = lambda point, seeds: (
         1.0 + 0.3 * (slope if seeds == [41, 42] else 1.0) * np.sum(point - quick.start)
     )
     with caplog.at_level("WARNING", logger="fprc"):
-        found = quick.fit(tmp_path)
-    assert found["loss"] < found["loss_at_start"]
+        settings = {"fit": first, "rounds": 1, "starts": 1}
+        found = quick.fit(tmp_path, **with_calibration(quick.settings, first=settings))
     assert found["full_seeds"] == [41, 42]
     assert (found["median_deviation"] > found["median_deviation_at_start"]) is warned
     assert any("closer to Tables II and III" in text for text in caplog.messages) is warned
@@ -403,21 +412,23 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
     quick.deviation = lambda point, seeds: 1.0 + 0.3 * np.sum(point)
     first = {"fit": ["tables"], "rounds": 3, "starts": 2}
     changes = with_calibration(
-        quick.settings, first=first, fit=["tables", "plausible"], rounds=[2, 4], seeds=[21, 22],
+        quick.settings, first=first, fit=["tables", "plausible"], rounds=4, seeds=[21, 22],
         plausible={"angle_deg": [50.0, 70.0]},
     )  # fmt: skip
     found = quick.fit(tmp_path, **changes)
-    assert [search["rounds"] for search in found["searches"]] == [2 + 1 + 1, 2, 4]
-    assert found["rounds"] == 2 + 1 + 1 + 2 + 4
-    counts = [2 + 4 * (3 + 24), rigs(2), rigs(4)]
-    assert found["evaluations"] == len(judged.points) == sum(counts)
-    first, second, third = np.split(np.array(judged.points), np.cumsum(counts)[:-1])
-    for before, after in ((first, second), (second, third)):
-        # parameters of the rig between two searches are rounded to four digits
-        assert after[0] == pytest.approx(before[before.sum(axis=1).argmin()], rel=1e-3, abs=1e-4)
+    assert [search["rounds"] for search in found["searches"]] == [2 + 1 + 1, 4]
+    assert found["rounds"] == 2 + 1 + 1 + 4
+    counts = [4 * (3 + 24), 4 * (3 + 24)]
+    assert found["evaluations"] == sum(counts) + (2 + 2 + 1 + 1) + 5  # where rounds begin and end
+    assert len(judged.points) == sum(counts)
+    before, after = np.split(np.array(judged.points), counts[:1])
+    # a neighbour of the start differs from it in one parameter only; those of the rig between two
+    # searches are rounded to four digits
+    begun = np.median(after[:3], axis=0)
+    assert begun == pytest.approx(before[before.sum(axis=1).argmin()], rel=1e-3, abs=1e-4)
     assert found["fit"] == ["tables", "plausible"]
     assert found["loss_at_start"] == pytest.approx(
-        12.0 * (1.0 + 0.3 * quick.start.sum()) ** 2, rel=1e-3
+        quick.loss(1.0 + 0.3 * quick.start.sum()), rel=1e-3
     )
     assert [p["began_at"] for p in found["parameters"]] == quick.start.tolist()
     order = [fit for fit, before in zip(asked, [None, *asked], strict=False) if fit != before]

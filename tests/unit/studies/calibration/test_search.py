@@ -8,8 +8,8 @@ import pytest
 from fprc.studies.calibration.search import search
 
 #: Batches of points, in three dimensions, of a search from two starts: the starts, and in the round
-#: of each the neighbours and six steps of four.
-ROUNDS, BATCHES = 1, (1, 1, *(3, 4, 4, 4, 4, 4, 4) * 2)
+#: of each the neighbours and six steps of four, and where these end.
+ROUNDS, BATCHES = 1, (2, *(3, 4, 4, 4, 4, 4, 4) * 2, 2)
 TARGET = np.array([0.02, 0.5, 0.97])
 
 
@@ -30,14 +30,19 @@ def run(tmp_path):
     def call(*, stops_at=None, name="search.jsonl", judge=numbers_of, **options):
         call.points = []
 
-        def judge_point(point):
+        def judge_point(point, beside):
             if len(call.points) == stops_at:
                 raise KeyboardInterrupt
             call.points.append(tuple(point.tolist()))
             return judge(point)
 
+        def correct(points):
+            found = [judge_point(point, point) for point in points]
+            return [numbers and [numbers, [0.0] * len(numbers)] for numbers in found]
+
         call.checkpoint = tmp_path / name
         settings = {
+            "correct": correct,
             "deviations_of": distances,
             "starts": np.array([[0.4, 0.4, 0.4], [0.3, 0.6, 0.5]]),
             "rounds": ROUNDS,
@@ -46,6 +51,7 @@ def run(tmp_path):
         }
         return search(judge_point, checkpoint=call.checkpoint, **settings | options)
 
+    call.folder = tmp_path
     return call
 
 
@@ -157,18 +163,62 @@ def test_best_of_all_points_that_were_judged_is_found(run):
 
 @pytest.mark.slow
 def test_two_processes_find_what_one_finds(tmp_path):
-    def judge(point):  # not at module level, since the processes cannot import this module
+    def judge(point, beside):  # not at module level, since the processes cannot import this module
         return [math.exp(2.0 * point[0]), point[1] ** 2]
 
     found = [
         search(
-            judge, np.array, np.full((1, 2), 0.4), rounds=1, workers=workers, key="k",
+            judge, lambda points: [[judge(*points, None), [0.0, 0.0]]], np.array,
+            np.full((1, 2), 0.4), rounds=1, workers=workers, key="k",
             checkpoint=tmp_path / f"{workers}.jsonl",
         )
         for workers in (1, 2)
     ]  # fmt: skip
     assert same(*found)
     assert (tmp_path / "1.jsonl").read_bytes() == (tmp_path / "2.jsonl").read_bytes()
+
+
+# --- corrections ----------------------------------------------------------------------------------
+
+
+def test_cheap_numbers_are_corrected_where_each_round_begins(run):
+    """What judges is 0.2 too low in each number, and more for a large parameter."""
+    asked, begun = [], set()
+
+    def exact(point):
+        return [number + 0.2 + 0.3 * x for number, x in zip(numbers_of(point), point, strict=True)]
+
+    def correct(points):
+        asked.append([tuple(point.tolist()) for point in points])
+        return [
+            [numbers_of(point), np.subtract(exact(point), numbers_of(point)).tolist()]
+            for point in points
+        ]
+
+    def judge(point, beside):
+        begun.add(tuple(beside.tolist()))
+        return numbers_of(point)
+
+    found = search(
+        judge, correct, lambda numbers: np.array(numbers) - exact(TARGET),
+        np.array([[0.4, 0.4, 0.4], [0.3, 0.6, 0.5]]), rounds=12, workers=1, key="k",
+        checkpoint=run.folder / "search.jsonl",
+    )  # fmt: skip
+    assert found.point == pytest.approx(TARGET, abs=2e-3)
+    assert asked[0] == [(0.4, 0.4, 0.4), (0.3, 0.6, 0.5)]
+    assert [len(points) for points in asked[:3]] == [2, 2, 1]
+    assert begun <= {point for points in asked for point in points}
+
+
+@pytest.mark.parametrize(("impossible", "rounds"), [({0}, ROUNDS), ({0, 1}, 0)])
+def test_start_that_cannot_be_corrected_is_left(run, impossible, rounds):
+    def correct(points):
+        found = [[numbers_of(point), [0.0] * 3] for point in points]
+        return [None if k in impossible else pair for k, pair in enumerate(found)]
+
+    found = run(correct=correct)
+    assert found.rounds == rounds
+    assert math.isfinite(found.loss) == bool(rounds)
 
 
 # --- impossible points ----------------------------------------------------------------------------
@@ -205,7 +255,7 @@ ENDS = np.cumsum(BATCHES).tolist()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stops_at", [0, *(end + 1 for end in ENDS[:-1])])
+@pytest.mark.parametrize("stops_at", [0, 1, *(end + 1 for end in ENDS[:-1])])
 def test_interrupted_search_goes_on_as_if_nothing_had_been(run, undisturbed, stops_at):
     expected, points, kept = undisturbed()
     with pytest.raises(KeyboardInterrupt):
@@ -241,10 +291,10 @@ def clock(monkeypatch, run):
 
 @pytest.mark.parametrize(
     ("seconds", "evaluations", "rounds"),
-    [(0.0, 1, 0), (1.0, 1, 0), (2.0, 2, 1), (2.5, 5, 1), (ENDS[8], ENDS[8], 2)],
+    [(0.0, 2, 1), (2.0, 2, 1), (2.5, 5, 1), (ENDS[7], ENDS[7], 2)],
 )
 @pytest.mark.usefixtures("clock")
-def test_nothing_but_the_start_is_judged_after_the_time_limit(
+def test_nothing_but_the_starts_is_judged_after_the_time_limit(
     run, undisturbed, seconds, evaluations, rounds
 ):
     found = run(seconds=seconds)

@@ -57,9 +57,11 @@ def models():
 
 @pytest.fixture(scope="module")
 def judge(on_rig, models, tracking):
-    def call(seed=SEED, stride=STRIDE, nodes=NODES, measures=()):
+    def call(seed=SEED, stride=STRIDE, nodes=NODES, measures=(), centers=None):
         surrogate = {"stride": stride, "esn_nodes": nodes, "restarts": 1}
-        return judge_by_surrogate(on_rig, seed, models, surrogate, GRIDS, tracking, measures)
+        return judge_by_surrogate(
+            on_rig, seed, models, surrogate, GRIDS, tracking, measures, centers
+        )
 
     return call
 
@@ -149,6 +151,19 @@ def test_cells_of_the_taps_are_those_of_models_with_them(judged, logs):
         for n_u in GRIDS["n_u"]
     ]
     np.testing.assert_allclose(judged["taps"], expected, rtol=1e-9)
+
+
+def test_clusterings_begin_at_the_given_centres(judge, judged):
+    """Where they end they stay, and equal centres remain one rule."""
+    centers = {}
+    assert judge(measures=MEASURES, centers=centers)["errors"] == judged["errors"]
+    again = judge(measures=MEASURES, centers=dict(centers))
+    assert again["errors"] == pytest.approx(judged["errors"], rel=1e-4)
+    equal = {what: np.repeat(c[:1], len(c), axis=0) for what, c in centers.items()}
+    found = judge(measures=["n_c"], centers=equal)["n_c"]["fprc"]["train"]
+    one, four = judged["n_c"]["fprc"]["train"]
+    assert found == pytest.approx([one, one], rel=0.05)
+    assert four < 0.5 * one
 
 
 # --- weights and tracking -------------------------------------------------------------------------
