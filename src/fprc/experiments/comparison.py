@@ -102,15 +102,15 @@ def judge_directions(
 
 def errors_over_starts(
     logs: Mapping[str, Data], judgement: Judgement, starts: int
-) -> dict[str, list[float]]:
-    """Return test errors of FPRC whose fuzzy c-means begins at several random places, kPa.
+) -> dict[str, dict[str, list[float]]]:
+    """Return RMSEs of FPRC whose fuzzy c-means begins at several random places, kPa.
 
     Each start trains on the same rows, those of the first fold, and clusters once.
 
     Returns
     -------
-    dict of list
-        Errors by the log that trained.
+    dict of dict
+        Errors by the log that trained, and by phase, ``train`` or ``test``.
     """
     prepared = prepare(
         build("fprc", judgement.models, judgement.seed),
@@ -120,8 +120,9 @@ def errors_over_starts(
     errors = {}
     for train, test in DIRECTIONS:
         part, _ = judgement.split_rows(logs[train])[0]
-        errors[train] = [
-            prepared.error(prepared.readout(train, part, random_state=seed, restarts=1), test)
-            for seed in seeds
-        ]
+        readouts = [prepared.readout(train, part, random_state=seed, restarts=1) for seed in seeds]
+        errors[train] = {
+            "train": [prepared.error(readout, train, part) for readout in readouts],
+            "test": [prepared.error(readout, test) for readout in readouts],
+        }
     return errors

@@ -11,7 +11,7 @@ from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tracking import Track, measure_control
 from fprc.registry import controllers
 
-#: Places where the fuzzy c-means of FPRC begins, to see how much its test error depends on them.
+#: Places where the fuzzy c-means of FPRC begins, to see how much its errors depend on them.
 _STARTS = 10
 
 
@@ -41,7 +41,7 @@ def replicate(
     comparison, models = compare_models(data, how)
     described = {"seed": how.seed, "source": "sim"}
     starts = errors_over_starts(data, how, _STARTS)
-    write_json(compared, described | comparison | {"fprc_test_rmse_over_starts": starts})
+    write_json(compared, described | comparison | {"fprc_rmse_over_starts": starts})
     write_json(cells, described | judge_grids(data, values, how))
     bench = Track(tracking, settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))

@@ -75,13 +75,17 @@ def tabulate_seeds(
 
 
 def _over_starts(reports: Sequence[Mapping[str, Any]], trained_on: str) -> str:
-    """Return a sentence on how much FPRC's test error depends on where its clustering begins."""
-    errors = np.array([report["fprc_test_rmse_over_starts"][trained_on] for report in reports])
-    widest = np.ptp(errors, axis=1).max()
+    """Return a sentence on how much FPRC's errors depend on where its clustering begins."""
+    train, test = (
+        np.array([report["fprc_rmse_over_starts"][trained_on][phase] for report in reports])
+        for phase in ("train", "test")
+    )
+    spread = [errors.std(axis=1, ddof=1).mean() for errors in (train, test)]
     return (
-        f"Of FPRC's test RMSE, {errors.std(axis=1, ddof=1).mean():.2g} kPa (standard deviation "
-        f"within a seed) are due to where its clustering began, among {errors.shape[1]} starts on "
-        f"the same rows; on one seed the best and the worst start are {widest:.2g} kPa apart."
+        f"Where FPRC's clustering begins, among {test.shape[1]} starts on the same rows, changes "
+        f"its training RMSE by {spread[0]:.2g} and its test RMSE by {spread[1]:.2g} kPa (standard "
+        "deviation within a seed); on one seed the best and the worst start are "
+        f"{np.ptp(test, axis=1).max():.2g} kPa apart in the test."
     )
 
 

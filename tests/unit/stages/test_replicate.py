@@ -106,8 +106,12 @@ def test_weights_are_those_of_the_main_run_with_that_seed(errors, logs, judgemen
 
 def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, judgement):
     """A start is a fit of the readout by itself, on the rows of the first fold."""
-    found = read_json(errors)["fprc_test_rmse_over_starts"]
-    assert {log: len(set(values)) for log, values in found.items()} == {"sweep": 10, "complex": 10}
+    found = read_json(errors)["fprc_rmse_over_starts"]
+    for log in ("sweep", "complex"):
+        assert {phase: len(set(found[log][phase])) for phase in found[log]} == {
+            "train": 10,
+            "test": 10,
+        }
     logs, how = simulate(RigSettings(**on_rig), SEED), Judgement(**judgement)
     model = build("fprc", how.models, SEED)
     (X, y), (other, expected) = (logs[name].pair("fprc") for name in ("complex", "sweep"))
@@ -116,5 +120,7 @@ def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, jud
     seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])
     readout = model.make_readout().set_params(random_state=seed)
     readout.fit(features.transform(X)[part], y[part])
-    error = np.sqrt(np.mean((readout.predict(features.transform(other)) - expected) ** 2))
-    assert found["complex"][3] == pytest.approx(error)
+    tested = readout.predict(features.transform(other)) - expected
+    trained = readout.predict(features.transform(X)[part]) - y[part]
+    for phase, wrong in (("train", trained), ("test", tested)):
+        assert found["complex"][phase][3] == pytest.approx(np.sqrt(np.mean(wrong**2)))

@@ -57,8 +57,8 @@ def replicate(seed, **test):
         for trained_on, factor in (("sweep", 1.0), ("complex", 2.0))
         for model, error in test.items()
     ]
-    starts = {"sweep": [1.0, 3.0]}
-    return {"seed": seed, "source": "sim", "models": models, "fprc_test_rmse_over_starts": starts}
+    starts = {"sweep": {"train": [2.0, 2.5], "test": [1.0, 3.0]}}
+    return {"seed": seed, "source": "sim", "models": models, "fprc_rmse_over_starts": starts}
 
 
 REPLICATES = [
