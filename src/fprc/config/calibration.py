@@ -65,7 +65,7 @@ class FirstSearch(Section):
         description="terms of its objective, of those in calibration.fit; none: no first search",
     )
     rounds: int = quantity(
-        5, (1, 1000), "rounds, each of a rig for each free parameter and 24 more"
+        5, (1, 1000), "rounds, each of a rig for each free parameter and up to 18 more"
     )
     starts: int = quantity(
         16,

@@ -32,7 +32,7 @@ from fprc.models import Learning, Online, SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256
 from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback, running_inputs
-from fprc.signals import random_pushes, reference_angle, settled
+from fprc.signals import random_pushes, reference_angle, rms, settled
 
 log = logging.getLogger(__name__)
 
@@ -325,19 +325,31 @@ def columns_for(name: str, inputs: np.ndarray) -> np.ndarray:
 
 def tracking_errors(
     bench: Track, model: SequenceModel, loops: Mapping[str, bool]
-) -> dict[str, dict[str, float]]:
-    """Return the RMSE of the references of Table IV with P_ff of one model, deg.
+) -> dict[str, dict[str, np.ndarray]]:
+    """Return the errors over time with P_ff of one model, for the references of Table IV, deg.
+
+    The errors are of theta against theta_d after the settling time.
 
     Parameters
     ----------
     loops : Mapping
         Whether there is feedback, by the name under which the errors are returned.
     """
-    errors: dict[str, dict[str, float]] = {name: {} for name in loops}
+    errors: dict[str, dict[str, np.ndarray]] = {name: {} for name in loops}
     for reference in REFERENCES:
         theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
         inputs = bench.inputs(theta_d, number)
+        settle_s = bench.tracking["references"][reference]["settle_s"]
         for name, feedback in loops.items():
             precomputed = bench.precompute(model, inputs)
-            errors[name][reference] = bench.error(reference, precomputed, feedback=feedback)
+            run = settled(bench.simulate(theta_d, precomputed, number, feedback=feedback), settle_s)
+            errors[name][reference] = run["theta_deg"] - run["theta_d_deg"]
     return errors
+
+
+def rms_of(errors: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, dict[str, float]]:
+    """Return the root mean squares of ``tracking_errors``, deg."""
+    return {
+        name: {reference: rms(found) for reference, found in loop.items()}
+        for name, loop in errors.items()
+    }

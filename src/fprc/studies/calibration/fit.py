@@ -25,7 +25,7 @@ from fprc.studies.calibration.objective import (
     aim_of,
     deviations,
     judged_of,
-    logs_of,
+    numbers_of,
     scaled,
 )
 from fprc.studies.calibration.search import SearchResult, search
@@ -196,7 +196,7 @@ def _searched(
     result = search(
         partial(judge_point, on_rig=start_rig, free=free, seeds=seeds, estimate=estimate, key=key),
         partial(corrections, on_rig=start_rig, free=free, judge=judge, workers=workers),
-        lambda logs: np.concatenate([*deviations(judged_of(logs, like), aim).values()]),
+        lambda found: np.concatenate([*deviations(judged_of(found, like), aim).values()]),
         starts_near(encode(start_rig.rig, free), calibration["starts"], seeds[0]),
         rounds=calibration["rounds"],
         workers=workers,
@@ -235,7 +235,7 @@ def corrections(
     judge: Callable[..., Corrected],
     workers: int,
 ) -> list[list[list[float]] | None]:
-    """Return the logarithms of the surrogate's measures at points, and what the full models add.
+    """Return the numbers of the surrogate at points, and what the full models add to them.
 
     None stands for a rig on which the full models are impossible.
     """
@@ -256,9 +256,10 @@ def _correction(
         _, estimated, ratios = judge(on_rig, workers=workers)
     except (FprcError, ValueError):
         return None
-    logs = logs_of(estimated)
-    added = np.subtract(logs_of(scaled(estimated, ratios)), logs)
-    return [logs, added.tolist()] if np.isfinite(logs).all() and np.isfinite(added).all() else None
+    numbers = numbers_of(estimated)
+    added = np.subtract(numbers_of(scaled(estimated, ratios)), numbers)
+    finite = np.isfinite(numbers).all() and np.isfinite(added).all()
+    return [numbers, added.tolist()] if finite else None
 
 
 def _losses(judged: Corrected, aim: Aim) -> dict[str, float]:
@@ -333,7 +334,7 @@ def judge_point(
     estimate: Any,
     key: str,
 ) -> list[float] | None:
-    """Return the logarithms of the measures at a point; None if the rig is impossible.
+    """Return the numbers of the measures at a point; None if the rig is impossible.
 
     Its clusterings begin at those of the point ``beside``. ``key`` says what is measured.
     """
@@ -341,10 +342,10 @@ def judge_point(
     try:
         Rig.model_validate(at.rig)
         centers = centers_of(near, seeds, estimate, key)
-        logs = logs_of(estimate(at, seeds, centers=copy.deepcopy(centers)))
+        numbers = numbers_of(estimate(at, seeds, centers=copy.deepcopy(centers)))
     except (FprcError, ValueError):
         return None
-    return logs if np.isfinite(logs).all() else None
+    return numbers if np.isfinite(numbers).all() else None
 
 
 #: Centres of the clusterings of the last rig around which others were judged, in this process.

@@ -9,7 +9,7 @@ from joblib import Parallel, delayed, parallel_config
 from fprc.experiments.comparison import judge_directions
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.experiments.tracking import Track, tracking_errors
+from fprc.experiments.tracking import Track, rms_of, tracking_errors
 from fprc.paper import DIRECTIONS, MODELS
 from fprc.registry import build
 from fprc.studies.calibration.objective import errors_of
@@ -65,7 +65,7 @@ def _judge_seed(
     if loops:
         fprc = build("fprc", judgement.models, judgement.seed).fit(*data["sweep"].pair("fprc"))
         bench = Track(tracking, on_rig.control, on_rig.rig, judgement.seed)
-        judged |= tracking_errors(bench, fprc, loops)
+        judged |= rms_of(tracking_errors(bench, fprc, loops))
     return judged
 
 

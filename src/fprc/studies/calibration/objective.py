@@ -31,6 +31,10 @@ _COUNTED = {"train": 2.0, "test": 1.0}
 #: Most that feedback may leave of the open-loop error.
 _LEFT = 0.8
 
+#: Unit of the errors over time, deg: about the largest of Table IV, so that they change as much as
+#: the logarithms do.
+_COURSE = 2.5
+
 #: Measures below this count as this: a loop may have no width, and 0 has no logarithm.
 _SMALLEST = 1e-3
 
@@ -124,15 +128,44 @@ def deviations(judged: Judged, aim: Aim) -> dict[str, np.ndarray]:
     return {name: np.asarray(TERMS[name](judged, aim), dtype=float) for name in aim.fit}
 
 
-def logs_of(judged: Judged) -> list[float]:
-    """Return the logarithms of all measures of all seeds; they are smooth in the parameters."""
-    return [math.log(max(value, _SMALLEST)) for value in _numbers(judged)]
+def numbers_of(judged: Judged) -> list[float]:
+    """Return all measures of all seeds as numbers that are nearly linear in the parameters.
+
+    They are logarithms, but for the RMSEs in open loop: what parameters add to an error adds up
+    over time, and not in its RMSE. So there are the block means of the error, in units of
+    ``_COURSE``, and the logarithm of what they leave of the RMSE.
+    """
+    logs, courses = [], []
+    for seed in judged:
+        left = dict(seed)
+        of_seed = left.pop("courses", {})
+        if of_seed:
+            left["open_loop"] = {
+                reference: rmse * math.sqrt(max(1.0 - float(np.mean(np.square(course))), 0.0))
+                for reference, rmse in seed["open_loop"].items()
+                for course in [of_seed[reference]]
+            }
+        logs += [math.log(max(value, _SMALLEST)) for value in _numbers(left)]
+        for reference, course in of_seed.items():
+            scale = seed["open_loop"][reference] / _COURSE / math.sqrt(len(course))
+            courses += [round(scale * value, 6) for value in course]
+    return logs + courses
 
 
-def judged_of(logs: Sequence[float], like: Judged) -> Judged:
-    """Undo ``logs_of``, for measures of the structure of ``like``."""
-    numbers = iter(np.exp(np.clip(logs, -10.0, 10.0)).tolist())
-    return _with_numbers(like, numbers)
+def judged_of(numbers: Sequence[float], like: Judged) -> Judged:
+    """Undo ``numbers_of``, for measures of the structure of ``like``."""
+    bare = [{key: value for key, value in seed.items() if key != "courses"} for seed in like]
+    count = sum(1 for _ in _numbers(bare))
+    found = _with_numbers(bare, iter(np.exp(np.clip(numbers[:count], -10.0, 10.0)).tolist()))
+    courses, at = np.asarray(numbers[count:]), 0
+    for seed, of_seed in zip(found, like, strict=True):
+        for reference, course in of_seed.get("courses", {}).items():
+            part, at = courses[at : at + len(course)], at + len(course)
+            rmse = math.hypot(seed["open_loop"][reference], _COURSE * np.linalg.norm(part))
+            seed["open_loop"][reference] = rmse
+            course = part * (_COURSE * math.sqrt(len(part)) / rmse)
+            seed.setdefault("courses", {})[reference] = course
+    return found
 
 
 def scaled(judged: Judged, ratios: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:

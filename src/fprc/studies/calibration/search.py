@@ -23,12 +23,13 @@ from scipy.optimize import least_squares
 from fprc.artifacts import resuming
 
 #: Steps of the finite differences, in units of the cube's edge: the first one, the least and the
-#: largest, and by how much the numbers should change (root mean square). A longer step sees the
-#: curvature, a shorter one the noise.
-_STEP, _FINEST, _COARSEST, _CHANGE = 0.03, 0.01, 0.06, 0.012
+#: largest, and by how much the numbers should change (norm). A longer step sees the curvature, a
+#: shorter one the noise.
+_STEP, _FINEST, _COARSEST, _CHANGE = 0.03, 0.01, 0.06, 0.1
 
-#: Steps of a round, and the distances that each tries, as multiples of the radius.
-_STEPS, _REACH = 6, (0.2, 0.6, 1.5, 3.0)
+#: Most steps of a round, how many in turn may find nothing better, and the distances that each
+#: tries, as multiples of the radius.
+_STEPS, _FAILED, _REACH = 6, 3, (0.2, 0.6, 1.5)
 
 #: Radius with which a round begins, and limits of every radius, in units of the cube; the
 #: factor after a step that found nothing better.
@@ -96,7 +97,8 @@ def search(
         The search begins at each of them. Each round goes on from the better half of those of the
         round before.
     rounds : int
-        Those of the start that is best. A round judges a point for each parameter, and 24 more.
+        Those of the start that is best. A round judges a point for each parameter, and then up to
+        18 more.
     checkpoint : path
         See ``artifacts.resuming``; the head is ``key`` with ``starts`` and ``rounds``, the entries
         are the judgements of points that were judged together, and the corrections of a round. A
@@ -181,7 +183,7 @@ def _steps(
 ) -> Iterator[_Here]:
     """Yield the best point after each step of a round."""
     slopes, near = _slopes(begin, judged)
-    here, radius = min(begin, *near, key=_loss), _RADIUS
+    here, radius, failed = min(begin, *near, key=_loss), _RADIUS, 0
     for _ in range(_STEPS):
         radii = [min(share * radius, _MOST) for share in _REACH]
         points = [_least_within(r, here, slopes, deviations_of) for r in radii]
@@ -191,11 +193,13 @@ def _steps(
             slopes = _corrected(slopes, here, new)
         best, reached = min(tried, key=lambda pair: pair[0].loss, default=(here, 0.0))
         if best.loss < here.loss:
-            here, radius = best, reached
+            here, radius, failed = best, reached, 0
         else:
-            radius *= _SHRINK
+            radius, failed = _SHRINK * radius, failed + 1
         radius = max(radius, _LEAST)
         yield here._replace(slopes=slopes)
+        if failed == _FAILED:
+            break
 
 
 def _loss(judged: _Here) -> float:
@@ -213,7 +217,7 @@ def _slopes(
     """
     lengths = np.full(len(here.point), _STEP)
     if here.slopes is not None:
-        changes = np.sqrt(np.mean(here.slopes**2, axis=0))
+        changes = np.linalg.norm(here.slopes, axis=0)
         lengths = np.clip(_CHANGE / np.maximum(changes, 1e-9), _FINEST, _COARSEST)
     steps = np.where(here.point + lengths <= 1.0, lengths, -lengths)
     points = [

@@ -17,7 +17,7 @@ from fprc.evaluation.weights import shares_of, to_unit
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
-from fprc.experiments.tracking import Track, tracking_errors
+from fprc.experiments.tracking import Track, rms_of, tracking_errors
 from fprc.models import TakagiSugenoReadout, lowpass, taps
 from fprc.paper import DIRECTIONS
 from fprc.registry import build
@@ -25,6 +25,9 @@ from fprc.studies.calibration.objective import properties
 
 #: Share of the rows that trains a readout in the full models' cross-validation.
 _TRAINED = 0.8
+
+#: Length of the blocks over which errors in open loop are averaged, s.
+_BLOCK_S = 0.25
 
 #: Optional measures; each takes time of its own.
 MEASURES = ("shares", "epsilon", "n_c", "taps", "open_loop", "closed_loop")
@@ -65,7 +68,8 @@ def judge_by_surrogate(
         ``errors`` by "trained on/model/phase", kPa; ``properties``, see ``objective.properties``;
         and of ``measures``: ``shares`` of P_o over theta_d in the weights; training errors over
         ``epsilon``; errors over ``n_c`` by model and phase; training errors over ``taps``, of
-        shape (n_u, n_y); RMSE by reference in ``open_loop`` and ``closed_loop``, deg.
+        shape (n_u, n_y); RMSE by reference in ``open_loop`` and ``closed_loop``, deg; and, with
+        ``open_loop``, ``courses`` by reference, see ``objective.numbers_of``.
     """
     simulated = simulate(on_rig, seed)
     logs = {name: data.channels for name, data in simulated.items()}
@@ -101,7 +105,13 @@ def judge_by_surrogate(
         features = model.make_features().fit(np.zeros((100, 2)))
         model = model.assembled(features, fuzzy["sweep", "fprc"])
         bench = Track(tracking, on_rig.control, on_rig.rig, seed)
-        judged |= tracking_errors(bench, model, loops)
+        tracked = tracking_errors(bench, model, loops)
+        judged |= rms_of(tracked)
+        if "open_loop" in loops:
+            judged["courses"] = {
+                reference: _course(error, round(_BLOCK_S * bench.control["sample_rate_hz"]))
+                for reference, error in tracked["open_loop"].items()
+            }
     return judged
 
 
@@ -184,6 +194,12 @@ class _FuzzyModels:
             )
             self._taps[key] = taps(signal, size)[:: self.stride]
         return self._taps[key]
+
+
+def _course(error: np.ndarray, size: int) -> list[float]:
+    """Return the means of an error over blocks of ``size``, relative to its RMS."""
+    blocks = error[: len(error) // size * size].reshape(-1, size).mean(axis=1)
+    return (blocks / np.sqrt(np.mean(error**2))).tolist()
 
 
 def _esn_errors(

@@ -6,7 +6,7 @@ from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings, Unit
-from fprc.experiments.tracking import Track, tracking_errors
+from fprc.experiments.tracking import Track, rms_of, tracking_errors
 from fprc.models import FPRC
 from fprc.studies.beyond import contest as contests
 from fprc.studies.beyond.contest import (
@@ -91,7 +91,9 @@ def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, contes
     control = on_rig.control | {"feedforward": on_rig.control["feedforward"]}
     control["feedforward"] = control["feedforward"] | {"p_o_shift_kpa": -2.0}
     bench = Track(contest.tracking, control, on_rig.rig, SEED)
-    expected = tracking_errors(bench, fprc, {"open_loop_deg": False, "closed_loop_deg": True})
+    expected = rms_of(
+        tracking_errors(bench, fprc, {"open_loop_deg": False, "closed_loop_deg": True})
+    )
     for loop, errors in expected.items():
         assert tracked["-2.0"][loop] == pytest.approx(errors)
         assert max(errors[name] / judged["fprc"][loop][name] for name in errors) > 1.05

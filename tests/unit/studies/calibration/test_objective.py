@@ -19,8 +19,9 @@ from fprc.studies.calibration.objective import (
     aim_of,
     deviations,
     judged_of,
-    logs_of,
+    numbers_of,
     properties,
+    scaled,
 )
 
 #: Errors on which every order holds with slack.
@@ -242,7 +243,7 @@ def test_seeds_without_grids_are_left_out_of_their_means(term):
     np.testing.assert_array_equal(among, alone)
 
 
-# --- logarithms of the measures -------------------------------------------------------------------
+# --- numbers of the measures ----------------------------------------------------------------------
 
 numbers = st.floats(1e-3, 2e4)
 
@@ -261,17 +262,17 @@ def seeds_of(values):
     return [fill(GOOD), fill(without("epsilon", "n_c", "taps"))]
 
 
-COUNT = len(logs_of([GOOD, without("epsilon", "n_c", "taps")]))
+COUNT = len(numbers_of([GOOD, without("epsilon", "n_c", "taps")]))
 
 
 @given(st.lists(numbers, min_size=COUNT, max_size=COUNT))
-def test_measures_come_back_from_their_logarithms(values):
+def test_measures_come_back_from_their_numbers(values):
     judged = seeds_of(values)
-    logs = logs_of(judged)
+    logs = numbers_of(judged)
     assert sorted(logs) == pytest.approx(sorted(map(math.log, values)))
     found = judged_of(logs, judged)
     # every number in its own place
-    assert logs_of(found) == pytest.approx(logs)
+    assert numbers_of(found) == pytest.approx(logs)
     for seed, expected in zip(found, judged, strict=True):
         assert seed["errors"] == pytest.approx(expected["errors"])
         assert seed["open_loop"] == pytest.approx(expected["open_loop"])
@@ -279,6 +280,27 @@ def test_measures_come_back_from_their_logarithms(values):
     np.testing.assert_allclose(found[0]["taps"], judged[0]["taps"])
     for model, phases in judged[0]["n_c"].items():
         assert found[0]["n_c"][model] == {key: pytest.approx(rmse) for key, rmse in phases.items()}
+
+
+@given(st.floats(0.0, 1.0), st.integers(0, 2**32 - 1))
+def test_open_loop_errors_add_up_over_time(share, seed):
+    """Halfway between two rigs' numbers is the RMSE of their errors halfway, not their mean."""
+    errors = np.random.default_rng(seed).normal([[1.0], [-2.0]], 2.0, (2, 40))
+
+    def judged(error):
+        rms = float(np.sqrt(np.mean(error**2)))
+        return [GOOD | {"open_loop": {"sweep": rms}, "courses": {"sweep": (error / rms).tolist()}}]
+
+    one, other = (np.array(numbers_of(judged(error))) for error in errors)
+    between = one + share * (other - one)
+    (found,) = judged_of(between.tolist(), judged(errors[0]))
+    (expected,) = judged(errors[0] + share * (errors[1] - errors[0]))
+    assert found["open_loop"] == pytest.approx(expected["open_loop"], rel=1e-4)
+    assert numbers_of([found]) == pytest.approx(between, abs=2e-3)
+    (doubled,) = scaled([found], {"open_loop": {"sweep": 2.0}})
+    np.testing.assert_allclose(
+        np.subtract(numbers_of([doubled]), 2.0 * between)[-40:], 0.0, atol=1e-5
+    )
 
 
 # --- properties -----------------------------------------------------------------------------------

@@ -7,9 +7,11 @@ import pytest
 
 from fprc.studies.calibration.search import search
 
+SEARCH = importlib.import_module("fprc.studies.calibration.search")
+
 #: Batches of points, in three dimensions, of a search from two starts: the starts, and in the round
-#: of each the neighbours and six steps of four, and where these end.
-ROUNDS, BATCHES = 1, (2, *(3, 4, 4, 4, 4, 4, 4) * 2, 2)
+#: of each the neighbours and six steps of three, and where these end.
+ROUNDS, BATCHES = 1, (2, *(3, 3, 3, 3, 3, 3, 3) * 2, 2)
 TARGET = np.array([0.02, 0.5, 0.97])
 
 
@@ -24,7 +26,7 @@ def distances(numbers, target=TARGET):
 
 
 @pytest.fixture
-def run(tmp_path):
+def run(tmp_path, monkeypatch):
     """Search in the cube and return what was found; the points that were judged are ``points``."""
 
     def call(*, stops_at=None, name="search.jsonl", judge=numbers_of, **options):
@@ -51,6 +53,7 @@ def run(tmp_path):
         }
         return search(judge_point, checkpoint=call.checkpoint, **settings | options)
 
+    monkeypatch.setattr(SEARCH, "_FAILED", 7)  # so that every round takes as many
     call.folder = tmp_path
     return call
 
@@ -124,8 +127,11 @@ def test_lowest_of_the_valleys_below_the_starts_is_found(run, starts, least):
     assert found.point == pytest.approx([0.2 if least else 0.8], abs=1e-3)
 
 
-def test_each_round_leaves_the_worse_half_of_the_starts_and_the_last_that_gains_nothing_ends(run):
+def test_each_round_leaves_the_worse_half_of_the_starts_and_the_last_that_gains_nothing_ends(
+    run, monkeypatch
+):
     """Five plateaus: no step improves any start, so each round is seen in one neighbour."""
+    monkeypatch.setattr(SEARCH, "_FAILED", 2)
     levels, starts = [3.0, 1.0, 5.0, 2.0, 4.0], np.linspace(0.1, 0.9, 5)[:, None]
     found = run(
         judge=lambda point: point.tolist(),
@@ -133,11 +139,12 @@ def test_each_round_leaves_the_worse_half_of_the_starts_and_the_last_that_gains_
         starts=starts,
         rounds=9,
     )
-    # the first step is 0.03; the next ones change the numbers by 0.012
+    # the first step is 0.03; the next ones may change by 0.06
     steps = np.array([point[0] - starts[:, 0] for point in run.points])
-    neighbours = (np.isclose(steps, 0.03) | np.isclose(steps, 0.012)).sum(axis=0).tolist()
+    neighbours = (np.isclose(steps, 0.03) | np.isclose(steps, 0.06)).sum(axis=0).tolist()
     assert neighbours == [2, 4, 1, 3, 1]
     assert (found.loss, found.rounds, found.finished) == (1.0, 5 + 3 + 2 + 1, True)
+    assert found.evaluations == (5 + 5 + 3 + 2 + 1) + 11 * (1 + 2 * 3)
 
 
 def test_minimum_outside_the_cube_is_found_on_its_face_and_no_point_leaves_it(run):
@@ -286,7 +293,7 @@ def test_search_for_something_else_begins_anew(run, undisturbed, change):
 def clock(monkeypatch, run):
     """A clock on which judging one point takes a second."""
     watch = SimpleNamespace(monotonic=lambda: float(len(run.points)))
-    monkeypatch.setattr(importlib.import_module("fprc.studies.calibration.search"), "time", watch)
+    monkeypatch.setattr(SEARCH, "time", watch)
 
 
 @pytest.mark.parametrize(
