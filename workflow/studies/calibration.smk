@@ -80,13 +80,29 @@ STUDY_FIGURES["sensitivity_figure"] = result_spec(
     **stage("studies.sensitivity.draw_sensitivity"),
 )
 
+#: What is changed of the drift, by the words that follow the name of the rig.
+DRIFTS = {"": {}, ", no drift": {"sigma_kpa": 0.0}, ", drift over 10 s": {"time_s": 10.0}}
+
+
+def rigs_with_other_drift(wildcards):
+    """Return the rig of the configuration and dry as families, each also with another drift."""
+    found = []
+    for name in dict.fromkeys([SETTINGS["fitted"]["name"], "dry"]):
+        family = family_named(name)
+        settings, rig = family["on_rig"], family["on_rig"]["rig"]
+        for words, drift in DRIFTS.items():
+            changed = settings | {"rig": rig | {"drift": rig["drift"] | drift}}
+            # units are the seeds
+            found.append(family | {"name": name + words, "on_rig": changed, "first_seed": 0})
+    return found
+
+
 JUDGED["measure_stop"] = judgement_spec(
     "calibration/stop",
     "Errors at the stop of the actuator",
     "families.stop.judge_stop",
     *MODELS,
-    # its units are the seeds
-    families=lambda wildcards: [family_named(SETTINGS["fitted"]["name"]) | {"first_seed": 0}],
+    families=rigs_with_other_drift,
     units=SETTINGS["evaluation"]["replicate_seeds"],
     how={"judgement": EVERY_SEED["judgement"]},
 )

@@ -25,8 +25,9 @@ def judge_stop(unit: Unit, *, judgement: Mapping[str, Any]) -> list[dict[str, An
     -------
     list of one dict
         ``seed``; ``at_stop``, the share of samples at the stop; and by model: ``share``, of the
-        squared training error there; training errors ``at``, ``off`` the stop and ``test`` error,
-        kPa; and the last two again after training ``without`` the samples at the stop.
+        squared training error there; training errors ``at``, ``off`` the stop, ``test`` error, and
+        that ``reversed``, kPa; and ``off`` and ``test`` again after training ``without`` the
+        samples at the stop.
     """
     on_rig, seed = unit.rigs[0]
     logs, how = simulate(on_rig, seed), Judgement(**judgement, seed=seed)
@@ -43,6 +44,7 @@ def judge_stop(unit: Unit, *, judgement: Mapping[str, Any]) -> list[dict[str, An
             "at": rms(off_by[at_stop]),
             "off": rms(off_by[~at_stop]),
             "test": prepared.error(whole, "complex"),
+            "reversed": prepared.error(prepared.readout("complex"), "sweep"),
             "without_off": prepared.error(off, "sweep", ~at_stop),
             "without_test": prepared.error(off, "complex"),
         }
@@ -55,6 +57,7 @@ _COLUMNS = {
     "at": "Training RMSE at the stop [kPa]",
     "off": "Training RMSE off the stop [kPa]",
     "test": "Test RMSE [kPa]",
+    "reversed": "Reversed test RMSE [kPa]",
     "without_off": "Trained without the stop: training RMSE [kPa]",
     "without_test": "Trained without the stop: test RMSE [kPa]",
 }
@@ -63,24 +66,31 @@ _COLUMNS = {
 def over_seeds(cells: Any) -> pd.DataFrame:
     """Return the numbers of ``judge_stop`` over seeds, tidy, with their 95 % intervals."""
     table = pd.DataFrame(
-        {"model": name, "number": number, "value": value * (100.0 if number == "share" else 1.0)}
+        {
+            "rig": cell["family"],
+            "model": name,
+            "number": number,
+            "value": value * (100.0 if number == "share" else 1.0),
+        }
         for cell in cells
         for name in MODELS
         for number, value in cell[name].items()
     )
-    return means_of(table, "model", "number").drop(columns=["min", "max"])
+    return means_of(table, "rig", "model", "number").drop(columns=["min", "max"])
 
 
 def page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a row per model."""
-    cells = {(row["model"], row["number"]): row for row in table.to_dict("records")}
+    """Return a row per rig and model."""
+    cells = {(row["rig"], row["model"], row["number"]): row for row in table.to_dict("records")}
     return pd.DataFrame(
         {
+            "Rig": rig,
             "Model": title_of(name),
             **{
-                title: format_mean(cells[name, number], "mean")
+                title: format_mean(cells[rig, name, number], "mean")
                 for number, title in _COLUMNS.items()
             },
         }
+        for rig in table["rig"].unique()
         for name in MODELS
     )
