@@ -7,7 +7,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick style fast types kernels lint site tests faults test damage test-kill reproduce-twice processors \
-	slurm slurm-programs test-slurm chromium docs check layers lowest newest fault-matrix fuzz loop-benchmark benchmark \
+	slurm slurm-programs test-slurm chromium docs check lowest newest fault-matrix fuzz loop-benchmark benchmark \
 	container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
@@ -116,9 +116,6 @@ docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
 
 check: .venv/.ready  ## compare verdicts, results and pictures with what is declared
 	$(STUDIES) check
-
-layers: .venv/.ready  ## draw the packages in CONTRIBUTING.md from the imports
-	python tools/layers.py
 
 fault-matrix: .venv/.ready  ## inject faults and write the outcomes to docs/faults.md
 	pytest tests/faults --write-matrix
