@@ -4,7 +4,7 @@ from fprc.config import check
 from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
-from fprc.experiments.tracking import TRACKING_RUNS, Track
+from fprc.experiments.tracking import Track
 from fprc.registry import build
 
 
@@ -26,9 +26,8 @@ def main() -> None:
         feedforward = control["feedforward"] | {"adapt": adapt}
         bench = Track(settings["tracking"], control | {"feedforward": feedforward}, rig, 1)
         bench.follow("sine_0p5", "fprc_pd", fprc)
-        theta_d, number = bench.reference("sine_0p5"), TRACKING_RUNS["sine_0p5"]
-        precomputed = bench.precompute(fprc, bench.inputs(theta_d, number))
-        bench.simulate(theta_d, precomputed, number, feedback=True)
+        precomputed = bench.precompute(fprc, bench.inputs("sine_0p5"))
+        bench.simulate("sine_0p5", precomputed, feedback=True)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import pytest
 from fprc.apparatus import process
 from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.experiments.hysteresis import acquire
-from fprc.experiments.tracking import Track
+from fprc.experiments.tracking import TRACKING_RUNS, Track
 from fprc.logs import read_columns, read_journal, read_raw, read_run
 from fprc.models import FPRC, load_model, save_model
 
@@ -63,8 +63,7 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
     model = tmp_path / "fprc.h5"
     save_model(FPRC(n_c=2, random_state=1).partial_fit(X, log["p_exp_command_kpa"]), model)
 
-    number = 20
-    live_by(make_bench(settings, run=number))
+    live_by(make_bench(settings, run=TRACKING_RUNS["sine_0p5"]))
     raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd"
     process.record(name, str(raw), settings=settings, model=str(model), stop=lambda: "")
     learned = LEARNING_CHANNELS if adapt else ()
@@ -72,7 +71,7 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
 
     simulator = Track(settings["tracking"], settings["control"], settings["rig"], settings["seed"])
     theta_d = simulator.reference("sine_0p5")
-    expected = simulator.drive(theta_d, "fprc_pd", load_model(model), number)
+    expected = simulator.follow("sine_0p5", "fprc_pd", load_model(model))
     compare(found.channels, expected)
     assert np.array_equal(found.channels["theta_d_deg"], theta_d)
     assert np.ptp(found.channels["p_ff_kpa"]) > 10.0

@@ -127,22 +127,22 @@ class Track(NamedTuple):
         learns = self.control["feedforward"]["adapt"] and feedforward_of(controller)
         return (*TRACKING_CHANNELS, *LEARNING_CHANNELS) if learns else TRACKING_CHANNELS
 
-    def drive(
-        self,
-        theta_d: np.ndarray,
-        controller: str,
-        model: SequenceModel | None,
-        number: int,
-        pushes: np.ndarray | None = None,
+    def follow(
+        self, reference: str, controller: str, model: SequenceModel | None
     ) -> dict[str, np.ndarray]:
-        """Run one controller on the rig and return its channels."""
-        listed = [0.0] if pushes is None else pushes.tolist()
+        """Follow a reference with one of the controllers and return its channels.
+
+        ``model`` gives the feedforward; PD alone does not use it.
+        """
+        theta_d = self.reference(reference)
+        pushed = reference == DISTURBANCE
+        pushes = self.pushes(len(theta_d)).tolist() if pushed else [0.0]
         device = SimulatedRig(
             self.rig,
             seed=self.seed,
-            run=number,
+            run=TRACKING_RUNS[reference],
             sample_rate_hz=self.control["sample_rate_hz"],
-            push_kpa=lambda tick: listed[min(max(tick, 0), len(listed) - 1)],
+            push_kpa=lambda tick: pushes[min(max(tick, 0), len(pushes) - 1)],
         )
         return run(
             device,
@@ -153,14 +153,13 @@ class Track(NamedTuple):
             extra=self.channels(controller),
         )
 
-    def inputs(
-        self, theta_d: np.ndarray, number: int, pushes: np.ndarray | None = None
-    ) -> np.ndarray:
+    def inputs(self, reference: str, pushes: np.ndarray | None = None) -> np.ndarray:
         """Return the inputs of the models for a whole reference, of shape (n_samples, 2).
 
         P_o depends on P_i = K_in theta_d only, so one run with the actuator at rest gives it.
         """
-        at_rest = self.simulate(theta_d, np.zeros(len(theta_d)), number, pushes, feedback=False)
+        theta_d = self.reference(reference)
+        at_rest = self.simulate(reference, np.zeros(len(theta_d)), pushes, feedback=False)
         return np.column_stack(list(running_inputs(theta_d, at_rest["p_o_kpa"]).values()))
 
     def precompute(self, model: SequenceModel, inputs: np.ndarray) -> "Precomputed":
@@ -185,21 +184,20 @@ class Track(NamedTuple):
 
     def simulate(
         self,
-        theta_d: np.ndarray,
+        reference: str,
         precomputed: "np.ndarray | Precomputed",
-        number: int,
         pushes: np.ndarray | None = None,
         *,
         feedback: bool,
     ) -> dict[str, np.ndarray]:
-        """Do as ``drive``, in compiled code, with P_ff in kPa, or as ``precompute`` gives it."""
-        rate_hz = self.control["sample_rate_hz"]
+        """Do as ``follow``, in compiled code, with P_ff in kPa, or as ``precompute`` gives it."""
+        rate_hz, number = self.control["sample_rate_hz"], TRACKING_RUNS[reference]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
         given = precomputed if isinstance(precomputed, Precomputed) else Precomputed(precomputed)
         return simulate_tracking(
             device,
             self.control,
-            theta_d,
+            self.reference(reference),
             given.p_ff_kpa,
             self.tracking["pressure_limit_kpa"],
             feedback=feedback,
@@ -217,25 +215,8 @@ class Track(NamedTuple):
         feedback: bool,
     ) -> float:
         """Follow a reference as ``simulate`` does, and return the RMSE, deg."""
-        theta_d, number = self.reference(reference), TRACKING_RUNS[reference]
-        run = self.simulate(theta_d, precomputed, number, pushes, feedback=feedback)
+        run = self.simulate(reference, precomputed, pushes, feedback=feedback)
         return tracking_rmse(run, self.tracking["references"][reference]["settle_s"])
-
-    def follow(
-        self, reference: str, controller: str, model: SequenceModel | None
-    ) -> dict[str, np.ndarray]:
-        """Follow a reference with one of the controllers and return its channels.
-
-        ``model`` gives the feedforward; PD alone does not use it.
-        """
-        theta_d = self.reference(reference)
-        return self.drive(
-            theta_d,
-            controller,
-            model,
-            TRACKING_RUNS[reference],
-            self.pushes(len(theta_d)) if reference == DISTURBANCE else None,
-        )
 
 
 class Precomputed(NamedTuple):
@@ -287,19 +268,14 @@ def measure_control(
         reference: str, names: Sequence[str], pushed: bool = False
     ) -> dict[str, dict[str, np.ndarray]]:
         """Return the channels of each controller after the settling time."""
-        theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
-        pushes = bench.pushes(len(theta_d)) if pushed else None
-        inputs = bench.inputs(theta_d, number, pushes)
+        samples = len(bench.reference(reference))
+        pushes = bench.pushes(samples) if pushed else None
+        inputs = bench.inputs(reference, pushes)
         runs = {}
         for name in names:
             driver = driven_by[name]
-            channels = bench.simulate(
-                theta_d,
-                bench.precompute(models[driver], inputs) if driver else np.zeros(len(theta_d)),
-                number,
-                pushes,
-                feedback=has_feedback(name),
-            )
+            p_ff = bench.precompute(models[driver], inputs) if driver else np.zeros(samples)
+            channels = bench.simulate(reference, p_ff, pushes, feedback=has_feedback(name))
             runs[name] = settled(channels, bench.tracking["references"][reference]["settle_s"])
         log.info("followed %s with %s", reference, ", ".join(names))
         return runs
@@ -337,12 +313,11 @@ def tracking_errors(
     """
     errors: dict[str, dict[str, np.ndarray]] = {name: {} for name in loops}
     for reference in REFERENCES:
-        theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
-        inputs = bench.inputs(theta_d, number)
+        inputs = bench.inputs(reference)
         settle_s = bench.tracking["references"][reference]["settle_s"]
         for name, feedback in loops.items():
             precomputed = bench.precompute(model, inputs)
-            run = settled(bench.simulate(theta_d, precomputed, number, feedback=feedback), settle_s)
+            run = settled(bench.simulate(reference, precomputed, feedback=feedback), settle_s)
             errors[name][reference] = run["theta_deg"] - run["theta_d_deg"]
     return errors
 

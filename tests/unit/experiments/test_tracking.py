@@ -48,11 +48,11 @@ def changed(bench, **feedforward):
 def test_compiled_run_is_that_of_the_model_in_the_loop(bench, models, reference, name, feedforward):
     bench = changed(bench, **feedforward)
     expected = bench.follow(reference, name, models["fprc"])
-    theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
-    pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else None
-    precomputed = bench.precompute(models["fprc"], bench.inputs(theta_d, number, pushes))
-    precomputed = np.zeros(len(theta_d)) if name == "pd" else precomputed
-    result = bench.simulate(theta_d, precomputed, number, pushes, feedback=has_feedback(name))
+    samples = len(bench.reference(reference))
+    pushes = bench.pushes(samples) if reference == "disturbance" else None
+    precomputed = bench.precompute(models["fprc"], bench.inputs(reference, pushes))
+    precomputed = np.zeros(samples) if name == "pd" else precomputed
+    result = bench.simulate(reference, precomputed, pushes, feedback=has_feedback(name))
     assert np.ptp(expected["theta_deg"]) > 5.0
     learns = "adapt" in feedforward and name != "pd"
     assert learns is ("p_learned_kpa" in expected) is ("p_learned_kpa" in result)
@@ -65,8 +65,7 @@ def test_compiled_run_is_that_of_the_model_in_the_loop(bench, models, reference,
 
 
 def test_feedforward_of_a_model_without_readout_ignores_p_o(bench, models):
-    theta_d = bench.reference("sine_0p5")
-    inputs = bench.inputs(theta_d, 20)
+    theta_d, inputs = bench.reference("sine_0p5"), bench.inputs("sine_0p5")
     p_ff = {name: bench.precompute(model, inputs).p_ff_kpa for name, model in models.items()}
     np.testing.assert_array_equal(
         p_ff["fuzzy_linear"], models["fuzzy_linear"].predict(theta_d[:, None])
@@ -77,10 +76,8 @@ def test_feedforward_of_a_model_without_readout_ignores_p_o(bench, models):
 def follow(bench, model, **feedforward):
     """Return the tracking error of a run whose P_o reads 5 kPa more than in the training."""
     bench = changed(bench, **feedforward)
-    theta_d = bench.reference("sine_0p5")
-    inputs = bench.inputs(theta_d, 20) + [0.0, 5.0]
-    precomputed = bench.precompute(model, inputs)
-    return tracking_rmse(bench.simulate(theta_d, precomputed, 20, feedback=False), 5.0)
+    precomputed = bench.precompute(model, bench.inputs("sine_0p5") + [0.0, 5.0])
+    return tracking_rmse(bench.simulate("sine_0p5", precomputed, feedback=False), 5.0)
 
 
 def test_model_that_learns_or_is_re_zeroed_stands_an_offset_of_p_o(bench, models):
@@ -91,11 +88,8 @@ def test_model_that_learns_or_is_re_zeroed_stands_an_offset_of_p_o(bench, models
     model = models["fprc"]
     alone, learning = follow(bench, model), follow(bench, model, adapt=True)
     rezeroed = follow(bench, model, p_o_shift_kpa=-5.0)
-    theta_d = bench.reference("sine_0p5")
-    undisturbed = bench.simulate(
-        theta_d, bench.precompute(model, bench.inputs(theta_d, 20)), 20, feedback=False
-    )
-    expected = tracking_rmse(undisturbed, 5.0)
+    precomputed = bench.precompute(model, bench.inputs("sine_0p5"))
+    expected = tracking_rmse(bench.simulate("sine_0p5", precomputed, feedback=False), 5.0)
     assert alone > 1.5 * expected
     assert learning < 0.7 * alone
     assert rezeroed == pytest.approx(expected, rel=1e-6)
@@ -151,12 +145,11 @@ def test_an_hour_of_learning_with_a_leak_stays_bounded():
     online, errors, largest, begin_s = bench.online(model), [], [], 0.0
     while begin_s < 3600.0:
         for reference in REFERENCES:
-            theta_d, number = bench.reference(reference), 1000 + len(errors)
-            time_s = begin_s + np.arange(len(theta_d)) / 200.0
-            inputs = bench.inputs(theta_d, number)
+            time_s = begin_s + np.arange(len(bench.reference(reference))) / 200.0
+            inputs = bench.inputs(reference)
             inputs[:, 1] -= 0.5 / 60.0 * time_s
             precomputed = bench.precompute(model, inputs)._replace(online=online)
-            run = bench.simulate(theta_d, precomputed, number, feedback=True)
+            run = bench.simulate(reference, precomputed, feedback=True)
             errors.append(tracking_rmse(run, 5.0))
             largest.append(np.abs(online.learned).max())
             begin_s = time_s[-1]

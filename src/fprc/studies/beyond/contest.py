@@ -13,7 +13,7 @@ from fprc.evaluation.timing import WARM_UP, machine, time_steps
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire, simulate
 from fprc.experiments.settings import RigSettings, Unit
-from fprc.experiments.tracking import TRACKING_RUNS, Track, columns_for
+from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
 from fprc.registry import COMPETITORS, build, competitor, parameters_of
@@ -114,9 +114,7 @@ def judge_rig(
     logs = simulate(on_rig, seed)
     sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
-    followed = {
-        name: bench.inputs(bench.reference(name), TRACKING_RUNS[name]) for name in REFERENCES
-    }
+    followed = {name: bench.inputs(name) for name in REFERENCES}
     shifted = {
         str(float(shift)): {name: inputs + [0.0, shift] for name, inputs in followed.items()}
         for shift in contest.shifts_kpa

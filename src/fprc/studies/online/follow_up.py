@@ -25,7 +25,7 @@ from fprc.compiled import kernel
 from fprc.control import pressure_loops, run
 from fprc.control_laws import clamp
 from fprc.devices.sim import SimulatedRig
-from fprc.experiments.tracking import Track, pd_of
+from fprc.experiments.tracking import TRACKING_RUNS, Track, pd_of
 
 #: State beside the angles: none, the sealed chamber, or a simulated network.
 STATES = ("linear", "p_o", "esn")
@@ -60,7 +60,7 @@ class _Network:
         return self.state
 
 
-def follow_up(bench: Track, theta_d: np.ndarray, number: int, state: str) -> dict[str, np.ndarray]:
+def follow_up(bench: Track, reference: str, state: str) -> dict[str, np.ndarray]:
     """Follow a reference; return the channels of the run.
 
     Parameters
@@ -68,7 +68,7 @@ def follow_up(bench: Track, theta_d: np.ndarray, number: int, state: str) -> dic
     state : {"linear", "p_o", "esn"}
         What the angles are joined by: nothing, three taps of the filtered P_o, or a network.
     """
-    control = bench.control
+    control, theta_d = bench.control, bench.reference(reference)
     limit_kpa = bench.tracking["pressure_limit_kpa"]
     ahead = np.append(theta_d, np.repeat(theta_d[-1], _DELAY))
     network, pd = _Network(bench.seed), pd_of(control, limit_kpa)
@@ -107,9 +107,8 @@ def follow_up(bench: Track, theta_d: np.ndarray, number: int, state: str) -> dic
         p_i = control["k_in_kpa_per_deg"] * ahead[k + _DELAY]
         return p_d, p_i, theta_d[k], p_ff, p_fb
 
-    rig = SimulatedRig(
-        bench.rig, seed=bench.seed, run=number, sample_rate_hz=control["sample_rate_hz"]
-    )
+    number, rate_hz = TRACKING_RUNS[reference], control["sample_rate_hz"]
+    rig = SimulatedRig(bench.rig, seed=bench.seed, run=number, sample_rate_hz=rate_hz)
     return run(
         rig, rig, law, len(theta_d),
         **pressure_loops(control),

@@ -10,7 +10,7 @@ import numpy as np
 from fprc.errors import FprcError, in_one_line
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Unit
-from fprc.experiments.tracking import TRACKING_RUNS, Track, columns_for, tracking_rmse
+from fprc.experiments.tracking import Track, columns_for, tracking_rmse
 from fprc.models import SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES
 from fprc.registry import build
@@ -106,9 +106,9 @@ def _followed(
         for learns in (False, True)
     }
     for reference in bench.tracking["references"]:
-        theta_d, number = bench.reference(reference), TRACKING_RUNS[reference]
-        pushes = bench.pushes(len(theta_d)) if reference == DISTURBANCE else None
-        inputs = bench.inputs(theta_d, number, pushes)
+        samples = len(bench.reference(reference))
+        pushes = bench.pushes(samples) if reference == DISTURBANCE else None
+        inputs = bench.inputs(reference, pushes)
         inputs[:, 1] = disturbed(inputs[:, 1], condition, bench.control["sample_rate_hz"])
         for name, model in models.items():
             given = columns_for(name, inputs)
@@ -118,7 +118,7 @@ def _followed(
                     error = bench.error(reference, precomputed, pushes, feedback=feedback)
                     rows.append((name, condition, learns, loop, reference, error))
         if condition in conditions(False):
-            error = bench.error(reference, np.zeros(len(theta_d)), pushes, feedback=True)
+            error = bench.error(reference, np.zeros(samples), pushes, feedback=True)
             rows.append(("pd", condition, False, "closed", reference, error))
     return rows
 
@@ -127,9 +127,8 @@ def _followed_up(bench: Track) -> list[tuple[Any, ...]]:
     """Return the errors of the authors' next scheme, with each of its states."""
     rows = []
     for reference in REFERENCES:
-        theta_d = bench.reference(reference)
         for state in STATES:
-            run = follow_up(bench, theta_d, TRACKING_RUNS[reference], state)
+            run = follow_up(bench, reference, state)
             error = tracking_rmse(run, bench.tracking["references"][reference]["settle_s"])
             rows.append((f"follow_up_{state}", "none", True, "closed", reference, error))
     return rows

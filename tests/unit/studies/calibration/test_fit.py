@@ -13,7 +13,7 @@ from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, SimulationError
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
-from fprc.experiments.tracking import TRACKING_RUNS, Track, tracking_rmse
+from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.provenance import hash_of
 from fprc.registry import build
 from fprc.studies.calibration import fit as stage
@@ -292,8 +292,7 @@ def test_full_models_follow_with_what_the_surrogate_would_be_without_shortcuts(s
     sweep = simulate(on_rig, 21)["sweep"]
     fprc = build("fprc", judgement["models"], 21).fit(*sweep.pair("fprc"))
     bench = Track(settings["tracking"], on_rig.control, on_rig.rig, 21)
-    theta_d = bench.reference("sweep")
-    run = bench.drive(theta_d, "fprc_pd", fprc, TRACKING_RUNS["sweep"])
+    run = bench.follow("sweep", "fprc_pd", fprc)
     settle_s = settings["tracking"]["references"]["sweep"]["settle_s"]
     assert found["closed_loop"]["sweep"] == pytest.approx(tracking_rmse(run, settle_s), rel=1e-6)
 
