@@ -1,10 +1,8 @@
 """Fixtures: the fake driver, and a simulated rig connected to it."""
 
 import gc
-import importlib
-import os
 import shutil
-import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -21,20 +19,14 @@ def pytest_collection_finish():
     gc.enable()
 
 
-FAULTS = Path(__file__).parent / "faults"
-_MODULES = ("bench", "fake_bus", "smbus2")
-
-
 @pytest.fixture(scope="session")
 def compiled_driver(tmp_path_factory):
     """The fake driver's shared library."""
     if shutil.which("cc") is None:
         pytest.skip("no C compiler, cc, for the stand-in of the driver")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(FAULTS))
-        bench = importlib.import_module("bench")
-        _forget()
-    return bench.compile_driver(tmp_path_factory.mktemp("driver"))
+    from bench import compile_driver  # which few tests need, and which imports the simulator
+
+    return compile_driver(tmp_path_factory.mktemp("driver"))
 
 
 @pytest.fixture
@@ -54,17 +46,10 @@ def settings(driver):
 @pytest.fixture
 def make_bench(tmp_path, monkeypatch):
     """Return what builds the simulated rig behind the fake driver, once in a test."""
-    monkeypatch.syspath_prepend(str(FAULTS))
-    _forget()
+    from bench import Bench
+
     monkeypatch.setenv("FAKE_BENCH", str(tmp_path / "bench"))
-
-    def make(settings, **more):
-        return importlib.import_module("bench").Bench(
-            Path(os.environ["FAKE_BENCH"]), settings, **more
-        )
-
-    yield make
-    _forget()
+    return partial(Bench, tmp_path / "bench")
 
 
 @pytest.fixture
@@ -125,8 +110,3 @@ def live_by(monkeypatch):
         return sessions, messages
 
     return live_by
-
-
-def _forget():
-    for name in _MODULES:
-        sys.modules.pop(name, None)

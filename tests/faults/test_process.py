@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bench import Layout
 
 from fprc.channels import RAW_CHANNELS
 from fprc.logs import read_journal, read_raw
@@ -49,12 +50,6 @@ def environment(path):
 def shared(tmp_path_factory, compiled_driver):
     """Memory of a rig that runs in a separate process during the tests of this module."""
     path = tmp_path_factory.mktemp("bench") / "bench"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(FOLDER))
-        from bench import Layout
-
-        for name in ("bench", "fake_bus", "smbus2"):
-            sys.modules.pop(name, None)
     with subprocess.Popen(
         [sys.executable, FOLDER / "bench.py", path],
         stdout=subprocess.PIPE,

@@ -1,6 +1,5 @@
 """Two public recordings, read from a folder beside the project; skipped if they are not there."""
 
-import importlib.util
 from pathlib import Path
 
 import pandas as pd
@@ -9,20 +8,12 @@ import yaml
 
 from fprc.artifacts import read_json
 from fprc.cli import main
+from tools import recordings
 
 ROOT = Path(__file__).parents[2]
 DATASETS = ROOT.parent / "shared" / "datasets"
 PNEUSIM = DATASETS / "pneusim_antagonistic_pam" / "data.mat"
 BYU = DATASETS / "byu_bellows_arm" / "bellows_arm_whitened.mat"
-
-
-@pytest.fixture(scope="module")
-def recordings():
-    """The module that writes the table of recordings in docs/chamber.md."""
-    spec = importlib.util.spec_from_file_location("recordings", ROOT / "tools/recordings.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 #: Settings that leave of the readout report what shows that it works.
@@ -32,7 +23,7 @@ FEW = {"grids": {"epsilon": [0.01], "readout_taps": [1, 3]}}
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:fuzzy c-means did not converge")
 @pytest.mark.parametrize(("source", "unit"), [(PNEUSIM, "N"), (BYU, "% of its scale")])
-def test_one_command_goes_from_the_file_to_a_report(source, unit, tmp_path, recordings):
+def test_one_command_goes_from_the_file_to_a_report(source, unit, tmp_path):
     if not source.exists():
         pytest.skip(f"{source.parent.name} is not in a folder shared/datasets beside the project")
     map_file = ROOT / f"config/maps/{source.parent.name}.yaml"

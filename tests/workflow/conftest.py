@@ -1,5 +1,4 @@
 import fcntl
-import importlib.util
 import json
 import os
 import re
@@ -220,16 +219,7 @@ def smoked(shared):
 
 
 @pytest.fixture(scope="session")
-def twice():
-    """Functions of tools/twice.py."""
-    spec = importlib.util.spec_from_file_location("twice", ROOT / "tools/twice.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-@pytest.fixture(scope="session")
-def rebuilt(twice, tmp_path_factory):
+def rebuilt(tmp_path_factory):
     """Second cold build under other circumstances, and what its processes wrote of themselves.
 
     Its first jobs are processes of their own; it is killed after three of them, and goes on.
@@ -238,6 +228,8 @@ def rebuilt(twice, tmp_path_factory):
     trace = tmp_path_factory.mktemp("trace")
     folder.mkdir()
     project = Project(folder)
+    from tools import twice  # and with it libraries that few files need
+
     cores, circumstances = twice.CIRCUMSTANCES[1]
     paths = [str(TRACING), *filter(None, [os.environ.get("PYTHONPATH")])]
     traced = {"FPRC_TRACE": str(trace), "PYTHONPATH": os.pathsep.join(paths)}

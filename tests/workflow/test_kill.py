@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+from tools import twice
+
 pytestmark = pytest.mark.slow
 
 KILLS = int(os.environ.get("FPRC_KILLS", "0"))
@@ -42,7 +44,7 @@ def assert_no_cell_again(runs):
             furthest[job] = 0 if done == total else done
 
 
-def assert_same_results(project, smoked, twice):
+def assert_same_results(project, smoked):
     first, second = (p.folder / "results/smoke" for p in (smoked[0], project))
     twice.give_measurements(first, second)
     done = project.smoke("all")
@@ -61,7 +63,7 @@ def wait_for(run, progress, seconds):
 
 
 @pytest.mark.skipif(not KILLS, reason="random kills take long; `make test-kill` makes them")
-def test_killed_at_random_moments_the_run_ends_the_same(smoked, project, twice):
+def test_killed_at_random_moments_the_run_ends_the_same(smoked, project):
     moments = random.Random(SEED)
     runs, kills = [], 0
     while kills < KILLS:
@@ -75,13 +77,13 @@ def test_killed_at_random_moments_the_run_ends_the_same(smoked, project, twice):
         if status is not None:
             assert status == 0, run.printed()
             assert_no_cell_again(runs)
-            assert_same_results(project, smoked, twice)
+            assert_same_results(project, smoked)
             shutil.rmtree(project.folder / "results")
             runs = []
     done = project.smoke("all")
     assert done.returncode == 0, done.stdout
     assert_no_cell_again([*runs, done.stdout])
-    assert_same_results(project, smoked, twice)
+    assert_same_results(project, smoked)
 
 
 def test_killed_while_it_writes_a_raw_log_it_leaves_no_half_log(smoked_copy):

@@ -1,7 +1,6 @@
 """A release of a smoke run: the archive and its RO-Crate, refusals, the cut of the changelog."""
 
 import hashlib
-import importlib
 import io
 import json
 import os
@@ -16,20 +15,14 @@ from urllib.parse import unquote
 
 import pytest
 
+from tools.release import __main__ as release
+
 ROOT = Path(__file__).parents[2]
 TOOLS = ROOT / ".venv/release/bin/python"
 SMOKE = ["--configfile", "config/smoke.yaml"]
 VERSION = "99.0"
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def release():
-    """The modules of tools/release."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(ROOT)
-        yield importlib.import_module("tools.release.__main__")
 
 
 def git(folder, *arguments):
@@ -48,7 +41,7 @@ def rewrite(path, **changes):
 
 
 @pytest.fixture(scope="module")
-def released(release, smoked, tmp_path_factory):
+def released(smoked, tmp_path_factory):
     """A checkout with a cut changelog, a smoke run of its commit, and its release; what it printed.
 
     The tools are left out; the last two tests have them.
@@ -161,7 +154,7 @@ def test_action_of_a_figure_says_what_its_sidecar_says(released, crate):
     assert libraries == sidecar["versions"] | {"fprc": VERSION}
 
 
-def test_everything_that_forbids_a_release_is_said_at_once(clone, release, capsys):
+def test_everything_that_forbids_a_release_is_said_at_once(clone, capsys):
     figures = clone / "results/smoke/figures"
     rewrite(figures / "fig01_actuator.json", commit="0" * 40)
     rewrite(figures / "fig02_reservoir.json", dirty=True)
@@ -187,7 +180,7 @@ def test_everything_that_forbids_a_release_is_said_at_once(clone, release, capsy
     assert list((clone / "dist").rglob("*")) == [clone / f"dist/{VERSION}"]
 
 
-def test_nothing_is_left_when_a_tool_refuses(clone, release, monkeypatch, capsys):
+def test_nothing_is_left_when_a_tool_refuses(clone, monkeypatch, capsys):
     def refuse(*_):
         raise release.FprcError("refused by the validator")
 
@@ -199,7 +192,7 @@ def test_nothing_is_left_when_a_tool_refuses(clone, release, monkeypatch, capsys
     assert list((clone / "dist").iterdir()) == []
 
 
-def test_a_release_needs_results_and_a_cut_changelog(clone, release, monkeypatch, capsys):
+def test_a_release_needs_results_and_a_cut_changelog(clone, monkeypatch, capsys):
     monkeypatch.setattr(release, "built", lambda *_: (["results/report.html"], []))
     path = clone / "src/fprc/__init__.py"
     path.write_text(path.read_text().replace(VERSION, "99.1"))
@@ -216,7 +209,7 @@ with_tools = pytest.mark.skipif(
 
 
 @with_tools
-def test_validator_accepts_the_archive(released, release):
+def test_validator_accepts_the_archive(released):
     try:
         socket.getaddrinfo("w3id.org", 443)
     except OSError:
@@ -225,7 +218,7 @@ def test_validator_accepts_the_archive(released, release):
 
 
 @with_tools
-def test_tools_accept_the_packages(clone, release, monkeypatch, capsys):
+def test_tools_accept_the_packages(clone, monkeypatch, capsys):
     monkeypatch.setattr(release, "validate", lambda *_: None)
     code = release.main(["build", "--tools", str(TOOLS), *SMOKE])
     assert code == 0, capsys.readouterr().err

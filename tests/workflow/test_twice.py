@@ -13,11 +13,12 @@ from PIL import Image
 
 from fprc.fingerprint import _closure
 from fprc.provenance import write_digests
+from tools import twice
 
 pytestmark = pytest.mark.slow
 
 
-def test_second_build_gives_the_same_bytes(smoked, rebuilt, twice):
+def test_second_build_gives_the_same_bytes(smoked, rebuilt):
     first, second = (project.folder / "results/smoke" for project in (smoked[0], rebuilt[0]))
     before = twice.hashes(second)
     twice.give_measurements(first, second)
@@ -71,12 +72,12 @@ def written(tmp_path):
 
 
 @pytest.fixture
-def few_kinds(twice, monkeypatch):
+def few_kinds(monkeypatch):
     names = ("ESN, Fuzzy-linear", "Tables II, III", "closed loop, errors", "claims", "figures")
     monkeypatch.setattr(twice, "KINDS", {name: twice.KINDS[name] for name in names})
 
 
-def test_builds_are_compared_by_their_numbers(twice, few_kinds, written):
+def test_builds_are_compared_by_their_numbers(few_kinds, written):
     first = twice.files(written("one"))
     shown, largest = twice.digits(first, twice.files(written("two", 1 + 1e-6)))
     assert largest == pytest.approx(1e-6)
@@ -88,7 +89,7 @@ def test_builds_are_compared_by_their_numbers(twice, few_kinds, written):
 
 
 @pytest.mark.parametrize("change", [{"verdict": "no"}, {"model": "other"}, {"factor": np.nan}])
-def test_other_results_are_infinitely_apart(twice, few_kinds, written, change):
+def test_other_results_are_infinitely_apart(few_kinds, written, change):
     first, second = written("one"), written("two", **change)
     assert twice.digits(*map(twice.files, (first, second)))[1] == math.inf
 
@@ -103,7 +104,7 @@ def test_other_results_are_infinitely_apart(twice, few_kinds, written, change):
     ],
 )
 def test_exit_code_says_whether_builds_agree(
-    twice, few_kinds, written, monkeypatch, arguments, factor, code
+    few_kinds, written, monkeypatch, arguments, factor, code
 ):
     begun = []
 

@@ -1,36 +1,20 @@
-import importlib
 import subprocess
 import sys
-from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
+import smbus2
+from fake_bus import FakeBus
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fprc.devices.bendlabs import BendSensor, open_bus
 from fprc.errors import DeviceError
 
-FAULTS = Path(__file__).parents[2] / "faults"
-
-
-@pytest.fixture(scope="module")
-def fakes():
-    """Fake bus and fake smbus2, the latter importable while the tests of this module run."""
-    names = ("fake_bus", "smbus2")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(FAULTS))
-        for name in names:
-            patch.delitem(sys.modules, name, raising=False)
-        yield SimpleNamespace(**{name: importlib.import_module(name) for name in names})
-        for name in names:
-            del sys.modules[name]
-
 
 @pytest.fixture
-def bus(fakes):
+def bus():
     """Bus whose sensor is bent by ``bus.bend_deg``."""
-    bus = fakes.fake_bus.FakeBus(lambda: bus.bend_deg)
+    bus = FakeBus(lambda: bus.bend_deg)
     bus.bend_deg = 12.5
     bus.number = 1
     return bus
@@ -72,8 +56,8 @@ def test_rate_is_sent_low_byte_first(bus, ticks, sent):
 @example(-1)
 @example(255)
 @example(256)
-def test_every_angle_of_the_sensor_comes_back(fakes, counts):
-    bus = fakes.fake_bus.FakeBus(lambda: counts / 64)
+def test_every_angle_of_the_sensor_comes_back(counts):
+    bus = FakeBus(lambda: counts / 64)
     sensor = BendSensor(bus, 0x12)
     sensor.start(sleep=lambda seconds: None)
     assert sensor.read() == counts / 64
@@ -89,9 +73,9 @@ def test_sensor_sleeps_after_shutdown_and_starts_again(bus, sensor):
     assert transcript(bus)[1] == "write 00 00 00"
 
 
-def test_calibration_takes_out_zero_and_gain_of_the_sensor(fakes):
+def test_calibration_takes_out_zero_and_gain_of_the_sensor():
     bent_deg = 0.0
-    bus = fakes.fake_bus.FakeBus(lambda: 0.5 * bent_deg + 7.0)
+    bus = FakeBus(lambda: 0.5 * bent_deg + 7.0)
     sensor = BendSensor(bus, 0x12)
     sensor.start(sleep=lambda seconds: None)
     sensor.calibrate(0)
@@ -135,10 +119,10 @@ def test_without_smbus2_the_module_loads_and_opening_says_how_to_install_it(monk
     ("raised", "advice"),
     [(FileNotFoundError, "raspi"), (PermissionError, "usermod"), (OSError, "i2cdetect")],
 )
-def test_bus_that_cannot_be_opened_says_what_to_do(fakes, monkeypatch, raised, advice):
+def test_bus_that_cannot_be_opened_says_what_to_do(monkeypatch, raised, advice):
     def refuse(number):
         raise raised
 
-    monkeypatch.setattr(fakes.smbus2, "SMBus", refuse)
+    monkeypatch.setattr(smbus2, "SMBus", refuse)
     with pytest.raises(DeviceError, match=f"^I2C bus 3: .*{advice}"):
         open_bus(3)

@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 
 from fprc.models import EchoStates
-
-
-@pytest.fixture
-def speed(tool):
-    return tool("benchmark.speed")
+from tools.benchmark import speed
+from tools.benchmark.peers import PEERS
 
 
 @pytest.fixture
@@ -30,18 +27,18 @@ def network():
         ("esnfed", "esnfed"),
     ],
 )
-def test_states_and_steps_of_other_libraries_are_ours(tool, speed, network, name, needs):
+def test_states_and_steps_of_other_libraries_are_ours(network, name, needs):
     pytest.importorskip(needs)
     features, X = network
     expected = speed.ours(features).states(X)
     assert expected == pytest.approx(features.transform(np.vstack([X, X[:1]]))[1:, 5:], abs=1e-14)
-    _, make = tool("benchmark.peers").PEERS[name]
+    _, make = PEERS[name]
     assert make(features).states(X) == pytest.approx(expected, abs=1e-12)
     if step := make(features).step:
         assert np.array([np.ravel(step(x)) for x in X]) == pytest.approx(expected, abs=1e-12)
 
 
-def test_rates_are_what_was_read_and_multiplied_over_the_time(speed, network, monkeypatch):
+def test_rates_are_what_was_read_and_multiplied_over_the_time(network, monkeypatch):
     monkeypatch.setattr(speed, "interleaved", lambda work, rounds: {name: [0.5] for name in work})
     text = speed.bandwidth(*network, rounds=1)
     rates = [float(number) for number in re.findall(r"([\d.e+-]+) (?:GB/s|billion)", text)]

@@ -5,6 +5,7 @@ from datetime import date
 import pytest
 
 from fprc.errors import FprcError
+from tools.release import changelog
 
 PAGE = """# Changelog
 
@@ -21,11 +22,6 @@ Added:
 
 
 @pytest.fixture
-def changelog(tool):
-    return tool("release.changelog")
-
-
-@pytest.fixture
 def root(tmp_path):
     (tmp_path / "src/fprc").mkdir(parents=True)
     (tmp_path / "src/fprc/__init__.py").write_text('"""Doc."""\n\n__version__ = "0.2.0"\n')
@@ -33,7 +29,7 @@ def root(tmp_path):
     return tmp_path
 
 
-def test_cut_dates_the_unreleased_changes_and_sets_the_version(changelog, root):
+def test_cut_dates_the_unreleased_changes_and_sets_the_version(root):
     changelog.cut(root, "0.10.0", date(2025, 1, 2))
     assert (root / "CHANGELOG.md").read_text() == PAGE.replace(
         "## Unreleased", "## Unreleased\n\n## 0.10.0 (2025-01-02)"
@@ -58,7 +54,7 @@ def test_cut_dates_the_unreleased_changes_and_sets_the_version(changelog, root):
         ("0.3.0", PAGE.replace("Added:\n\n- A thing.\n", ""), "nothing below"),
     ],
 )
-def test_cut_refuses_and_changes_nothing(changelog, root, version, page, message):
+def test_cut_refuses_and_changes_nothing(root, version, page, message):
     (root / "CHANGELOG.md").write_text(page)
     with pytest.raises(FprcError, match=message):
         changelog.cut(root, version, date(2025, 1, 2))
