@@ -33,7 +33,7 @@ from fprc.models import FPRC, EchoStates
 from fprc.models.echo import aligned, echo_states
 from fprc.models.fcm import converge_skfuzzy, fuzzy_c_means
 from fprc.studies.blocks import replace_block
-from fprc.tables.text import three_digits
+from fprc.tables.text import three_digits, within
 from tools.benchmark.peers import PEERS, Peer
 
 #: Variables that select kernels of OpenBLAS other than the processor's own.
@@ -113,8 +113,7 @@ def _us(seconds: Sequence[float], samples: int) -> str:
 def _ratio(theirs: Sequence[float], ours: Sequence[float]) -> str:
     """Return the median of the rounds' ratios, with the smallest and the largest."""
     ratios = [a / b for a, b in zip(theirs, ours, strict=True)]
-    shown = (statistics.median(ratios), min(ratios), max(ratios))
-    return "{} ({} to {})".format(*map(three_digits, shown))
+    return within(statistics.median(ratios), min(ratios), max(ratios))
 
 
 @numba.njit(fastmath=True)

@@ -19,9 +19,13 @@ def spread(mean: float, std: float | None) -> str:
 def format_mean(row: Mapping[str, Any], name: str) -> str:
     """Format a mean with its interval if it has one, else with its standard deviation."""
     if "low" in row:
-        low, high = three_digits(row["low"]), three_digits(row["high"])
-        return f"{three_digits(row[name])} ({low} to {high})"
+        return within(row[name], row["low"], row["high"])
     return spread(row[name], row.get("std"))
+
+
+def within(mean: float, low: float, high: float) -> str:
+    """Format a number to three significant digits, with its interval or range."""
+    return "{} ({} to {})".format(*map(three_digits, (mean, low, high)))
 
 
 def three_digits(value: float) -> str:

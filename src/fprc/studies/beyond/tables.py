@@ -1,6 +1,6 @@
 """Tables of the families of the target ``beyond``: models, and what changes their errors."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -46,37 +46,29 @@ def models(families: Families) -> pd.DataFrame:
         ``world``, ``model``, ``measure``, ``mean``, ``low``, ``high`` (95 % interval over units;
         empty for a single one), ``units``, ``source``.
     """
-    tables = []
-    for family in families:
+
+    def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
         table = measured(family)
-        table = table[table["measure"].isin(list(MEASURES))]
         steps = [
             {"unit": 0, "model": model, "measure": "step_us", "value": value}
             for model, value in (family.get("step_us") or {}).items()
             if value is not None
         ]
-        if steps:
-            table = pd.concat([table, pd.DataFrame(steps)])
-        tables.append(_means(table, family, "model", "measure"))
-    return _joined(tables)
+        kept = table[table["measure"].isin(list(MEASURES))]
+        return pd.concat([kept, pd.DataFrame(steps)]) if steps else kept
+
+    return _means(families, of_family, "model", "measure")
 
 
 def models_page(table: pd.DataFrame, family: str, *, intervals: bool = False) -> pd.DataFrame:
     """Return the models of one family as a page, one row each."""
     of_family = table[table["world"] == family]
     headings = {_heading(measure): measure for measure in MEASURES}
-    rows = []
-    for model, measures in of_family.groupby("model", sort=False):
-        found = measures.set_index("measure")
-        units = found["units"].drop("step_us", errors="ignore")
-        rows.append(
-            (
-                competitor_title(model),
-                *(_cell(found, measure, intervals) for measure in headings.values()),
-                " to ".join(map(str, sorted({units.min(), units.max()}))) if len(units) else "-",
-            )
-        )
-    return pd.DataFrame(rows, columns=["Model", *headings, "Units"])
+    page = _wide(of_family, ["model"], "measure", headings, intervals=intervals)
+    units = of_family[of_family["measure"] != "step_us"].groupby("model")["units"]
+    words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
+    page["Units"] = words.reindex(page.index).fillna("-")
+    return _named(page, Model=competitor_title)
 
 
 def leaderboard(table: pd.DataFrame, family: str) -> pd.DataFrame:
@@ -149,8 +141,8 @@ def offsets(families: Families) -> pd.DataFrame:
         (none, drift, noise or pushed), ``offset_kpa``, ``mean``, ``low``, ``high``, ``units``,
         ``source``; and the errors of Fuzzy-linear, which has no P_o, at no offset.
     """
-    tables = []
-    for family in families:
+
+    def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
         table = measured(family)
         kind = table["measure"].str.extract("^([a-z_]*)/(.*)$")
         disturbed = kind[0] == "disturbed"
@@ -159,9 +151,9 @@ def offsets(families: Families) -> pd.DataFrame:
         table["measure"] = table["measure"].where(without | kind[0].isin(LOOPS), "forward")
         table["disturbance"] = kind[1].where(disturbed, "none")
         table["offset_kpa"] = kind[1].where(~disturbed).fillna("0").astype(float)
-        table = table[kind[0].notna() | without]
-        tables.append(_means(table, family, "model", "measure", "disturbance", "offset_kpa"))
-    return _joined(tables)
+        return table[kind[0].notna() | without]
+
+    return _means(families, of_family, "model", "measure", "disturbance", "offset_kpa")
 
 
 def offsets_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
@@ -172,16 +164,11 @@ def offsets_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
     kinds = of_family["disturbance"].unique()
     words = {"drift": "drift", "noise": "noise", "pushed": "push"}
     headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
-    order = ["measure", "model"]
-    wide = of_family.pivot(index=order, columns=["disturbance", "offset_kpa"], values="mean")
     places = {measure: place for place, measure in enumerate(MEASURES)}
-    rows = of_family[order].drop_duplicates()
-    rows = rows.sort_values("measure", key=lambda names: names.map(places), kind="stable")
-    wide = wide.reindex(index=pd.MultiIndex.from_frame(rows), columns=list(headings.values()))
-    page = wide.map(lambda mean: three_digits(mean) or "-").set_axis(list(headings), axis=1)
-    page.insert(0, "Model", [competitor_title(model) for _, model in page.index])
-    page.insert(1, "Error", [_heading(measure) for measure, _ in page.index])
-    return page.reset_index(drop=True)
+    rows = of_family.sort_values("measure", key=lambda names: names.map(places), kind="stable")
+    shown = ["disturbance", "offset_kpa"]
+    page = _wide(rows, ["model", "measure"], shown, headings, intervals=False)
+    return _named(page, Model=competitor_title, Error=_heading)
 
 
 def _heading(measure: str) -> str:
@@ -198,9 +185,7 @@ def capacity(families: Families) -> pd.DataFrame:
         ``world``, ``set``, ``states``, ``quantity`` (see ``measurements.capacities``), ``mean``,
         ``low``, ``high``, ``units``, ``source``.
     """
-    return _joined(
-        [_means(capacities(family), family, "set", "states", "quantity") for family in families]
-    )
+    return _means(families, capacities, "set", "states", "quantity")
 
 
 def capacity_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
@@ -209,15 +194,9 @@ def capacity_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
     # memory is the capacity of degree 1
     left_out = ("nonlinear", "degree 1")
     quantities = [name for name in of_family["quantity"].unique() if name not in left_out]
-    rows = [
-        (
-            SETS.get(name, name),
-            str(states),
-            *(_cell(found.set_index("quantity"), quantity) for quantity in quantities),
-        )
-        for (name, states), found in of_family.groupby(["set", "states"], sort=False)
-    ]
-    return pd.DataFrame(rows, columns=["States", "Number", *map(str.capitalize, quantities)])
+    headings = {name.capitalize(): name for name in quantities}
+    page = _wide(of_family, ["set", "states"], "quantity", headings)
+    return _named(page, States=lambda name: SETS.get(name, name), Number=str)
 
 
 def lengths(families: Families) -> pd.DataFrame:
@@ -229,8 +208,8 @@ def lengths(families: Families) -> pd.DataFrame:
         ``world``, ``model``, ``training`` (seconds of one log, or two logs), ``mean``, ``low``,
         ``high``, ``units``, ``source``.
     """
-    tables = []
-    for family in families:
+
+    def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
         rows = [
             {
                 "unit": entry["seed"],
@@ -242,23 +221,17 @@ def lengths(families: Families) -> pd.DataFrame:
             for model, errors in entry["models"].items()
             if errors.get("test_rmse_kpa") is not None
         ]
-        table = pd.DataFrame(rows, columns=["unit", "model", "training", "value"])
-        tables.append(_means(table, family, "model", "training"))
-    return _joined(tables)
+        return pd.DataFrame(rows, columns=["unit", "model", "training", "value"])
+
+    return _means(families, of_family, "model", "training")
 
 
 def lengths_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
     """Return one row per model and one column per length of the training log."""
     of_family = table[table["world"] == family]
     lengths = sorted(set(of_family["training"]), key=_seconds)
-    rows = [
-        (
-            competitor_title(model),
-            *(_cell(found.set_index("training"), length) for length in lengths),
-        )
-        for model, found in of_family.groupby("model", sort=False)
-    ]
-    return pd.DataFrame(rows, columns=["Model", *lengths])
+    page = _wide(of_family, ["model"], "training", dict(zip(lengths, lengths, strict=True)))
+    return _named(page, Model=competitor_title)
 
 
 def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
@@ -297,7 +270,13 @@ def pages(
     """
     titles = [ledger[0]["title"] for ledger in verdicts["ledgers"]]
     beside = pd.DataFrame(
-        {"Ratio": of_ratio[0]["text"], **dict(zip(titles, map(_ratio, of_ratio), strict=True))}
+        {
+            "Ratio": of_ratio[0]["text"],
+            **{
+                title: "-" if row["mean"] is None else format_mean(row, "mean")
+                for title, row in zip(titles, of_ratio, strict=True)
+            },
+        }
         for of_ratio in zip(*verdicts["beside"], strict=True)
     )
     shown = {
@@ -321,24 +300,22 @@ def pages(
     return {name: markdown(page, notes.get(name, note)) for name, page in shown.items()}
 
 
-def _ratio(row: Mapping[str, Any]) -> str:
-    if row["mean"] is None:
-        return "-"
-    mean, low, high = (three_digits(row[key]) for key in ("mean", "low", "high"))
-    return f"{mean} ({low} to {high})"
-
-
 def _seconds(training: str) -> float:
     return float("inf") if training == "two logs" else float(training.removesuffix(" s"))
 
 
-def _means(table: pd.DataFrame, family: Mapping[str, Any], *keys: str) -> pd.DataFrame:
-    """Return the mean over units, and its interval, for each value of the keys."""
-    # simulations of one rig with several seeds are one unit
-    units = table.groupby(["unit", *keys], sort=False)["value"].mean().reset_index()
-    means = means_of(units, *keys, count="units").drop(columns=["std", "min", "max"])
-    means.insert(0, "world", family["name"])
-    return means.assign(source=family["source"])
+def _means(
+    families: Families, of_family: Callable[[Mapping[str, Any]], pd.DataFrame], *keys: str
+) -> pd.DataFrame:
+    """Return the mean over the units of each family, and its interval, for values of the keys."""
+    tables = []
+    for family in families:
+        # simulations of one rig with several seeds are one unit
+        by_unit = of_family(family).groupby(["unit", *keys], sort=False)["value"].mean()
+        means = means_of(by_unit.reset_index(), *keys, count="units")
+        means.insert(0, "world", family["name"])
+        tables.append(means.drop(columns=["std", "min", "max"]).assign(source=family["source"]))
+    return _joined(tables)
 
 
 def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
@@ -346,8 +323,26 @@ def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     return pd.concat([table for table in tables if len(table)] or tables[:1], ignore_index=True)
 
 
-def _cell(found: pd.DataFrame, key: Any, interval: bool = True) -> str:
-    if key not in found.index:
-        return "-"
-    row = found.loc[key]
-    return format_mean(row, "mean") if interval and row["units"] > 1 else three_digits(row["mean"])
+def _wide(
+    table: pd.DataFrame,
+    rows: list[str],
+    columns: str | list[str],
+    headings: Mapping[str, Any],
+    *,
+    intervals: bool = True,
+) -> pd.DataFrame:
+    """Return means as text, a row for each value of ``rows`` and a column for each heading."""
+    texts = [
+        format_mean(row, "mean") if intervals and row["units"] > 1 else three_digits(row["mean"])
+        for row in table.to_dict("records")
+    ]
+    wide = table.assign(text=texts).pivot(index=rows, columns=columns, values="text")
+    wide = wide.reindex(index=table.set_index(rows).index.unique(), columns=list(headings.values()))
+    return wide.set_axis(list(headings), axis=1).fillna("-")
+
+
+def _named(page: pd.DataFrame, **names: Callable[[Any], str]) -> pd.DataFrame:
+    """Return a page whose first columns are the levels of its index, as readers see them."""
+    for level, (heading, name) in enumerate(names.items()):
+        page.insert(level, heading, [name(key) for key in page.index.get_level_values(level)])
+    return page.reset_index(drop=True)

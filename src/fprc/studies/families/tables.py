@@ -7,7 +7,7 @@ import pandas as pd
 
 from fprc.tables.against_paper import in_one
 from fprc.tables.models import over_seeds
-from fprc.tables.text import spread, three_digits
+from fprc.tables.text import format_mean, spread, within
 from fprc.tables.tracking import tracking_over_seeds
 
 #: What the middle and the range of a family's numbers are.
@@ -103,7 +103,7 @@ def _errors(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
     for family in families:
         page[family["title"]] = [
             *(
-                f"{_with_range(row['middle'], row['low'], row['high'])}, "
+                f"{format_mean(row, 'middle')}, "
                 f"{100 * (row['middle'] / row['published'] - 1.0):+.0f} %"
                 for row in family["errors"]
             ),
@@ -151,7 +151,7 @@ def _answer(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
                 "Tables II and III off print": f"{100 * family['rms']:.0f} % (rms)",
                 "Open-loop Table IV off print, at most": _percent(family["sums"]["open_loop"]),
                 "Claims": "-" if worth["holds"] else counted,
-                "FPRC / FPRC on low-passed theta_d, test RMSE": _with_range(*family["worth"]),
+                "FPRC / FPRC on low-passed theta_d, test RMSE": within(*family["worth"]),
                 "P_o beats low-passed theta_d (B1)": _verdict(worth),
             }
         )
@@ -185,7 +185,3 @@ def _percent(values: Sequence[float]) -> str:
     """Return the median of a share over units, with its range if there are several."""
     middle, low, high = (f"{100 * value:.0f}" for value in values)
     return f"{middle} %" if low == high else f"{middle} % ({low} to {high})"
-
-
-def _with_range(middle: float, low: float, high: float) -> str:
-    return f"{three_digits(middle)} ({three_digits(low)} to {three_digits(high)})"
