@@ -11,9 +11,9 @@ from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.registry import build
 
-#: Substitutes for P_o in FPRC: ``theta`` has the low-pass but no reservoir, ``shifted`` is P_o
-#: of another time of the same recording, with its slow changes, ``none`` is Fuzzy-linear.
-READOUTS = ("none", "p_o", "theta", "shifted")
+#: P_o and its substitutes, and their models: ``theta`` has the low-pass but no reservoir,
+#: ``shifted`` is P_o of another time of the same recording, with its slow changes.
+READOUTS = {"none": "fuzzy_linear", "p_o": "fprc", "theta": "fprc_lowpass", "shifted": "fprc"}
 
 
 def readout_cells(
@@ -46,35 +46,21 @@ def judge_readout(
     """Return the errors of one cell, by its own split if it has one."""
     seed, readout = judgement.seed, cell["readout"]
     judgement = replace(judgement, split=cell.get("split", judgement.split))
-    if readout == "none":
-        model = build("fuzzy_linear", judgement.models, seed)
-    else:
-        model = build("fprc", judgement.models, seed, epsilon=cell["epsilon"], n_u=cell["n_u"])
-    logs = (
-        (*inputs_with(readout, log, log_seed), log.lengths)
-        for log, log_seed in ((train, seed), (test, seed + 1))
-    )
-    return evaluate(model, judgement.split_rows(train), *logs)
-
-
-def inputs_with(readout: str, data: Data, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return theta_d and P_o or its substitute as columns, and P_exp."""
-    theta, p_exp = data.channels["theta_deg"], data.channels["p_target_kpa"]
-    if readout == "none":
-        return theta[:, None], p_exp
-    second = theta if readout == "theta" else data.channels["p_o_kpa"]
+    name = READOUTS[readout]
+    settings = {key: cell[key] for key in ("epsilon", "n_u") if readout != "none"}
+    model = build(name, judgement.models, seed, **settings)
+    folds = judgement.split_rows(train)
     if readout == "shifted":
-        second = _shifted(second, data.lengths, seed)
-    return np.column_stack([theta, second]), p_exp
+        train, test = shifted(train, seed), shifted(test, seed + 1)
+    return evaluate(model, folds, train.samples(name), test.samples(name))
 
 
-def _shifted(values: np.ndarray, lengths: Sequence[int], seed: int) -> np.ndarray:
-    """Rotate each recording by a random time, a quarter to three quarters of its length.
+def shifted(data: Data, seed: int) -> Data:
+    """Rotate P_o of each recording by a random time, a quarter to three quarters of its length.
 
     Samples in a random order would be no control for a P_o that leaks: their mean does not move.
     """
     rng = np.random.default_rng(seed)
-    parts = np.split(values, np.cumsum(lengths)[:-1])
-    return np.concatenate(
-        [np.roll(part, int(rng.uniform(0.25, 0.75) * len(part))) for part in parts]
-    )
+    parts = np.split(data.channels["p_o_kpa"], np.cumsum(data.lengths)[:-1])
+    rotated = [np.roll(part, int(rng.uniform(0.25, 0.75) * len(part))) for part in parts]
+    return data._replace(channels={**data.channels, "p_o_kpa": np.concatenate(rotated)})

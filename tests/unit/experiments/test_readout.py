@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fprc.experiments.data import Data
-from fprc.experiments.readout import inputs_with
+from fprc.experiments.readout import shifted
 
 #: A P_o that leaks, over two recordings.
 P_O = np.linspace(100.0, 60.0, 500)
@@ -16,7 +16,7 @@ def log():
 
 @pytest.mark.parametrize("seed", range(5))
 def test_shifted_p_o_is_that_of_another_time_of_the_same_recording(seed):
-    X, y = inputs_with("shifted", log(), seed)
+    X, y = shifted(log(), seed).pair("fprc")
     np.testing.assert_array_equal(X[:, 0], log().channels["theta_deg"])
     begin = 0
     for length in LENGTHS.values():
