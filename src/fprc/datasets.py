@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from sklearn.utils import Bunch
 
-from fprc import __version__
 from fprc.channels import TARGETS
 from fprc.config import from_files
 from fprc.config.load import RIG
@@ -148,7 +147,6 @@ def _simulate(experiment: str, seed: int, rig: str | Mapping[str, Any]) -> Colum
         "source": "sim",
         "sample_rate_hz": control["sample_rate_hz"],
         "seed": seed,
-        "software": f"fprc {__version__}",
         "rig_name": name,
     }
     return Columns(Path(f"{experiment} on the rig {name}"), channels, attributes)

@@ -68,7 +68,8 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
     else:
         planned = _tracking(name, settings, model)
     rig = {"hardware": settings["hardware"], **planned.attributes["rig"]}
-    return planned._replace(attributes=planned.attributes | {"source": "rig", "rig": rig})
+    of_rig = {"source": "rig", "software": f"fprc {__version__}", "rig": rig}
+    return planned._replace(attributes=planned.attributes | of_rig)
 
 
 def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
@@ -121,7 +122,6 @@ def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
         "experiment": name,
         "sample_rate_hz": control["sample_rate_hz"],
         "seed": settings["seed"],
-        "software": f"fprc {__version__}",
         "rig": {"control": control, "signal": signal},
     }
     return Experiment(law, len(p_exp_kpa), RAW_CHANNELS, attributes)

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from fprc import __version__
 from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
 from fprc.channels import CHANNELS, TARGETS, unit_of
 from fprc.config import Settings
@@ -164,7 +163,6 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         "source": "import",
         "sample_rate_hz": rate_hz,
         "seed": 0,
-        "software": f"fprc {__version__}",
         "rig": {},
         "imported_from": visible(Path(source).name),
         "imported_sha256": sha256(source),

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc import __version__
 from fprc.channels import LEARNING_CHANNELS, TRACKING_CHANNELS
 from fprc.control import (
     PD,
@@ -83,7 +82,6 @@ class Track(NamedTuple):
             "settle_s": self.tracking["references"][reference]["settle_s"],
             "sample_rate_hz": self.control["sample_rate_hz"],
             "seed": self.seed,
-            "software": f"fprc {__version__}",
             "rig": {"control": self.control, "tracking": self.tracking},
         }
 

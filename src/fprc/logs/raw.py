@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fprc import __version__
 from fprc.channels import RAW_CHANNELS, TARGETS, needed_by
 from fprc.errors import LogError
 from fprc.escape import in_words
@@ -25,48 +26,26 @@ RAW_ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed",
 RUN_ATTRIBUTES = ("controller", "reference", "settle_s")
 
 
-def write_raw(
-    path: Path | str,
-    channels: Mapping[str, np.ndarray],
-    /,
-    *,
-    experiment: str,
-    source: str,
-    sample_rate_hz: float,
-    seed: int,
-    software: str,
-    rig: Mapping[str, Any],
-    **more: Any,
-) -> None:
+def write_raw(path: Path | str, channels: Mapping[str, np.ndarray], /, **attributes: Any) -> None:
     """Write a raw log; it may have channels besides ``RAW_CHANNELS``.
 
     A channel that is NaN throughout belongs to a sensor that the rig lacks, and is left out.
 
     Parameters
     ----------
-    source : str
-        ``sim``, ``rig`` or ``import``: simulated, recorded on the real rig, imported.
-    rig : Mapping
-        Configuration of rig and control, stored as JSON.
-    **more
-        Further attributes of the run.
+    **attributes
+        ``RAW_ATTRIBUTES`` and further ones: ``simulated`` follows from the ``source``, ``software``
+        is this version unless it is given, and ``rig`` is the configuration of rig and control.
     """
-    attributes = {
-        "experiment": experiment,
-        "source": source,
-        "simulated": source.endswith("sim"),
-        "sample_rate_hz": sample_rate_hz,
-        "seed": seed,
-        "software": software,
-        "rig": rig,
-        **more,
-    }
+    described = {"software": f"fprc {__version__}", **attributes}
+    described["simulated"] = described["source"].endswith("sim")
+    described = {name: described[name] for name in RAW_ATTRIBUTES} | described
     measured = {
         name: values
         for name, values in channels.items()
         if not (len(values) and np.isnan(values).all())
     }
-    write_columns(path, measured, attributes)
+    write_columns(path, measured, described)
 
 
 def _is_run(attributes: Mapping[str, Any]) -> bool:

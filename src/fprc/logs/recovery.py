@@ -196,8 +196,6 @@ def _write(
     lost: int,
 ) -> None:
     """Write a raw log, complete unless there is a reason why it is not."""
-    described = {name: value for name, value in attributes.items() if name != "simulated"}
-    described |= {"statistics": statistics, "complete": not reason, "lost_samples": lost}
-    if reason:
-        described["incomplete_reason"] = reason
-    write_raw(raw, channels, **described)
+    state = {"statistics": statistics, "complete": not reason, "lost_samples": lost}
+    why = {"incomplete_reason": reason} if reason else {}
+    write_raw(raw, channels, **{**attributes, **state, **why})

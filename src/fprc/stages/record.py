@@ -4,7 +4,6 @@ import logging
 from collections.abc import Mapping
 from typing import Any
 
-from fprc import __version__
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import write_raw
 
@@ -29,7 +28,6 @@ def record(
         source="sim",
         sample_rate_hz=control["sample_rate_hz"],
         seed=seed,
-        software=f"fprc {__version__}",
         rig={"rig": rig, "control": control, "signal": signal},
     )
     log.info("simulated %d samples, wrote %s", len(channels["time_s"]), raw)
