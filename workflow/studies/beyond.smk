@@ -23,7 +23,7 @@ wildcard_constraints:
     world="|".join(FAMILIES),
 
 
-JUDGED["beyond_world"] = judgement_spec(
+LONG_JOBS["beyond_world"] = judgement_spec(
     "beyond/{world}",
     "Beyond the paper: the models and their competitors, family {wildcards.world}",
     "beyond.contest.judge_models",
@@ -34,7 +34,7 @@ JUDGED["beyond_world"] = judgement_spec(
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
 )
 
-JUDGED["beyond_training"] = judgement_spec(
+LONG_JOBS["beyond_training"] = judgement_spec(
     "beyond/training_logs",
     "Beyond the paper: length and number of the training logs",
     "beyond.contest.judge_lengths",
@@ -52,7 +52,7 @@ JUDGED["beyond_training"] = judgement_spec(
     },
 )
 
-JUDGED["beyond_steps"] = judgement_spec(
+LONG_JOBS["beyond_steps"] = judgement_spec(
     "beyond/steps",
     "Beyond the paper: time of a step",
     "beyond.contest.judge_steps",
@@ -64,7 +64,7 @@ JUDGED["beyond_steps"] = judgement_spec(
     how={"contest": CONTEST},
 )
 
-JUDGED["beyond_capacity"] = judgement_spec(
+LONG_JOBS["beyond_capacity"] = judgement_spec(
     "beyond/capacity",
     "Beyond the paper: memory and nonlinear capacity",
     "beyond.driven_states.judge_capacity",
@@ -76,7 +76,7 @@ JUDGED["beyond_capacity"] = judgement_spec(
     },
 )
 
-JUDGED["beyond_settings"] = judgement_spec(
+LONG_JOBS["beyond_settings"] = judgement_spec(
     "beyond/settings",
     "Beyond the paper: FPRC with and without P_o over epsilon and n_c",
     "beyond.contest.judge_settings",
@@ -88,31 +88,19 @@ JUDGED["beyond_settings"] = judgement_spec(
 )
 
 
-rule tune_world:
-    input:
-        near_print=NEAR_PRINT,
-    output:
-        tuning=PATHS.below("beyond/tuning_{world}.json"),
-    log:
-        PATHS.messages("tune_{world}"),
-    threads: workflow.cores
-    resources:
-        mem_mb=memory_of,
-        runtime=120,
-    params:
-        **stage("studies.beyond.tune_family", *COMPETITORS, key="version"),
-        family=family_of,
-        units=units_of_tuning,
-        candidates=BEYOND["tuning"]["candidates"],
-        seed=BEYOND["tuning"]["seed"],
-        restarts=BEYOND["restarts"],
-        judgement=judgement(SETTINGS, models=paper_models(SETTINGS), split="blocked"),
-        workers=one_per_thread,
-        checkpoint=with_prefix(PATHS.below("beyond/tuning_{world}.partial.jsonl")),
-    message:
-        "Beyond the paper: tuning of the competitors, family {wildcards.world}"
-    script:
-        "../scripts/stage.py"
+LONG_JOBS["tune_world"] = long_spec(
+    "beyond/tuning_{world}",
+    "Beyond the paper: tuning of the competitors, family {wildcards.world}",
+    {"tuning": PATHS.below("beyond/tuning_{world}.json")},
+    {"near_print": NEAR_PRINT},
+    **stage("studies.beyond.tune_family", *COMPETITORS, key="version"),
+    family=family_of,
+    units=units_of_tuning,
+    candidates=BEYOND["tuning"]["candidates"],
+    seed=BEYOND["tuning"]["seed"],
+    restarts=BEYOND["restarts"],
+    judgement=judgement(SETTINGS, models=paper_models(SETTINGS), split="blocked"),
+)
 
 
 rule join_tuned:

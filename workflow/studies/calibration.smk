@@ -11,60 +11,39 @@ EVERY_SEED = {
 FREE = {"paths": SETTINGS["calibration"]["free"], "ranges": SETTINGS["calibration"]["ranges"]}
 
 
-rule fit_rig:
-    input:
-        published=PUBLISHED,
-    output:
-        fitted=PATHS.below("calibration/rig.yaml"),
-        report=PATHS.below("calibration/fit.json"),
-    log:
-        PATHS.messages("fit_rig"),
-    threads: workflow.cores
-    resources:
-        mem_mb=memory_of,
-        runtime=480,
-    params:
-        **stage("studies.calibrate.calibrate", *MODELS, key="version"),
-        **EVERY_SEED,
-        began=SETTINGS["fitted"],
-        calibration=SETTINGS["calibration"],
-        grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
-        tracking=SETTINGS["tracking"],
-        workers=one_per_thread,
-        checkpoint=with_prefix(PATHS.below("calibration/search.partial.jsonl")),
-    message:
-        "Fit of the rig to Tables II and III"
-    script:
-        "../scripts/stage.py"
+LONG_JOBS["fit_rig"] = long_spec(
+    "calibration/search",
+    "Fit of the rig to Tables II and III",
+    {
+        "fitted": PATHS.below("calibration/rig.yaml"),
+        "report": PATHS.below("calibration/fit.json"),
+    },
+    {"published": PUBLISHED},
+    runtime=480,
+    **stage("studies.calibrate.calibrate", *MODELS, key="version"),
+    **EVERY_SEED,
+    began=SETTINGS["fitted"],
+    calibration=SETTINGS["calibration"],
+    grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
+    tracking=SETTINGS["tracking"],
+)
 
-
-rule measure_sensitivity:
-    output:
-        effects=PATHS.below("calibration/sensitivity.json"),
-    log:
-        PATHS.messages("measure_sensitivity"),
-    threads: workflow.cores
-    resources:
-        mem_mb=memory_of,
-        runtime=240,
-    params:
-        **stage("studies.sensitivity.measure_sensitivity", *MODELS, key="version"),
-        on_rig=on_rig(SETTINGS),
-        paths=SETTINGS["calibration"]["free"],
-        steps=DRAWN["sensitivity_steps"],
-        seeds=SETTINGS["evaluation"]["replicate_seeds"][:2],
-        how={
-            "models": paper_models(SETTINGS),
-            "tracking": SETTINGS["tracking"],
-            "surrogate": SURROGATE,
-        },
-        workers=one_per_thread,
-        checkpoint=with_prefix(PATHS.below("calibration/sensitivity.partial.jsonl")),
-    message:
-        "Sensitivity of all numbers to each parameter of the rig"
-    script:
-        "../scripts/stage.py"
-
+LONG_JOBS["measure_sensitivity"] = long_spec(
+    "calibration/sensitivity",
+    "Sensitivity of all numbers to each parameter of the rig",
+    {"effects": PATHS.below("calibration/sensitivity.json")},
+    runtime=240,
+    **stage("studies.sensitivity.measure_sensitivity", *MODELS, key="version"),
+    on_rig=on_rig(SETTINGS),
+    paths=SETTINGS["calibration"]["free"],
+    steps=DRAWN["sensitivity_steps"],
+    seeds=SETTINGS["evaluation"]["replicate_seeds"][:2],
+    how={
+        "models": paper_models(SETTINGS),
+        "tracking": SETTINGS["tracking"],
+        "surrogate": SURROGATE,
+    },
+)
 
 STUDY_TABLES["sensitivity_table"] = result_spec(
     "calibration/sensitivity",
@@ -97,7 +76,7 @@ def rigs_with_other_drift(wildcards):
     return found
 
 
-JUDGED["measure_stop"] = judgement_spec(
+LONG_JOBS["measure_stop"] = judgement_spec(
     "calibration/stop",
     "Errors at the stop of the actuator",
     "families.stop.judge_stop",
@@ -136,7 +115,7 @@ STUDY_FIGURES["channels_figure"] = result_spec(
 
 
 STUDY_TARGETS |= {
-    "calibrate": rules.fit_rig.output,
+    "calibrate": list(LONG_JOBS["fit_rig"].made.values()),
     "sensitivity": [
         PATHS.below("calibration/sensitivity.md"),
         PATHS.below("calibration/sensitivity_figure.pdf"),

@@ -38,43 +38,61 @@ def family_named(name):
     }
 
 
-#: Jobs that judge families of rigs, tables and figures of the studies, by their rules, and the files
-#: of each target; rows.smk has the rules.
-JUDGED, STUDY_TABLES, STUDY_FIGURES, STUDY_TARGETS = {}, {}, {}, {}
+#: Long jobs, tables and figures of the studies, by their rules, and the files of each target;
+#: rows.smk has the rules.
+LONG_JOBS, STUDY_TABLES, STUDY_FIGURES, STUDY_TARGETS = {}, {}, {}, {}
 
 
-def judgement_spec(stem, words, judge, *models, given=None, priority=0, threads=None, **params):
+def long_spec(stem, words, made, given=None, *, runtime=120, priority=0, threads=None, **params):
+    """Return what is peculiar to a long job, of several processes and with a checkpoint.
+
+    Parameters
+    ----------
+    stem : str
+        Its checkpoint below the results, without suffix.
+    words : str
+        What it does.
+    made, given : dict
+        Its outputs, and its inputs if it has any.
+    runtime : int
+        Minutes.
+    threads : int, optional
+        Most processes; by default as many as there are cores.
+    """
+    return SimpleNamespace(
+        stem=stem,
+        words=words,
+        made=made,
+        given=given or {},
+        runtime=runtime,
+        priority=priority,
+        threads=threads or workflow.cores,
+        params=params,
+    )
+
+
+def judgement_spec(stem, words, judge, *models, **more):
     """Return what is peculiar to a job that judges families of rigs.
 
     Parameters
     ----------
     stem : str
         Its file below the results, without suffix.
-    words : str
-        What it judges.
     judge : str
         Function below ``fprc.studies`` that does it, with ``models``.
-    given : dict, optional
-        Its inputs.
-    threads : int, optional
-        Most processes; by default as many as there are cores.
-    **params
-        ``families``, ``units`` and ``how``, see ``fprc.studies.stages.judge``.
+    **more
+        ``families``, ``units`` and ``how``, see ``fprc.studies.stages.judge``, and arguments of
+        ``long_spec``.
     """
     judged_by = f"fprc.studies.{judge.rpartition('.')[0]}"
-    stage_version = stage("studies.judge.judge_families", key="version")["version"]
+    of_stage = stage("studies.judge.judge_families", key="version")
 
     def version(wildcards):
-        return f"{stage_version(wildcards)}-{fingerprint(judged_by, *map(class_module, models))}"
+        own = fingerprint(judged_by, *map(class_module, models))
+        return f"{of_stage['version'](wildcards)}-{own}"
 
-    return SimpleNamespace(
-        stem=stem,
-        words=words,
-        given=given or {},
-        priority=priority,
-        threads=threads or workflow.cores,
-        params={"judge": judge, "version": version, **params},
-    )
+    made = {"judged": PATHS.below(f"{stem}.json")}
+    return long_spec(stem, words, made, **more, judge=judge, **of_stage | {"version": version})
 
 
 def one_per_thread(wildcards, threads):

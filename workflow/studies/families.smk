@@ -76,7 +76,7 @@ wildcard_constraints:
     chunk="|".join(str(first) for chunks in CHUNKS.values() for first in chunks),
 
 
-JUDGED["judge_family"] = judgement_spec(
+LONG_JOBS["judge_family"] = judgement_spec(
     "families/{family}_{chunk}",
     "Rigs {wildcards.family}: Tables II to IV, from number {wildcards.chunk}",
     "families.family.judge_tables",
@@ -133,34 +133,23 @@ STUDY_FIGURES["families_figure"] = result_spec(
 )
 
 
-rule find_near_print:
-    input:
-        published=PUBLISHED,
-    output:
-        rigs=PATHS.below("near_print/rigs.json"),
-    log:
-        PATHS.messages("find_near_print"),
-    threads: workflow.cores
-    resources:
-        mem_mb=memory_of,
-        runtime=480,
-    params:
-        **stage("studies.near_print.find_near_print", *MODELS, key="version"),
-        **EVERY_SEED,
-        near_print=SETTINGS["near_print"],
-        drawn=pick(DRAWN, "angle_deg", "p_o_swing_kpa", "seed"),
-        free=FREE,
-        surrogate=SURROGATE,
-        workers=one_per_thread,
-        checkpoint=with_prefix(PATHS.below("near_print/rigs.partial.jsonl")),
-    message:
-        "Search for rigs near Tables II and III"
-    script:
-        "../scripts/stage.py"
+LONG_JOBS["find_near_print"] = long_spec(
+    "near_print/rigs",
+    "Search for rigs near Tables II and III",
+    {"rigs": PATHS.below("near_print/rigs.json")},
+    {"published": PUBLISHED},
+    runtime=480,
+    **stage("studies.near_print.find_near_print", *MODELS, key="version"),
+    **EVERY_SEED,
+    near_print=SETTINGS["near_print"],
+    drawn=pick(DRAWN, "angle_deg", "p_o_swing_kpa", "seed"),
+    free=FREE,
+    surrogate=SURROGATE,
+)
 
 
 STUDY_TARGETS |= {
-    "near_print": rules.find_near_print.output,
+    "near_print": PATHS.below("near_print/rigs.json"),
     "families": [
         *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
         PATHS.below("families/figure.pdf"),

@@ -3,7 +3,7 @@
 ONLINE = SETTINGS["online"]
 
 
-JUDGED["judge_online"] = judgement_spec(
+LONG_JOBS["judge_online"] = judgement_spec(
     "online/{world}",
     "Learning while it runs: family {wildcards.world}",
     "online.judge.judge_online",

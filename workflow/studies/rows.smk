@@ -1,28 +1,27 @@
-# The rules of JUDGED, STUDY_TABLES, STUDY_FIGURES and STUDY_TARGETS.
+# The rules of LONG_JOBS, STUDY_TABLES, STUDY_FIGURES and STUDY_TARGETS.
 
-for rule_name, judged in JUDGED.items():
+for rule_name, job in LONG_JOBS.items():
 
     rule:
         name:
             rule_name
         input:
-            **judged.given,
+            **job.given,
         output:
-            judged=PATHS.below(f"{judged.stem}.json"),
+            **job.made,
         log:
-            PATHS.messages("_".join(Path(judged.stem).parts)),
-        priority: judged.priority
-        threads: judged.threads
+            PATHS.messages("_".join(Path(job.stem).parts)),
+        priority: job.priority
+        threads: job.threads
         resources:
             mem_mb=memory_of,
-            runtime=120,
+            runtime=job.runtime,
         params:
-            **judged.params,
-            stage="studies.judge.judge_families",
+            **job.params,
             workers=one_per_thread,
-            checkpoint=with_prefix(PATHS.below(f"{judged.stem}.partial.jsonl")),
+            checkpoint=with_prefix(PATHS.below(f"{job.stem}.partial.jsonl")),
         message:
-            judged.words
+            job.words
         script:
             "../scripts/stage.py"
 
