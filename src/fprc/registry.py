@@ -132,30 +132,18 @@ def choice_of(name: str) -> str:
     return suffix if base in COMPETITORS and suffix in CHOICES else ""
 
 
-def competitor(name: str) -> Entry:
-    """Return the entry of a competitor, whose name may have a suffix.
+def entry_of(name: str, models: Settings | None = None) -> Entry:
+    """Return the entry of any model; the name of a competitor may have a suffix.
 
     Raises
     ------
     ConfigError
-        There is none; the message lists all competitors.
+        There is none; the message lists all of this package.
     """
-    base = name.removesuffix(f"_{choice_of(name)}")
-    if base not in COMPETITORS:
+    known, base = COMPETITORS | entries(models), name.removesuffix(f"_{choice_of(name)}")
+    if base not in known:
         raise ConfigError(f"{name!r} is no model; choose from {', '.join(COMPETITORS)}")
-    return COMPETITORS[base]
-
-
-def competitor_title(name: str) -> str:
-    """Return a competitor's name for tables and figures, with how its settings were chosen."""
-    choice = choice_of(name)
-    title = competitor(name).title
-    return f"{title}, {CHOICES[choice]}" if choice else title
-
-
-def entry_of(name: str, models: Settings | None = None) -> Entry:
-    """Return the entry of any model: one of ``entries``, or a competitor."""
-    return entries(models).get(name) or competitor(name)
+    return known[base]
 
 
 def entries(models: Settings | None = None) -> dict[str, Entry]:
@@ -173,8 +161,13 @@ def entries(models: Settings | None = None) -> dict[str, Entry]:
 
 
 def title_of(name: str) -> str:
-    """Return a model's name for tables and figures."""
-    return MODELS[name].title if name in MODELS else name[:1].upper() + name[1:].replace("_", " ")
+    """Return a model's name for tables and figures, with how its settings were chosen."""
+    choice = choice_of(name)
+    if choice:
+        return f"{title_of(name.removesuffix(f'_{choice}'))}, {CHOICES[choice]}"
+    if name in COMPETITORS:
+        return COMPETITORS[name].title
+    return name[:1].upper() + name[1:].replace("_", " ")
 
 
 def look_of(name: str) -> tuple[str, str]:

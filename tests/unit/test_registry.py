@@ -53,8 +53,8 @@ def test_model_from_outside_is_built_with_its_settings_and_the_seed(settings):
     assert settings_of("taps_a", settings["models"]) == {"others": settings["models"]["others"]}
 
 
-@pytest.mark.parametrize("name", ["esn", "pd", "x_pd"])
-def test_name_of_a_model_must_not_be_read_as_a_controller(name):
+@pytest.mark.parametrize("name", ["esn", "trees", "bank_tuned", "pd", "x_pd"])
+def test_name_of_a_model_must_not_be_read_as_a_controller_or_as_ours(name):
     with pytest.raises(ConfigError, match=rf"models\.others.*{name} is taken"):
         check({"models": {"others": {name: OTHERS["taps_a"]}}})
 

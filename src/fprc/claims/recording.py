@@ -20,7 +20,7 @@ from fprc.claims.paired import (
     judge_together,
     verdict_in_words,
 )
-from fprc.registry import competitor_title
+from fprc.registry import title_of
 
 #: Blocks that a subset leaves out; fewer than of forty seeds, since there are only ten.
 LEFT_OUT = 2
@@ -71,7 +71,7 @@ def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
                 **outcome._asdict(),
                 "blocks": len(part.values),
                 "reason": _reason(part, outcome),
-                "other": competitor_title(claim.other),
+                "other": title_of(claim.other),
                 "ratio": ends["mean"],
                 **{end: ends[end] for end in ("low", "high")},
             }

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from fprc.config.section import Distinct, NotEmpty, Section, quantity
-from fprc.registry import ANGLE, MODELS
+from fprc.registry import ANGLE, COMPETITORS, choice_of
 
 
 class Esn(Section):
@@ -80,7 +80,8 @@ class Models(Section):
     @field_validator("others")
     @classmethod
     def _names_are_free(cls, others: dict[str, Other]) -> dict[str, Other]:
-        taken = [name for name in others if name in (*MODELS, "pd") or name.endswith("_pd")]
+        ours = {name for name in others if name in COMPETITORS or choice_of(name)}
+        taken = [name for name in others if name in {*ours, "pd"} or name.endswith("_pd")]
         if taken:
             raise ValueError(f"{', '.join(taken)} is taken; choose another name")
         return others

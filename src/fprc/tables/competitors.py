@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.registry import competitor_title
+from fprc.registry import title_of
 from fprc.signals import mean_and_std
 from fprc.tables.text import spread
 
@@ -43,7 +43,7 @@ def competitors_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the competitors as a page; a model without errors has the reason in their place."""
     return pd.DataFrame(
         {
-            "Model": competitor_title(row.model),
+            "Model": title_of(row.model),
             f"Blocks [{row.unit}]": row.reason or spread(row.block_rmse, row.block_std),
             f"Test [{row.unit}]": "" if row.reason else spread(row.test_rmse, None),
         }

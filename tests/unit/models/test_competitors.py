@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from fprc.config import check
 from fprc.errors import ConfigError
-from fprc.registry import COMPETITORS, build, choice_of, competitor_title
+from fprc.registry import COMPETITORS, build, choice_of, title_of
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +59,7 @@ def test_suffix_says_how_settings_were_chosen(models):
     assert [choice_of(name) for name in ("fprc_lowpass", "esn_matched", "a_tuned")] == [
         "", "matched", ""
     ]  # fmt: skip
-    assert competitor_title("esn_matched") == "ESN, matched in training"
+    assert title_of("esn_matched") == "ESN, matched in training"
     assert repr(build("esn_matched", models, 4)) == repr(build("esn", models, 4))
 
 

@@ -18,7 +18,7 @@ from fprc.claims.paired import (
     verdict_in_words,
 )
 from fprc.escape import in_words
-from fprc.registry import competitor_title
+from fprc.registry import title_of
 from fprc.studies.beyond.measurements import capacities, family_title, measured
 
 #: Capacity of degree two or more from which P_o counts as nonlinear, of 1 for a single signal.
@@ -200,7 +200,7 @@ def _part(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
     if not pair.ratio:
         dropped = len(family.get("capacity") or ()) - len(values)
         return Part(pair.words, by_unit, False, operator.neg, dropped)
-    text = f"{competitor_title(pair.ours[0])} / {competitor_title(pair.theirs[0])} ({pair.words})"
+    text = f"{title_of(pair.ours[0])} / {title_of(pair.theirs[0])} ({pair.words})"
     return Part(text, by_unit, dropped=len(family["cells"]) - len(values))
 
 

@@ -16,7 +16,7 @@ from fprc.experiments.settings import RigSettings, Unit
 from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
-from fprc.registry import COMPETITORS, build, competitor, parameters_of
+from fprc.registry import COMPETITORS, build, entry_of, parameters_of
 
 #: Models judged on every rig: those that a claim compares, and one competitor of every other kind.
 BRIEF = (
@@ -274,7 +274,7 @@ def _with_disturbed_p_o(
     test: Data,
     contest: Contest,
 ) -> dict[str, dict[str, float] | None]:
-    if "p_o_kpa" not in competitor(name).inputs:
+    if "p_o_kpa" not in entry_of(name).inputs:
         return {"shifted": None, "disturbed": None}
     p_o = test.channels["p_o_kpa"]
     shifted = {

@@ -11,7 +11,7 @@ from fprc import escape
 from fprc.claims.paired import EQUIVALENT_WITHIN
 from fprc.figures.style import line_of, symbols
 from fprc.paper import MODELS
-from fprc.registry import choice_of, competitor_title
+from fprc.registry import choice_of, title_of
 from fprc.studies.beyond.measurements import MEASURES, SETS, family_title
 
 #: Marker and colour of each family, in their order, safe for colour-blind readers (Tol). Colours
@@ -110,7 +110,7 @@ def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> Axes:
         np.linspace(-1.0, 5.0, len(named)), named.iterrows(), strict=True
     ):
         ax.plot(*point, "o", color="black", markersize=3.5)
-        ax.annotate(symbols(competitor_title(str(name))), point, (5.0, shift), va="center",
+        ax.annotate(symbols(title_of(str(name))), point, (5.0, shift), va="center",
                     textcoords="offset points")  # fmt: skip
     ax.set(xlabel="Test RMSE, forward [kPa]", ylabel="Tracking RMSE [deg]", xscale="log")
     ax.xaxis.set_major_locator(MaxNLocator(8))
@@ -165,7 +165,7 @@ def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> Axes:
     others = iter(_READERS)
     for model, rows in table.groupby("model", sort=False):
         rows = rows.sort_values("offset_kpa")
-        label = symbols(competitor_title(str(model)))
+        label = symbols(title_of(str(model)))
         if len(rows) == 1:
             ax.axhline(rows["mean"].iloc[0], **line_of(str(model)), label=label)
             continue

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from fprc.paper import SOURCES
-from fprc.registry import choice_of, competitor_title
+from fprc.registry import choice_of, title_of
 from fprc.signals import LEVEL, interval_of_mean
 from fprc.studies.beyond.measurements import (
     FAMILIES,
@@ -68,7 +68,7 @@ def models_page(table: pd.DataFrame, family: str, *, intervals: bool = False) ->
     units = of_family[of_family["measure"] != "step_us"].groupby("model")["units"]
     words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
     page["Units"] = words.reindex(page.index).fillna("-")
-    return _named(page, Model=competitor_title)
+    return _named(page, Model=title_of)
 
 
 def leaderboard(table: pd.DataFrame, family: str) -> pd.DataFrame:
@@ -168,7 +168,7 @@ def offsets_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
     rows = of_family.sort_values("measure", key=lambda names: names.map(places), kind="stable")
     shown = ["disturbance", "offset_kpa"]
     page = _wide(rows, ["model", "measure"], shown, headings, intervals=False)
-    return _named(page, Model=competitor_title, Error=_heading)
+    return _named(page, Model=title_of, Error=_heading)
 
 
 def _heading(measure: str) -> str:
@@ -231,7 +231,7 @@ def lengths_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
     of_family = table[table["world"] == family]
     lengths = sorted(set(of_family["training"]), key=_seconds)
     page = _wide(of_family, ["model"], "training", dict(zip(lengths, lengths, strict=True)))
-    return _named(page, Model=competitor_title)
+    return _named(page, Model=title_of)
 
 
 def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
