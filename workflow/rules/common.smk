@@ -60,30 +60,40 @@ def figure_files(stem, statistics=False, **report_of):
     return files | ({"csv": f"{stem}.csv"} if statistics else {})
 
 
-def figure(number, statistics=False):
-    """Return the files of one of the paper's figures."""
-    result = BY_NAME[f"fig{number}"]
-    return figure_files(
-        PATHS.below(result.files[0].removesuffix(".pdf")),
-        statistics,
-        caption=f"../report/fig{number:02}.rst",
-        category=result.chapter,
-        labels={"figure": result.title, "data": PLAN.origin},
+def result_spec(stem, kind, words, given, made, priority=0, **params):
+    """Return what is peculiar to a table or a figure; ``stem`` are its files without suffix."""
+    return SimpleNamespace(
+        kind=kind,
+        words=words,
+        given=given,
+        made=made,
+        log=PATHS.messages("_".join([*Path(stem).parts, kind])),
+        priority=priority,
+        params=params,
     )
 
 
-def figure_spec(words, given=None, statistics=False, priority=0, **params):
+def table_spec(stem, words, given, **params):
+    """Return what is peculiar to a table."""
+    return result_spec(stem, "table", words, given, PATHS.table(stem), **params)
+
+
+def figure_spec(stem, words, given, statistics=False, report_of={}, **params):
     """Return what is peculiar to a figure. With ``statistics`` its numbers are a file too."""
-    return SimpleNamespace(
-        words=words, given=given or {}, statistics=statistics, priority=priority, params=params
-    )
+    made = figure_files(PATHS.below(stem), statistics, **report_of)
+    return result_spec(stem, "figure", words, given, made, **params)
 
 
-def result_spec(stem, words, given, statistics=False, **params):
-    """Return what is peculiar to any other result; ``stem`` are its files without suffix."""
-    return SimpleNamespace(
-        stem=stem, words=words, given=given, statistics=statistics, params=params
-    )
+def paper_figure_spec(number, words, given={}, **more):
+    """Return what is peculiar to one of the paper's figures, which are in Snakemake's report."""
+    result = BY_NAME[f"fig{number}"]
+    report_of = {
+        "caption": f"../report/fig{number:02}.rst",
+        "category": result.chapter,
+        "labels": {"figure": result.title, "data": PLAN.origin},
+    }
+    stem = result.files[0].removesuffix(".pdf")
+    return figure_spec(stem, f"Fig. {number}: {words}", given, report_of=report_of, **more)
 
 
 def refused(why):

@@ -13,148 +13,120 @@ FOLLOWED = [
 ]
 
 #: The paper's figures by their numbers.
-FIGURES = {
-    1: figure_spec(
-        "the bending actuator",
-        {"raw": PATHS.log("sweep")},
+PAPER_FIGURES = {
+    1: {
+        "words": "the bending actuator",
+        "given": {"raw": PATHS.log("sweep")},
         **stage("draw_schematics.draw_actuator"),
-    ),
-    2: figure_spec(
-        "the physical reservoir",
-        {"raw": PLAN.logs_of("sweep")[0]},
+    },
+    2: {
+        "words": "the physical reservoir",
+        "given": {"raw": PLAN.logs_of("sweep")[0]},
         **stage("draw_schematics.draw_reservoir"),
-        k_in_kpa_per_deg=SETTINGS["control"]["k_in_kpa_per_deg"],
-    ),
-    3: figure_spec("the apparatus", **stage("draw_schematics.draw_apparatus")),
-    4: figure_spec(
-        "hysteresis of the actuator",
-        {log: PATHS.data(log) for log in EXPERIMENTS},
+        "k_in_kpa_per_deg": SETTINGS["control"]["k_in_kpa_per_deg"],
+    },
+    3: {"words": "the apparatus", **stage("draw_schematics.draw_apparatus")},
+    4: {
+        "words": "hysteresis of the actuator",
+        "given": {log: PATHS.data(log) for log in EXPERIMENTS},
         **stage("draw.draw_actuator_hysteresis"),
-    ),
-    5: figure_spec(
-        "hysteresis of the reservoir",
-        {log: PATHS.data(log) for log in EXPERIMENTS},
+    },
+    5: {
+        "words": "hysteresis of the reservoir",
+        "given": {log: PATHS.data(log) for log in EXPERIMENTS},
         **stage("draw.draw_reservoir_hysteresis"),
-    ),
-    6: figure_spec(
-        "control with the ESN",
+    },
+    6: {
+        "words": "control with the ESN",
         **stage("draw_schematics.draw_esn_system"),
-        models=settings_of("esn", SETTINGS["models"]),
-    ),
-    7: figure_spec(
-        "control with the FPRC",
+        "models": settings_of("esn", SETTINGS["models"]),
+    },
+    7: {
+        "words": "control with the FPRC",
         **stage("draw_schematics.draw_fprc_system"),
-        models=settings_of("fprc", SETTINGS["models"]),
-        control=pick(SETTINGS["control"], "k_in_kpa_per_deg"),
-    ),
-    8: figure_spec(
-        "FPRC on training and test data",
-        {
+        "models": settings_of("fprc", SETTINGS["models"]),
+        "control": pick(SETTINGS["control"], "k_in_kpa_per_deg"),
+    },
+    8: {
+        "words": "FPRC on training and test data",
+        "given": {
             "fit": PATHS.prediction("sweep", "fprc", "train"),
             "prediction": PATHS.prediction("sweep", "fprc", "test"),
         },
         **stage("draw.draw_training"),
-        statistics=True,
-    ),
-    9: figure_spec(
-        "weight contributions",
-        {"weights": PATHS.below("weights/fprc.json"), "published": PUBLISHED},
+        "statistics": True,
+    },
+    9: {
+        "words": "weight contributions",
+        "given": {"weights": PATHS.below("weights/fprc.json"), "published": PUBLISHED},
         **stage("draw.draw_weights"),
-        statistics=True,
-    ),
-    10: figure_spec(
-        "epsilon and n_c",
-        {
+        "statistics": True,
+    },
+    10: {
+        "words": "epsilon and n_c",
+        "given": {
             **({"epsilon": PATHS.grid("epsilon")} if "fig10a" not in PLAN.unavailable else {}),
             "n_c": PATHS.grid("n_c"),
             "times": PATHS.below("timing/times_over_n_c.json"),
             "seeds": GRIDS_OVER_SEEDS,
         },
         **stage("draw.draw_settings"),
-        statistics=True,
-        priority=LONG,  # its execution times are measured last, and the report waits for it
-    ),
-    11: figure_spec(
-        "tap sizes",
-        {"taps": PATHS.grid("taps"), "published": PUBLISHED, "seeds": GRIDS_OVER_SEEDS},
+        "statistics": True,
+        "priority": LONG,  # its execution times are measured last, and the report waits for it
+    },
+    11: {
+        "words": "tap sizes",
+        "given": {"taps": PATHS.grid("taps"), "published": PUBLISHED, "seeds": GRIDS_OVER_SEEDS},
         **stage("draw.draw_taps"),
-        statistics=True,
-    ),
+        "statistics": True,
+    },
     **{
-        number: figure_spec(
-            f"tracking {reference}",
-            {
+        number: {
+            "words": f"tracking {reference}",
+            "given": {
                 "open_loop": PATHS.log(run_log(reference, "fprc")),
                 "closed_loop": PATHS.log(run_log(reference, "fprc_pd")),
                 "runs": [PATHS.log(run) for run in FOLLOWED],
             },
             **stage("draw_tracking.draw_following"),
-            statistics=True,
-        )
+            "statistics": True,
+        }
         for number, reference in enumerate(REFERENCES, start=12)
     },
-    16: figure_spec(
-        "PD against FPRC+PD",
-        {"runs": [PATHS.log(run) for run in BY_NAME["fig16"].logs]},
+    16: {
+        "words": "PD against FPRC+PD",
+        "given": {"runs": [PATHS.log(run) for run in BY_NAME["fig16"].logs]},
         **stage("draw_tracking.draw_loops"),
-    ),
-    17: figure_spec(
-        "the reservoir disturbed",
-        {"run": PATHS.log(BY_NAME["fig17"].logs[0])},
+    },
+    17: {
+        "words": "the reservoir disturbed",
+        "given": {"run": PATHS.log(BY_NAME["fig17"].logs[0])},
         **stage("draw_tracking.draw_disturbance"),
-        statistics=True,
-        quiet_s=SETTINGS["tracking"]["pushes"]["quiet_s"],
-    ),
+        "statistics": True,
+        "quiet_s": SETTINGS["tracking"]["pushes"]["quiet_s"],
+    },
 }
 
-for number, shown in FIGURES.items():
-
-    rule:
-        name:
-            f"draw_fig{number}"
-        input:
-            **shown.given,
-        output:
-            **figure(number, shown.statistics),
-        log:
-            PATHS.messages(f"fig{number:02}"),
-        priority: shown.priority
-        params:
-            **shown.params,
-        message:
-            f"Fig. {number}: {shown.words}"
-        script:
-            "../scripts/stage.py"
-
-
-rule draw_training:
-    input:
-        fit=PATHS.prediction("sweep", "{other}", "train"),
-        prediction=PATHS.prediction("sweep", "{other}", "test"),
-    output:
-        **figure_files(PATHS.below("figures/training_{other}"), statistics=True),
-    log:
-        PATHS.messages("training_{other}"),
-    wildcard_constraints:
-        other="|".join(PLAN.others) or "none",
-    params:
+#: Figures by their rules.
+FIGURES = {
+    **{
+        f"draw_fig{number}": paper_figure_spec(number, **PAPER_FIGURES[number])
+        for number in PAPER_FIGURES
+    },
+    "draw_training": figure_spec(
+        "figures/training_{other}",
+        "{wildcards.other} on training and test data",
+        {
+            "fit": PATHS.prediction("sweep", "{other}", "train"),
+            "prediction": PATHS.prediction("sweep", "{other}", "test"),
+        },
         **stage("draw.draw_training"),
-    message:
-        "{wildcards.other} on training and test data"
-    script:
-        "../scripts/stage.py"
-
-
-rule draw_readout:
-    input:
-        cells=PATHS.below("readout/cells.json"),
-    output:
-        **figure_files(PATHS.below("readout/readout")),
-    log:
-        PATHS.messages("readout_figure"),
-    params:
+        statistics=True,
+    ),
+    "draw_readout": figure_spec(
+        "readout/readout",
+        "Value of the readout: figure",
+        {"cells": PATHS.below("readout/cells.json")},
         **stage("draw.draw_readout"),
-    message:
-        "Value of the readout: figure"
-    script:
-        "../scripts/stage.py"
+    ),
+}

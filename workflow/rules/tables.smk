@@ -4,14 +4,14 @@ TRAINED_ON = {"2": "sweep", "3": "complex"}
 
 #: Tables by their rules.
 TABLES = {
-    "configuration_table": result_spec(
+    "configuration_table": table_spec(
         "tables/table1",
         "Table I: settings of the models",
         {"published": PUBLISHED},
         **stage("tabulate.tabulate_configuration"),
         models=SETTINGS["models"],
     ),
-    "comparison_table": result_spec(
+    "comparison_table": table_spec(
         "tables/table{number}",
         "Errors of the models: table{wildcards.number}",
         {
@@ -23,21 +23,21 @@ TABLES = {
         **stage("tabulate.tabulate_comparison"),
         left_out=PLAN.left_out,
     ),
-    "seeds_table": result_spec(
+    "seeds_table": table_spec(
         "tables/table{number}_seeds",
         "Errors of the models over further seeds: table{wildcards.number}_seeds",
         {"published": PUBLISHED, "replicates": PLAN.replicates("models")},
         **stage("tabulate.tabulate_seeds"),
         trained_on=lambda wildcards: TRAINED_ON[wildcards.number],
     ),
-    "timing_table": result_spec(
+    "timing_table": table_spec(
         "timing/table2_timing",
         "Execution times of Table II",
         {"published": PUBLISHED, "times": PATHS.below("timing/times.json")},
         **stage("tabulate.tabulate_times"),
         left_out=PLAN.left_out,
     ),
-    "tracking_table": result_spec(
+    "tracking_table": table_spec(
         "tables/table4",
         "Table IV: errors of the closed-loop runs",
         {"published": PUBLISHED, "runs": [PATHS.log(run) for run in PLAN.runs]},
@@ -46,42 +46,24 @@ TABLES = {
         limits=SETTINGS["quality"],
         feedback=feedback_in_words(SETTINGS),
     ),
-    "tracking_seeds_table": result_spec(
+    "tracking_seeds_table": table_spec(
         "tables/table4_seeds",
         "Table IV over further seeds",
         {"published": PUBLISHED, "replicates": PLAN.replicates("control")},
         **stage("tabulate.tabulate_tracking_seeds"),
         feedback=feedback_in_words(SETTINGS),
     ),
-    "steps_table": result_spec(
+    "steps_table": table_spec(
         "timing/step_cost",
         "Cost of a control step",
         {"steps": PATHS.below("timing/steps.json")},
         **stage("tabulate.tabulate_steps"),
         left_out=PLAN.left_out,
     ),
-    "readout_table": result_spec(
+    "readout_table": table_spec(
         "readout/readout",
         "Value of the readout: table",
         {"cells": PATHS.below("readout/cells.json")},
         **stage("tabulate.tabulate_readout"),
     ),
 }
-
-for rule_name, shown in TABLES.items():
-
-    rule:
-        name:
-            rule_name
-        input:
-            **shown.given,
-        output:
-            **PATHS.table(shown.stem),
-        log:
-            PATHS.messages(shown.stem.rpartition("/")[2]),
-        params:
-            **shown.params,
-        message:
-            shown.words
-        script:
-            "../scripts/stage.py"

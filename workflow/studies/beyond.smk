@@ -143,36 +143,36 @@ rule beyond_tables:
         "../scripts/stage.py"
 
 
-STUDY_FIGURES |= {
-    "draw_pairs": result_spec(
+STUDY_RESULTS |= {
+    "draw_pairs": figure_spec(
         "beyond/figure_pairs",
         "Beyond the paper: error ratios of pairs of models",
         {"claims": PATHS.below("beyond/claims.csv")},
         **stage("studies.show_beyond.draw_pairs"),
         families=FAMILIES,
     ),
-    "draw_tracking": result_spec(
+    "draw_tracking": figure_spec(
         "beyond/figure_tracking",
         "Beyond the paper: tracking errors against test errors",
         {"tracking": PATHS.below("beyond/tracking.csv")},
         **stage("studies.show_beyond.draw_tracking"),
         family=CONFIGURED_FAMILY,
     ),
-    "draw_offsets": result_spec(
+    "draw_offsets": figure_spec(
         "beyond/figure_offsets",
         "Beyond the paper: offset of P_o",
         {"offsets": PATHS.below("beyond/offsets.csv")},
         **stage("studies.show_beyond.draw_offsets"),
         family=CONFIGURED_FAMILY,
     ),
-    "draw_capacities": result_spec(
+    "draw_capacities": figure_spec(
         "beyond/figure_capacities",
         "Beyond the paper: capacities",
         {"capacities": PATHS.below("beyond/capacities.csv")},
         **stage("studies.show_beyond.draw_capacities"),
         family=CONFIGURED_FAMILY,
     ),
-    "draw_settings": result_spec(
+    "draw_settings": figure_spec(
         "beyond/figure_settings",
         "Beyond the paper: what P_o is worth over epsilon and n_c",
         {"settings": PATHS.below("beyond/settings.csv")},

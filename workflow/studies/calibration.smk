@@ -45,14 +45,14 @@ LONG_JOBS["measure_sensitivity"] = long_spec(
     },
 )
 
-STUDY_TABLES["sensitivity_table"] = result_spec(
+STUDY_RESULTS["sensitivity_table"] = table_spec(
     "calibration/sensitivity",
     "Sensitivity",
     {"effects": PATHS.below("calibration/sensitivity.json")},
     **stage("studies.sensitivity.tabulate_sensitivity"),
 )
 
-STUDY_FIGURES["sensitivity_figure"] = result_spec(
+STUDY_RESULTS["sensitivity_figure"] = figure_spec(
     "calibration/sensitivity_figure",
     "Sensitivity",
     {"table": PATHS.below("calibration/sensitivity.csv")},
@@ -86,14 +86,14 @@ LONG_JOBS["measure_stop"] = judgement_spec(
     how={"judgement": EVERY_SEED["judgement"]},
 )
 
-STUDY_TABLES["stop_table"] = result_spec(
+STUDY_RESULTS["stop_table"] = table_spec(
     "calibration/stop",
     "Errors at the stop",
     {"judged": PATHS.below("calibration/stop.json")},
     **stage("studies.sensitivity.tabulate_stop"),
 )
 
-STUDY_TABLES["targets_table"] = result_spec(
+STUDY_RESULTS["targets_table"] = table_spec(
     "calibration/targets",
     "Commanded compared with measured pressure as the models' target",
     {
@@ -105,7 +105,7 @@ STUDY_TABLES["targets_table"] = result_spec(
     names=TARGET_NAMES,
 )
 
-STUDY_FIGURES["channels_figure"] = result_spec(
+STUDY_RESULTS["channels_figure"] = figure_spec(
     "calibration/channels",
     "C18: loops over the commanded and over the measured pressure",
     {"sweep": PATHS.log("sweep")},

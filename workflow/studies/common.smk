@@ -38,9 +38,9 @@ def family_named(name):
     }
 
 
-#: Long jobs, tables and figures of the studies, by their rules, and the files of each target;
+#: Long jobs, and tables and figures of the studies, by their rules, and the files of each target;
 #: rows.smk has the rules.
-LONG_JOBS, STUDY_TABLES, STUDY_FIGURES, STUDY_TARGETS = {}, {}, {}, {}
+LONG_JOBS, STUDY_RESULTS, STUDY_TARGETS = {}, {}, {}
 
 
 def long_spec(stem, words, made, given=None, *, runtime=120, priority=0, threads=None, **params):

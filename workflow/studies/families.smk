@@ -117,7 +117,7 @@ rule families_summary:
 
 
 for table in FAMILY_TABLES:
-    STUDY_TABLES[f"families_{table}"] = result_spec(
+    STUDY_RESULTS[f"families_{table}"] = table_spec(
         f"families/{table}",
         f"Families of rigs: {table}",
         {"summary": PATHS.below("families/summary.json")},
@@ -125,7 +125,7 @@ for table in FAMILY_TABLES:
         table=table,
     )
 
-STUDY_FIGURES["families_figure"] = result_spec(
+STUDY_RESULTS["families_figure"] = figure_spec(
     "families/figure",
     "Families of rigs: share of rigs on which each claim holds",
     {"summary": PATHS.below("families/summary.json")},

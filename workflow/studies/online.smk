@@ -17,7 +17,7 @@ LONG_JOBS["judge_online"] = judgement_spec(
 )
 
 for table in ("verdicts", "errors"):
-    STUDY_TABLES[f"online_{table}"] = result_spec(
+    STUDY_RESULTS[f"online_{table}"] = table_spec(
         f"online/{table}",
         f"Learning while it runs: {table}",
         {"families": expand(PATHS.below("online/{world}.json"), world=FAMILIES)},
@@ -25,7 +25,7 @@ for table in ("verdicts", "errors"):
         table=table,
     )
 
-STUDY_FIGURES["online_figure"] = result_spec(
+STUDY_RESULTS["online_figure"] = figure_spec(
     "online/figure",
     "Learning while it runs: tracking error over the offset of P_o",
     {"errors": PATHS.below("online/errors.csv")},

@@ -1,4 +1,4 @@
-# The rules of LONG_JOBS, STUDY_TABLES, STUDY_FIGURES and STUDY_TARGETS.
+# The rules of LONG_JOBS, STUDY_RESULTS and STUDY_TARGETS.
 
 for rule_name, job in LONG_JOBS.items():
 
@@ -26,7 +26,7 @@ for rule_name, job in LONG_JOBS.items():
             "../scripts/stage.py"
 
 
-for rule_name, shown in STUDY_TABLES.items():
+for rule_name, shown in STUDY_RESULTS.items():
 
     rule:
         name:
@@ -34,32 +34,13 @@ for rule_name, shown in STUDY_TABLES.items():
         input:
             **shown.given,
         output:
-            **PATHS.table(shown.stem),
+            **shown.made,
         log:
-            PATHS.messages(rule_name),
+            shown.log,
         params:
             **shown.params,
         message:
-            f"{shown.words}, table"
-        script:
-            "../scripts/stage.py"
-
-
-for rule_name, shown in STUDY_FIGURES.items():
-
-    rule:
-        name:
-            rule_name
-        input:
-            **shown.given,
-        output:
-            **figure_files(PATHS.below(shown.stem), shown.statistics),
-        log:
-            PATHS.messages(rule_name),
-        params:
-            **shown.params,
-        message:
-            f"{shown.words}, figure"
+            f"{shown.words}, {shown.kind}"
         script:
             "../scripts/stage.py"
 

@@ -138,4 +138,5 @@ def test_own_folders_are_those_of_the_repository():
 def test_folders_that_rules_make_are_those_of_the_rules():
     files = [*(ROOT / "workflow").rglob("*.smk"), ROOT / "src/fprc/plan/paths.py"]
     text = "".join(path.read_text(encoding="utf-8") for path in files)
-    assert set(re.findall(r'(?:below|result_spec)\(\s*f?"(\w+)[/"]', text)) == RESULT_FOLDERS
+    named = r'(?:below|table_spec|figure_spec)\(\s*f?"(\w+)[/"]'
+    assert set(re.findall(named, text)) == RESULT_FOLDERS
