@@ -13,7 +13,6 @@ further build those of an older processor. The numbers in the results are compar
 """
 
 import argparse
-import hashlib
 import json
 import math
 import os
@@ -105,29 +104,11 @@ def files(results: Path) -> dict[str, Path]:
     }
 
 
-def hashes(results: Path) -> dict[str, str]:
-    """Return the SHA-256 of every result but the logs."""
-    return {
-        name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in files(results).items()
-    }
-
-
-def differences(first: Mapping[str, str], second: Mapping[str, str]) -> list[str]:
-    """Return the files that only one has, or that differ."""
-    return sorted(
-        name for name in first.keys() | second.keys() if first.get(name) != second.get(name)
-    )
-
-
-def table(first: Mapping[str, str], different: Sequence[str]) -> str:
-    """Return how many files of each kind are the same."""
-    kinds = sorted({Path(name).suffix for name in (*first, *different)})
-    lines = ["kind    files  different", "------  -----  ---------"]
-    for kind in kinds:
-        files = [name for name in first if Path(name).suffix == kind]
-        count = sum(Path(name).suffix == kind for name in different)
-        lines.append(f"{kind:6}  {len(files):5}  {count:9}")
-    return "\n".join([*lines, *(f"different: {name}" for name in different)])
+def differences(first: Mapping[str, Path], second: Mapping[str, Path]) -> list[str]:
+    """Return the files that only one has, or whose bytes differ."""
+    shared = first.keys() & second.keys()
+    same = {name for name in shared if first[name].read_bytes() == second[name].read_bytes()}
+    return sorted((first.keys() | second.keys()) - same)
 
 
 def apart(one: Path, other: Path) -> float:
@@ -181,11 +162,11 @@ def _apart(one: np.ndarray, other: np.ndarray) -> float:
 def digits(first: Mapping[str, Path], second: Mapping[str, Path]) -> tuple[str, float]:
     """Return a table of how far two builds agree, and by how much they differ at most."""
     lines = [f"{'result':21}  files  same bytes  apart", f"{'-' * 21}  -----  ----------  -------"]
-    largest = 0.0
+    largest, different = 0.0, differences(first, second)
     for kind, pattern in KINDS.items():
         names = [name for name in first if re.match(pattern, name)]
         found = [apart(first[n], second[n]) if n in second else math.inf for n in names]
-        same = sum(first[n].read_bytes() == second[n].read_bytes() for n in names if n in second)
+        same = len(set(names).difference(different))
         largest = max(largest, *found)
         lines.append(f"{kind:21}  {len(names):5}  {same:10}  {max(found, default=math.inf):7.1e}")
     return "\n".join(lines), largest
@@ -229,20 +210,21 @@ def main() -> int:
     parser.add_argument("--smoke", action="store_true", help="small settings, minutes")
     parser.add_argument("--processors", action="store_true", help="compute as on other processors")
     options = parser.parse_args()
+    older = [("1", {}), *(("1", lacking) for lacking in PROCESSORS.values())]
+    circumstances = older if options.processors else CIRCUMSTANCES
+    names = PROCESSORS if options.processors else ["other circumstances"]
+    agree = True
     with tempfile.TemporaryDirectory() as scratch:
-        if not options.processors:
-            first, second = map(hashes, built(Path(scratch), CIRCUMSTANCES, options.smoke))
-            different = differences(first, second)
-            print(table(first, different))
-            return int(bool(different))
-        circumstances = [("1", {}), *(("1", lacking) for lacking in PROCESSORS.values())]
         first, *others = map(files, built(Path(scratch), circumstances, options.smoke))
-        largest = 0.0
-        for name, other in zip(PROCESSORS, others, strict=True):
-            shown, most = digits(first, other)
+        for name, other in zip(names, others, strict=True):
+            shown, largest = digits(first, other)
             print(f"\n{name}:\n{shown}")
-            largest = max(largest, most)
-    return int(largest > AGREE)
+            if options.processors:
+                agree = agree and largest <= AGREE
+            elif different := differences(first, other):
+                agree = False
+                print("\n".join(f"different: {path}" for path in different))
+    return int(not agree)
 
 
 if __name__ == "__main__":
