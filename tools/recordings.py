@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import yaml
 
 from fprc.artifacts import read_json, write_text
@@ -50,24 +51,25 @@ def readout(folder: Path, *asked: str, mapping: Mapping[str, Any]) -> dict[str, 
     return report
 
 
-def row(name: str, report: Mapping[str, Any]) -> str:
+def row(name: str, report: Mapping[str, Any]) -> dict[str, str]:
     """Return the row of a recording."""
     tested = {cell["model"]: cell.get("test_rmse_kpa") for cell in report["cells"]}
     lengths = sorted(report["block_s"])
     few = ", too few" if len(lengths) < LEAST_UNITS else ""
-    cells = [name, f"{len(lengths)} of {lengths[0]:.3g} s{few}"]
-    cells += [
-        f"{claim['ratio']:.2f} ({claim['low']:.2f} to {claim['high']:.2f}), {claim['verdict']}"
+    verdicts = {
+        claim["id"]: f"{claim['ratio']:.2f} ({claim['low']:.2f} to {claim['high']:.2f}), "
+        f"{claim['verdict']}"
         for claim in report["verdicts"]
-    ]
-    cells += [
-        f"{100 * (tested[model] / tested['fuzzy_linear'] - 1):+.0f} %"
-        for model in ("fprc", "fprc_lowpass")
-    ]
-    return f"| {' | '.join(cells)} |"
+    }
+    tests = {
+        f"test, with {what}": f"{100 * (tested[model] / tested['fuzzy_linear'] - 1):+.0f} %"
+        for model, what in (("fprc", "P_o"), ("fprc_lowpass", "low-passed theta"))
+    }
+    blocks = f"{len(lengths)} of {lengths[0]:.3g} s{few}"
+    return {"recording": name, "blocks": blocks, **verdicts, **tests}
 
 
-def rows(datasets: Path) -> Iterator[str]:
+def rows(datasets: Path) -> Iterator[dict[str, str]]:
     """Evaluate the recordings one after the other, and yield their rows."""
     with tempfile.TemporaryDirectory() as name:
         folders = iter(Path(tempfile.mkdtemp(dir=name)) for _ in range(9))
@@ -85,16 +87,8 @@ def rows(datasets: Path) -> Iterator[str]:
 
 def block(datasets: Path) -> str:
     """Return the table."""
-    heads = (
-        "recording",
-        "blocks",
-        "B1",
-        "B4",
-        "R1",
-        "test, with P_o",
-        "test, with low-passed theta",
-    )
-    return "\n".join([f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}", *rows(datasets)])
+    text: str = pd.DataFrame(rows(datasets)).to_markdown(index=False, disable_numparse=True)
+    return text
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ import pandas as pd
 
 from fprc.paper import SOURCES
 from fprc.registry import choice_of, title_of
-from fprc.signals import LEVEL, interval_of_mean
 from fprc.studies.beyond.measurements import (
     FAMILIES,
     LOOPS,
@@ -240,15 +239,14 @@ def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     Columns ``world``, ``setting`` (epsilon or n_c), ``value`` of the setting, ``mean`` of the
     ratio, its 95 % interval ``low`` and ``high``, ``units`` and ``source``.
     """
-    table = pd.DataFrame(cells).rename(columns={"family": "world"})
-    table["log"] = np.log(table["fprc"] / table["fprc_lowpass"])
-    keys = ["world", "setting", "value"]
-    rows = []
-    for key, group in table.groupby(keys, sort=False):
-        ends = interval_of_mean(group["log"].to_numpy(), LEVEL)
-        ratios = dict(zip(("mean", "low", "high"), np.exp(ends), strict=True))
-        rows.append(dict(zip(keys, key, strict=True)) | ratios | {"units": len(group)})
-    return pd.DataFrame(rows).assign(source="sim")
+    table = pd.DataFrame(cells).rename(columns={"family": "world", "value": "at"})
+    logs = table.assign(value=np.log(table["fprc"] / table["fprc_lowpass"]))
+    means = means_of(logs, "world", "setting", "at", count="units").rename(columns={"at": "value"})
+    # the interval of a single unit is its value
+    ratios = np.exp(means[["mean", "low", "high"]]).ffill(axis=1)
+    return (
+        means[["world", "setting", "value"]].join(ratios).assign(units=means["units"], source="sim")
+    )
 
 
 def pages(
