@@ -34,11 +34,19 @@ def write_raw(path: Path | str, channels: Mapping[str, np.ndarray], /, **attribu
     Parameters
     ----------
     **attributes
-        ``RAW_ATTRIBUTES`` and further ones: ``simulated`` follows from the ``source``, ``software``
-        is this version unless it is given, and ``rig`` is the configuration of rig and control.
+        ``experiment``, ``source``, ``sample_rate_hz``, ``seed`` and ``rig`` (the configuration of
+        rig and control), and further ones of the run. ``simulated`` follows from ``source``, and
+        ``software`` is this version unless it is given.
+
+    Raises
+    ------
+    LogError
+        One of these attributes is missing, or see ``write_columns``.
     """
-    described = {"software": f"fprc {__version__}", **attributes}
-    described["simulated"] = described["source"].endswith("sim")
+    simulated = str(attributes.get("source")).endswith("sim")
+    described = {"software": f"fprc {__version__}", **attributes, "simulated": simulated}
+    if missing := [name for name in RAW_ATTRIBUTES if name not in described]:
+        raise LogError(f"{path}: a raw log needs {in_words(missing)}; give each as an argument")
     described = {name: described[name] for name in RAW_ATTRIBUTES} | described
     measured = {
         name: values

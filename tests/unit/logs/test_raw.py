@@ -4,7 +4,7 @@ import pytest
 
 from fprc.channels import needed_by
 from fprc.errors import LogError
-from fprc.logs import read_raw, read_run
+from fprc.logs import read_raw, read_run, write_raw
 
 RATE = {"experiment": None, "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
 ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
@@ -40,6 +40,12 @@ def test_raw_log_comes_back_as_it_was_written(write_log, channels):
     assert log.attributes["experiment"] == "complex"
     assert log.attributes["seed"] == 5
     assert log.attributes["rig"] == {"valve": {"leak": 0.0}}
+
+
+def test_raw_log_without_an_attribute_that_it_needs_is_not_written(tmp_path):
+    with pytest.raises(LogError, match="needs seed and rig"):
+        write_raw(tmp_path / "a.h5", {}, experiment="sweep", source="sim", sample_rate_hz=200.0)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
