@@ -125,26 +125,6 @@ def test_full_disk_is_reported_by_the_entry_and_not_by_closing_the_file(tmp_path
         assert entries == ["a cell"]
 
 
-def test_file_is_free_after_its_holder_was_killed(tmp_path):
-    file = tmp_path / "cells.jsonl"
-    code = (
-        "import sys, time\n"
-        "from fprc.artifacts import exclusive\n"
-        "with exclusive(sys.argv[1]):\n"
-        "    print(flush=True)\n"
-        "    time.sleep(60)\n"
-    )
-    command = [sys.executable, "-c", code, str(file)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as holder:
-        holder.stdout.readline()
-        with pytest.raises(OutputError, match=r"cells\.jsonl"), exclusive(file):
-            pass
-        holder.kill()
-        holder.wait(60)
-    with exclusive(file):
-        pass
-
-
 def test_file_that_was_deleted_while_it_was_opened_is_opened_again(tmp_path, monkeypatch):
     """Else two processes could each hold a file of the same name."""
     file = tmp_path / "cells.jsonl"

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from fprc.channels import Readings
 from fprc.devices.sim import SimulatedRig
 
 
@@ -17,18 +16,6 @@ def history(device, ticks, volts=(6.0, 5.5)):
         device.wait_for(k)
         readings.append(device.read())
     return readings
-
-
-def test_new_rig_is_vented_straight_and_pre_charged(device):
-    now = device.read()
-    assert isinstance(now, Readings)
-    assert now.time_s == 0.0
-    # within the 0.7 % of the transducers and a few deviations of the noise
-    assert now.p_exp_kpa == pytest.approx(0.0, abs=9.0)
-    assert now.p_i_kpa == pytest.approx(0.0, abs=9.0)
-    assert now.p_o_kpa == pytest.approx(100.0, abs=9.0)
-    assert now.theta_deg == pytest.approx(0.0, abs=1.5)
-    assert now.phi_deg == pytest.approx(0.0, abs=0.5)
 
 
 def test_waiting_in_one_go_equals_waiting_tick_by_tick(rig):
@@ -50,18 +37,13 @@ def test_noise_does_not_repeat_beyond_its_buffer(rig):
     assert abs(np.corrcoef(second, third)[0, 1]) < 0.5
 
 
-@pytest.mark.parametrize("stop", ["safe", "close"])
-def test_safe_state_vents_both_chambers_and_may_be_asked_for_twice(device, stop):
+def test_closed_rig_vents_both_chambers(device):
     device.write(6.5, 6.5)
     device.wait_for(100)
     assert min(device.read().p_exp_kpa, device.read().p_i_kpa) > 150.0
-    getattr(device, stop)()
-    getattr(device, stop)()
+    device.close()
     device.wait_for(600)
-    now = device.read()
-    assert now.p_exp_kpa == pytest.approx(0.0, abs=12.0)
-    assert now.p_i_kpa == pytest.approx(0.0, abs=12.0)
-    assert now.theta_deg < 5.0
+    assert max(device.read().p_exp_kpa, device.read().p_i_kpa) < 12.0
 
 
 @pytest.mark.parametrize(("rate_hz", "step_s"), [(200.0, 5e-4), (200.0, 3.3e-4), (60.0, 5e-4)])

@@ -58,11 +58,6 @@ def fitted(request):
     return clone(MODELS[request.param]).fit(X, y)
 
 
-def test_steps_equal_the_prediction_of_the_whole_log(fitted):
-    X = other_inputs(fitted)
-    assert_allclose(steps(fitted, X), fitted.predict(X), rtol=0, atol=1e-9)
-
-
 def test_steps_after_a_reset_to_x0_continue_a_log_that_held_x0(fitted):
     X = other_inputs(fitted)
     x0 = X[0] + 4.0
