@@ -2,14 +2,13 @@
 
 import os
 import re
-import struct
 
-import h5py
 import pytest
 import yaml
 
-from fprc.channels import unit_of
 from fprc.cli import main
+from fprc.commands import logs
+from fprc.errors import LogError
 
 MAP = {
     "time": {"column": "t"},
@@ -79,23 +78,12 @@ def refusal(tmp_path, monkeypatch, capfd):
     return refusal
 
 
-def make(kind, name):
-    if kind == "a pipe":
-        os.mkfifo(name)
-    elif kind == "a folder":
-        os.mkdir(name)
-    elif kind != "nothing":
-        os.symlink({"a link to /dev/zero": "/dev/zero", "a link to itself": name}[kind], name)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "kind", ["nothing", "a pipe", "a link to /dev/zero", "a link to itself", "a folder"]
-)
 @pytest.mark.parametrize("command", READING)
-def test_what_is_no_file_is_refused_at_once(refusal, command, kind):
+def test_what_is_no_file_is_refused_at_once(refusal, command):
+    """A folder; what else is none: tests/unit/test_given.py."""
     for suffix in ("yaml", "csv", "mat", "h5", "journal"):
-        make(kind, f"what.{suffix}")
+        os.mkdir(f"what.{suffix}")
     assert re.search(r"what\.\w+: cannot be opened", refusal(command.replace("X", "what")))
 
 
@@ -123,40 +111,8 @@ def test_output_that_cannot_be_written_is_refused_before_any_file_is_read(
     assert {path.read_bytes() for path in tmp_path.glob("foreign.*")} == {b"mine \xff"}
 
 
-# --- bytes that hang or crash the HDF5 library ------------------------------------------------
-
-
-def plain_log(path, channels):
-    """Write a log without checksums, as other programs do."""
-    with h5py.File(path, "w") as log:
-        log.attrs.update(experiment="sweep", source="rig", simulated=False, sample_rate_hz=200.0,
-                         seed=1, software="mine", rig="{}")  # fmt: skip
-        for name, values in channels.items():
-            log[name] = values
-            log[name].attrs["units"] = unit_of(name)
-
-
-def endless(data):
-    """Give a text in the heap a length that makes the library loop endlessly."""
-    at = data.index(b"GCOL") + 16
-    last = at
-    while struct.unpack_from("<H", data, at)[0]:
-        last, (size,) = at, struct.unpack_from("<Q", data, at + 8)
-        at += 16 + -(-size // 8) * 8
-    data[last + 8] ^= 0x72
-
-
-def crashing(data):
-    """Declare a text a list, so that the library reads an invalid address."""
-    at = data.index(b"\x19\x01\x01\x00", data.index(b"experiment\x00"))
-    data[at + 1] ^= 0x7D
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("spoil", [endless, crashing])
-def test_byte_that_hangs_or_crashes_the_library_is_a_message(tmp_path, refusal, channels, spoil):
-    plain_log(tmp_path / "log.h5", channels)
-    data = bytearray((tmp_path / "log.h5").read_bytes())
-    spoil(data)
-    (tmp_path / "log.h5").write_bytes(data)
-    assert re.search(r"log\.h5: (not read within|cannot be read)", refusal("log check log.h5"))
+def test_logs_are_read_in_a_process_that_may_crash_or_hang(monkeypatch, capsys):
+    """What becomes of such a process: tests/unit/logs/test_isolated.py."""
+    monkeypatch.setattr(logs, "attempt_each", lambda *call, **more: [LogError("it crashed")])
+    assert main(["log", "check", "log.h5"]) == 1
+    assert capsys.readouterr().err == "error: it crashed\n"
