@@ -157,6 +157,7 @@ def test_file_that_was_deleted_while_it_was_opened_is_opened_again(tmp_path, mon
         ("a/" * 3000 + "a.h5", "the path cannot be used .File name too long"),
         ("old.h5", "exists and is not overwritten; choose another name"),
         ("link.h5", "exists and"),
+        ("folder.h5", "exists and"),
         ("old.h5/a.h5", "old.h5 is no folder; move it away"),
         ("/proc/none/a.h5", "/proc cannot be written to"),
     ],

@@ -127,12 +127,6 @@ def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, 
             np.testing.assert_allclose(found[channel], after, atol=0.1)
 
 
-@pytest.mark.parametrize("controller", ["fprc", "fprc_pd"])
-def test_controller_does_not_start_without_the_model_it_needs(bench, controller):
-    with pytest.raises(ControlError):
-        bench.law(np.full(10, 20.0), controller, None)
-
-
 @pytest.mark.slow
 def test_an_hour_of_learning_with_a_leak_stays_bounded():
     """Half a kPa a minute, mixed references, one model that learns all the time."""

@@ -250,3 +250,103 @@ def test_code_of_the_documentation_writes_checksums(tmp_path, monkeypatch):
     size = (tmp_path / "sweep.h5").stat().st_size
     cases = [{"flip": (at, 0xFF)} for at in range(0, size, 41)]
     assert set(outcomes(tmp_path / "sweep.h5", cases)) <= {"LogError", "read"}
+
+
+# --- elsewhere ------------------------------------------------------------------------------
+
+
+def recreate(make, file):
+    """Replace p_o_kpa by another object."""
+    del file["p_o_kpa"]
+    if made := make(file):
+        made.attrs["units"] = "kPa"
+
+
+def linked_outside(file):
+    file["p_o_kpa"] = h5py.ExternalLink("other.h5", "/secret")
+
+
+def linked_inside(file):
+    file["p_o_kpa"] = h5py.SoftLink("/time_s")
+
+
+def stored_outside(file):
+    outside = [("other.bin", 0, h5py.h5f.UNLIMITED)]
+    return file.create_dataset("p_o_kpa", (300,), np.float64, external=outside)
+
+
+def virtual(file):
+    layout = h5py.VirtualLayout((300,), np.float64)
+    layout[:] = h5py.VirtualSource("other.h5", "secret", (300,))
+    return file.create_virtual_dataset("p_o_kpa", layout)
+
+
+@pytest.mark.parametrize("make", [linked_outside, linked_inside, stored_outside, virtual])
+def test_channel_that_is_elsewhere_is_refused(path, tmp_path, make):
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["secret"] = np.zeros(300)
+    (tmp_path / "other.bin").write_bytes(bytes(2400))
+    with h5py.File(path, "r+") as file:
+        recreate(make, file)
+    for asked in (NAMES, ()), (("time_s",), ("p_o_kpa",)):
+        with pytest.raises(LogError) as caught:
+            read_columns(path, *asked)
+        assert str(caught.value).startswith(f"{path}: channel p_o_kpa: ")
+
+
+# --- never written --------------------------------------------------------------------------------
+
+
+def huge(samples, **more):
+    def make(file):
+        return file.create_dataset("p_o_kpa", (samples,), np.float64, **more)
+
+    return make
+
+
+def partly(samples, chunk, written):
+    def make(file):
+        dataset = file.create_dataset("p_o_kpa", (samples,), np.float64, chunks=(chunk,))
+        dataset[written] = 1.0
+        return dataset
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("make", "samples", "which"),
+    [
+        (huge(10**9, chunks=(10**5,), compression="gzip"), 10**9, "10,000 of its 10,000 chunks"),
+        (huge(10**14, chunks=(10**6,)), 10**14, "100,000,000 of its"),
+        (huge(300), 300, "none was"),
+        (huge(300, chunks=(10,)), 300, "30 of its 30 chunks"),
+        (partly(300, 10, slice(0, 100)), 300, "20 of its 30 chunks"),
+        (partly(295, 10, slice(0, 290)), 295, "1 of its 30 chunks"),
+        (partly(10**9, 10**5, slice(10**5, 10**5 + 9)), 10**9, "9,999 of its 10,000 chunks"),
+    ],
+)
+def test_samples_that_were_never_written_are_refused_before_they_are_made_up(
+    path, make, samples, which
+):
+    with h5py.File(path, "r+") as file:
+        recreate(make, file)
+    assert f"{path}: channel p_o_kpa: declares {samples:,} numbers, but {which}" in problem(path)
+
+
+def test_thousands_of_channels_are_named_in_part(path):
+    with h5py.File(path, "r+", libver="latest") as file:
+        del file["p_o_kpa"]
+        file.create_group("others")
+        for number in range(2000):
+            file[f"x{number:05}_kpa"] = file["others"]
+    message = problem(path)
+    known = "the file has others, theta_deg, time_s, x00000_kpa"
+    assert message.startswith(f"{path}: channel p_o_kpa: missing; {known}")
+    assert message.endswith(", x00008_kpa and 1991 more")
+
+
+def test_names_cannot_command_the_terminal(path):
+    with h5py.File(path, "r+") as file:
+        file["\x1b[2J"] = 1.0
+        del file["p_o_kpa"]
+    assert r"the file has \x1b[2J, theta_deg, time_s" in problem(path)

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.channels import needed_by
+from fprc.cli import main
 from fprc.config import Settings
 from fprc.errors import LogError
 from fprc.logs import Journal, assess, read_columns, read_journal, read_raw, recover
@@ -371,6 +372,24 @@ def test_recovered_log_says_that_it_is_incomplete_and_its_quality_too(closed, pa
     limits = Settings().quality.model_dump()
     check = assess(log, sample_rate_hz=200.0, **limits)["checks"]["complete"]
     assert check == {"passed": False, "reason": reason, "lost_samples": 1}
+
+
+@pytest.mark.parametrize(
+    ("killed", "code", "said"),
+    [
+        (False, 0, "  nothing is lost\n"),
+        (True, 3, "  the end mark is missing after 0.095 s: the program was killed"),
+    ],
+)
+def test_repair_says_whether_it_copied_the_whole_journal(closed, path, capsys, killed, code, said):
+    data, start = closed
+    path.write_bytes(data[: start + 20 * SIZE] if killed else data)
+    copy = path.with_name("copy.h5")
+    assert main(["log", "repair", str(path), "--out", str(copy)]) == code
+    printed = capsys.readouterr()
+    assert printed.out.startswith(f"{copy}: 20 samples from {path}\n{said}")
+    assert ("nothing is lost" in printed.out, printed.err) == (not killed, "")
+    assert raw_of(copy).attributes["complete"] is not killed
 
 
 def test_journal_without_a_sample_gives_no_log(path, tmp_path):

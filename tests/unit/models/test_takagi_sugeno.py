@@ -21,14 +21,7 @@ def test_far_sample_gets_the_line_of_the_nearest_rule(regimes):
     assert readout.output(np.array([1e6])) == pytest.approx(bias + slope * 1e6, rel=1e-12)
 
 
-def test_seeded_training_leaves_the_global_generator_alone(rows):
+def test_seeded_training_leaves_the_global_generator_alone(regimes):
     before = check_random_state(None).get_state()[1].copy()
-    TakagiSugenoReadout(n_c=4, random_state=3).fit(*rows)
+    TakagiSugenoReadout(n_c=4, random_state=3).fit(*regimes)
     assert np.array_equal(check_random_state(None).get_state()[1], before)
-
-
-@pytest.fixture
-def rows():
-    rng = np.random.default_rng(1)
-    X = rng.normal(scale=3.0, size=(80, 3))
-    return X, X @ [1.0, -2.0, 0.5] + np.abs(X[:, 0]) + rng.normal(size=80)

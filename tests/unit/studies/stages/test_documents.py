@@ -72,22 +72,14 @@ def test_every_claim_is_shown_with_its_verdict(project):
     assert ["C5", "It is fast.", "undecided", "timed", "2", ""] in rows
 
 
-def test_readme_has_its_tables_and_keeps_its_text(project):
+def test_readme_has_its_tables_and_pictures_and_keeps_its_text(project):
     update(project)
     text = (project / "README.md").read_text(encoding="utf-8")
     assert "Over seeds." in text
     assert "Followed with P<sub>o</sub>." in text
     assert "\nold\n" not in text
     assert text.endswith("End.\n")
-
-
-def test_picture_is_copied_into_a_folder_that_is_made(project):
-    update(project)
     assert (project / "images" / "picture.png").read_bytes() == b"\x89PNG picture"
-
-
-def test_second_update_changes_nothing(project):
-    assert update(project) == update(project)
 
 
 def test_missing_marker_leaves_both_pages_as_they_were(project):
