@@ -159,6 +159,13 @@ class Project:
     def smoke(self, *arguments: str, **options) -> subprocess.CompletedProcess:
         return self.snakemake(*arguments, "--configfile", "config/smoke.yaml", **options)
 
+    def planned(self, *arguments: str, **options) -> dict[str, int]:
+        """Jobs of a dry run, by rule."""
+        done = self.snakemake("--dry-run", *arguments, **options)
+        assert done.returncode == 0, done.stdout
+        counts = re.findall(r"^(\w+) +(\d+)$", done.stdout, flags=re.MULTILINE)
+        return {rule: int(count) for rule, count in counts if rule != "total"}
+
     def begin(self, *arguments: str, **environment: str) -> "Run":
         command = [*SNAKEMAKE, "--cores", "2", *arguments]
         return Run(self.folder, command, MESSAGES | environment)

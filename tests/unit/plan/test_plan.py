@@ -119,6 +119,7 @@ def test_log_to_come_lacks_only_what_the_rig_does_not_measure():
         settings = check({"source": "rig", "hardware": {"phi": phi}}).model_dump(mode="json")
         plan = Plan(settings, {}, "data/raw")
         assert plan.contents["sweep"].lacks(["phi_deg", "p_o_kpa"]) == lacking
+        assert ("fig17" in plan.unavailable_targets) is bool(lacking)
 
 
 def test_recorded_logs_have_no_further_seeds():

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from fprc.studies.stages.documents import update_tables
-from fprc.studies.stages.show_beyond import draw_settings, draw_tracking, tabulate_beyond
+from fprc.studies.stages.show_beyond import draw_settings, tabulate_beyond
 from fprc.tables.text import read_markdown
 
 DOCS = Path(__file__).parents[4] / "docs"
@@ -103,11 +103,4 @@ def test_ratio_over_a_setting_is_a_geometric_mean(tabulated, tmp_path):
     assert flat[["mean", "low", "high"]].to_numpy() == pytest.approx(1.0)
     pdf, png = (str(tmp_path / f"settings.{kind}") for kind in ("pdf", "png"))
     assert draw_settings(path, pdf, png)["source"] == "sim"
-    assert Path(png).stat().st_size > 1000
-
-
-def test_tracking_of_a_family_without_models_is_drawn_empty(tabulated, tmp_path):
-    tracking = tabulated[1]["tracking"]
-    pdf, png = (str(tmp_path / f"tracking.{kind}") for kind in ("pdf", "png"))
-    assert draw_tracking(tracking, pdf, png, family="none")["source"] == "sim"
     assert Path(png).stat().st_size > 1000
