@@ -98,38 +98,6 @@ def test_unknown_key_names_the_nearest(config, unknown, nearest):
     assert f"  {unknown}: unknown key; did you mean {nearest}?" in message(config)
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "place"),
-    [
-        ("models", 3, ""),
-        ("models", "all", ""),
-        ("models", [1, 2], ""),
-        ("models", None, ""),
-        ("rig", 3, ""),
-        ("rig", True, ""),
-        ("rig", ["dry"], ""),
-        ("fitted.name", "my rig", ""),
-        # of a list with a wrong item, or with too few
-        ("calibration.seeds", [-1], ".0"),
-        ("calibration.seeds", [], ""),
-        ("calibration.taps", [4], ""),
-        ("calibration.rounds", [50], ""),
-        ("quality.pressure_range_kpa", [], ""),
-        ("tracking.angle_range_deg", [1], ""),
-        # of a model from outside this package
-        ("models.others.mine", {"estimator": 5, "inputs": ["theta_deg"]}, ".estimator"),
-        ("models.others.mine", {"estimator": "a.B", "inputs": ["p_o_kpa"]}, ".inputs"),
-        ("models.others.mine", {"estimator": "a.B", "inputs": "theta_deg"}, ".inputs"),
-        ("models.others.mine", {"inputs": ["theta_deg"]}, ".estimator"),
-    ],
-)
-def test_wrong_value_is_one_error(key, value, place):
-    config = value
-    for name in reversed(key.split(".")):
-        config = {name: config}
-    assert keys_of(message(config)) == [key + place]
-
-
 # --- files --------------------------------------------------------------------------------------
 
 

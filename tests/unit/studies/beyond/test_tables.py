@@ -9,6 +9,7 @@ import pytest
 from scipy.stats import t
 
 from fprc.studies.beyond import tables as tables
+from fprc.studies.beyond import verdicts
 from fprc.studies.beyond.claims import beside_b1
 from fprc.tables.text import markdown, read_markdown
 
@@ -40,7 +41,7 @@ def test_no_number_is_missing_where_there_are_two_units(families):
         assert not table.duplicated([c for c in table if c not in ("mean", "low", "high")]).any()
 
 
-def test_pages_survive_a_family_with_nothing(families):
+def test_pages_survive_a_family_with_nothing(families, ledgers):
     pages = [
         tables.leaderboard(tables.models(families), "broken"),
         tables.correlations_page(tables.errors_and_tracking(tables.models(families))),
@@ -53,6 +54,11 @@ def test_pages_survive_a_family_with_nothing(families):
                 (tables.capacity_page, tables.capacity),
                 (tables.lengths_page, tables.lengths),
             )
+        ),
+        *(
+            page(few)
+            for few in (ledgers, ledgers[3:])
+            for page in (verdicts.claims_page, verdicts.fitted_page, verdicts.details_page)
         ),
     ]
     for page in pages:

@@ -1,7 +1,6 @@
 """Tables of verdicts in families whose numbers are known."""
 
 from fprc.studies.beyond import verdicts
-from fprc.tables.text import markdown, read_markdown
 
 
 def test_mark_beside_a_verdict_says_whom_the_fit_favours(ledgers):
@@ -40,16 +39,6 @@ def test_tidy_claims_have_a_row_for_each_part(ledgers):
     decided = table[table["verdict"].isin(["superior", "equivalent", "inferior"])]
     assert len(decided) > 8
     assert not decided.isna().any().any()
-
-
-def test_pages_survive_families_with_nothing(ledgers):
-    for few in (ledgers, ledgers[3:]):
-        for page in (
-            verdicts.claims_page(few), verdicts.fitted_page(few), verdicts.details_page(few)
-        ):  # fmt: skip
-            note, read = read_markdown(markdown(page, "Note."))
-            assert (note, list(read)) == ("Note.", list(page))
-            assert "nan" not in page.to_string().lower().split()
 
 
 def test_what_was_fitted_names_its_claims_and_families(ledgers):
