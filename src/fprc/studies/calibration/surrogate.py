@@ -17,10 +17,10 @@ from fprc.evaluation.weights import shares_of, to_unit
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
-from fprc.experiments.tracking import Track, rms_of, tracking_errors
+from fprc.experiments.tracking import Track, measure_control, rms_of, tracking_errors
 from fprc.models import TakagiSugenoReadout, lowpass, taps
-from fprc.paper import DIRECTIONS
-from fprc.registry import build
+from fprc.paper import CONTROLLERS, DIRECTIONS, MODELS
+from fprc.registry import build, entry_of
 from fprc.studies.calibration.objective import properties
 
 #: Share of the rows that trains a readout in the full models' cross-validation.
@@ -29,8 +29,9 @@ _TRAINED = 0.8
 #: Length of the blocks over which errors in open loop are averaged, s.
 _BLOCK_S = 0.25
 
-#: Optional measures; each takes time of its own.
+#: Optional measures, of the fit and further ones; each takes time of its own.
 MEASURES = ("shares", "epsilon", "n_c", "taps", "open_loop", "closed_loop")
+FURTHER = ("bias", "halves", "substitutes", "control")
 
 #: Whether a loop has feedback.
 LOOPS = {"open_loop": False, "closed_loop": True}
@@ -57,7 +58,7 @@ def judge_by_surrogate(
     tracking : Mapping
         Section ``tracking`` of the configuration.
     measures : collection of str
-        Which of ``MEASURES`` to compute.
+        Which of ``MEASURES`` and ``FURTHER`` to compute.
     centers : dict, optional
         Centres of every clustering. One that is in it begins there, and all others begin at random
         and are added.
@@ -66,28 +67,50 @@ def judge_by_surrogate(
     -------
     dict
         ``errors`` by "trained on/model/phase", kPa; ``properties``, see ``objective.properties``;
-        and of ``measures``: ``shares`` of P_o over theta_d in the weights; training errors over
-        ``epsilon``; errors over ``n_c`` by model and phase; training errors over ``taps``, of
-        shape (n_u, n_y); RMSE by reference in ``open_loop`` and ``closed_loop``, deg; and, with
-        ``open_loop``, ``courses`` by reference, see ``objective.numbers_of``.
+        and of ``measures``: ``shares`` of P_o over theta_d in the weights, and the share of the
+        ``bias``; ``halves``, the error in the second half of the sweep over that in the first, by
+        model; forward test errors of ``substitutes`` for P_o; training errors over ``epsilon``;
+        errors over ``n_c`` by model and phase; training errors over ``taps``, of shape
+        (n_u, n_y); RMSE by reference in ``open_loop`` and ``closed_loop``, deg; with
+        ``open_loop``, ``courses`` by reference, see ``objective.numbers_of``; and in ``control``
+        what ``measure_control`` returns for FPRC.
     """
     simulated = simulate(on_rig, seed)
     logs = {name: data.channels for name, data in simulated.items()}
     thinned = _FuzzyModels(logs, models, seed, surrogate, {} if centers is None else centers)
     fuzzy = {
-        (train, name): thinned.fit(train, name == "fprc") for train, _ in DIRECTIONS
+        (train, name): thinned.fit(train, name) for train, _ in DIRECTIONS
         for name in ("fprc", "fuzzy_linear")
     }  # fmt: skip
-    errors = _esn_errors(simulated, models, seed, surrogate)
+    predicted = _predicted("esn", simulated, models, seed, surrogate, r=surrogate["esn_nodes"])
     for (train, name), readout in fuzzy.items():
-        for phase, log in zip(("train", "test"), (train, *(set(logs) - {train})), strict=True):
-            errors[f"{train}/{name}/{phase}"] = thinned.error(readout, log, name == "fprc")
+        for log in logs:
+            predicted[train, name, log] = thinned.predict(readout, log, name)
+    errors = {
+        f"{train}/{name}/{'train' if log == train else 'test'}": rmse(thinned.y[log], values)
+        for (train, name, log), values in predicted.items()
+    }
     judged: dict[str, Any] = {"errors": errors, "properties": properties(logs)}
-    if "shares" in measures:
-        judged["shares"] = thinned.shares()
+    if wanted := {"shares", "bias"}.intersection(measures):
+        shares = thinned.shares()
+        judged |= {name: shares[name] for name in wanted}
+    if "halves" in measures:
+        judged["halves"] = {
+            name: _second_over_first(thinned.y["sweep"], predicted["complex", name, "sweep"])
+            for name in MODELS
+        }
+    if "substitutes" in measures:
+        linear = _predicted("bank", simulated, models, seed, surrogate)
+        lowpassed = thinned.fit("sweep", "fprc_lowpass")
+        judged["substitutes"] = {
+            "fprc_lowpass": thinned.error(lowpassed, "complex", "fprc_lowpass"),
+            "bank": rmse(thinned.y["complex"], linear["sweep", "bank", "complex"]),
+        }
     if "epsilon" in measures:
         judged["epsilon"] = [
-            thinned.error(thinned.fit("sweep", True, epsilon=value), "sweep", True, epsilon=value)
+            thinned.error(
+                thinned.fit("sweep", "fprc", epsilon=value), "sweep", "fprc", epsilon=value
+            )
             for value in grids["epsilon"]
         ]
     if "n_c" in measures:
@@ -95,23 +118,30 @@ def judge_by_surrogate(
     if "taps" in measures:
         judged["taps"] = [
             [
-                thinned.error(thinned.fit("sweep", True, n_u=u, n_y=y), "sweep", True, n_u=u, n_y=y)
+                thinned.error(
+                    thinned.fit("sweep", "fprc", n_u=u, n_y=y), "sweep", "fprc", n_u=u, n_y=y
+                )
                 for y in grids["n_y"]
             ]
             for u in grids["n_u"]
         ]
-    if loops := {name: feedback for name, feedback in LOOPS.items() if name in measures}:
+    if not {*LOOPS, "control"}.isdisjoint(measures):
         model = build("fprc", models, seed)
         features = model.make_features().fit(np.zeros((100, 2)))
         model = model.assembled(features, fuzzy["sweep", "fprc"])
         bench = Track(tracking, on_rig.control, on_rig.rig, seed)
-        tracked = tracking_errors(bench, model, loops)
+        loops = {name: feedback for name, feedback in LOOPS.items() if name in measures}
+        tracked = tracking_errors(bench, model, loops) if loops else {}
         judged |= rms_of(tracked)
         if "open_loop" in loops:
             judged["courses"] = {
                 reference: _course(error, round(_BLOCK_S * bench.control["sample_rate_hz"]))
                 for reference, error in tracked["open_loop"].items()
             }
+        if "control" in measures:
+            judged["control"] = measure_control(
+                simulated["sweep"], bench, {"fprc": model}, CONTROLLERS
+            )
     return judged
 
 
@@ -134,45 +164,52 @@ class _FuzzyModels:
         self.alpha = models["alpha"] / (_TRAINED * stride)
         self.seed, self.stride = seed, stride
         self.y = {name: log["p_target_kpa"][::stride] for name, log in logs.items()}
-        self._taps: dict[tuple[str, float | None, int], np.ndarray] = {}
+        self._taps: dict[tuple[str, str, float | None, int], np.ndarray] = {}
 
-    def rows(self, log: str, reservoir: bool, **changed: Any) -> np.ndarray:
-        """Return the taps of theta in a log, and with ``reservoir`` those of the filtered P_o."""
+    def rows(self, log: str, name: str, **changed: Any) -> np.ndarray:
+        """Return a model's features of a log: taps of theta, and of a second filtered input."""
         settings = self.settings | changed
-        theta = self._thinned(log, None, settings["n_y"])
-        if not reservoir:
-            return theta
-        return np.hstack([theta, self._thinned(log, settings["epsilon"], settings["n_u"])])
+        angle, *second = entry_of(name).inputs
+        return np.hstack(
+            [
+                self._thinned(log, angle, None, settings["n_y"]),
+                *(self._thinned(log, x, settings["epsilon"], settings["n_u"]) for x in second),
+            ]
+        )
 
-    def fit(self, log: str, reservoir: bool, **changed: Any) -> TakagiSugenoReadout:
-        """Fit a readout to the features of a log."""
-        rows, what = self.rows(log, reservoir, **changed), f"{log}, {reservoir}, {changed}"
+    def fit(self, log: str, name: str, **changed: Any) -> TakagiSugenoReadout:
+        """Fit a model's readout to the features of a log."""
+        rows, what = self.rows(log, name, **changed), f"{log}, {name}, {changed}"
         return self._fitted(what, rows, self.y[log], **changed)
 
-    def error(
-        self, readout: TakagiSugenoReadout, log: str, reservoir: bool, **changed: Any
-    ) -> float:
+    def predict(
+        self, readout: TakagiSugenoReadout, log: str, name: str, **changed: Any
+    ) -> np.ndarray:
+        """Return the output of a readout over a log, kPa."""
+        return readout.predict(self.rows(log, name, **changed))
+
+    def error(self, readout: TakagiSugenoReadout, log: str, name: str, **changed: Any) -> float:
         """Return the RMSE of a readout on a log, kPa."""
-        return rmse(self.y[log], readout.predict(self.rows(log, reservoir, **changed)))
+        return rmse(self.y[log], self.predict(readout, log, name, **changed))
 
     def over_rules(self, n_c: Sequence[float]) -> dict[str, dict[str, list[float]]]:
         """Return the errors of FPRC and Fuzzy-linear over n_c."""
         judged: dict[str, dict[str, list[float]]] = {}
         for name in ("fprc", "fuzzy_linear"):
-            reservoir = name == "fprc"
-            fitted = [self.fit("sweep", reservoir, n_c=count) for count in n_c]
+            fitted = [self.fit("sweep", name, n_c=count) for count in n_c]
             judged[name] = {
-                phase: [self.error(readout, log, reservoir) for readout in fitted]
+                phase: [self.error(readout, log, name) for readout in fitted]
                 for phase, log in (("train", "sweep"), ("test", "complex"))
             }
         return judged
 
-    def shares(self) -> float:
-        """Return the mean share of P_o in the weights over that of theta_d (Eqs. 13, 14)."""
-        rows, n_y = self.rows("sweep", True), self.settings["n_y"]
+    def shares(self) -> dict[str, float]:
+        """Return the mean share of P_o in the weights over theta_d's; the bias's (Eqs. 13, 14)."""
+        rows, n_y = self.rows("sweep", "fprc"), self.settings["n_y"]
         readout = self._fitted("shares", to_unit(rows, n_y), self.y["sweep"])
         weights = shares_of(readout.W_out_)
-        return float(weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum())
+        ratio = weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum()
+        return {"shares": float(ratio), "bias": float(weights[:, 0].mean())}
 
     def _fitted(
         self, what: str, rows: np.ndarray, y: np.ndarray, **changed: Any
@@ -184,15 +221,12 @@ class _FuzzyModels:
         self.centers.setdefault(what, readout.centers_)
         return readout
 
-    def _thinned(self, log: str, epsilon: float | None, size: int) -> np.ndarray:
-        key = log, epsilon, size
+    def _thinned(self, log: str, channel: str, epsilon: float | None, size: int) -> np.ndarray:
+        key = log, channel, epsilon, size
         if key not in self._taps:
-            signal = (
-                self.logs[log]["theta_deg"]
-                if epsilon is None
-                else lowpass(self.logs[log]["p_o_kpa"], epsilon)
-            )
-            self._taps[key] = taps(signal, size)[:: self.stride]
+            signal = self.logs[log][channel]
+            filtered = signal if epsilon is None else lowpass(signal, epsilon)
+            self._taps[key] = taps(filtered, size)[:: self.stride]
         return self._taps[key]
 
 
@@ -202,19 +236,27 @@ def _course(error: np.ndarray, size: int) -> list[float]:
     return (blocks / np.sqrt(np.mean(error**2))).tolist()
 
 
-def _esn_errors(
+def _predicted(
+    name: str,
     logs: Mapping[str, Data],
     models: Mapping[str, Any],
     seed: int,
     surrogate: Mapping[str, int],
-) -> dict[str, float]:
-    stride = surrogate["stride"]
-    changed = {"r": surrogate["esn_nodes"], "alpha": models["alpha"] / (_TRAINED * stride)}
-    model = build("esn", models, seed, **changed)
-    prepared = prepare(model, {name: log.samples("esn") for name, log in logs.items()})
-    part, errors = slice(None, None, stride), {}
-    for train, test in DIRECTIONS:
-        readout = prepared.readout(train, part)
-        for phase, log in (("train", train), ("test", test)):
-            errors[f"{train}/esn/{phase}"] = prepared.error(readout, log, part)
-    return errors
+    **changed: Any,
+) -> dict[tuple[str, str, str], np.ndarray]:
+    """Return the outputs of a linear readout, by the log that trains, the model and the log."""
+    part = slice(None, None, surrogate["stride"])
+    alpha = models["alpha"] / (_TRAINED * surrogate["stride"])
+    model = build(name, models, seed, alpha=alpha, **changed)
+    prepared = prepare(model, {log: data.samples(name) for log, data in logs.items()})
+    return {
+        (train, name, log): prepared.readout(train, part).predict(prepared.rows[log][part])
+        for train in logs
+        for log in logs
+    }
+
+
+def _second_over_first(y: np.ndarray, predicted: np.ndarray) -> float:
+    """Return the RMSE of the second half of a log over that of the first."""
+    first, second = map(rmse, np.array_split(y, 2), np.array_split(predicted, 2))
+    return second / first

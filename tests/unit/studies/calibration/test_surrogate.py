@@ -7,8 +7,9 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import Track
 from fprc.models import ESN, FPRC, FuzzyLinear
+from fprc.models.competitors import on_bank
 from fprc.paper import REFERENCES
-from fprc.studies.calibration.surrogate import MEASURES, judge_by_surrogate
+from fprc.studies.calibration.surrogate import FURTHER, MEASURES, judge_by_surrogate
 
 STRIDE, NODES, SEED = 4, 15, 5
 N_Y, ALPHA, N_C, N_U = 2, 0.01, 3, 2
@@ -39,6 +40,7 @@ def tracking():
     for name, reference in found["references"].items():
         f_hz = [0.5, 1.0] if name == "sweep" else reference["f_hz"]
         reference |= {"f_hz": f_hz, "duration_s": 2.0, "settle_s": 0.5}
+    found["pushes"] |= {"quiet_s": 1.0}
     return found
 
 
@@ -68,7 +70,7 @@ def judge(on_rig, models, tracking):
 
 @pytest.fixture(scope="module")
 def judged(judge):
-    return judge(measures=MEASURES)
+    return judge(measures=(*MEASURES, *FURTHER))
 
 
 def build(name, stride=STRIDE, **changed):
@@ -125,6 +127,25 @@ def test_without_a_stride_the_errors_are_those_of_the_model_itself(judge, logs, 
             assert errors[f"{trained_on}/{model}/{phase}"] == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.parametrize("model", INPUTS)
+def test_halves_are_those_of_the_reversed_test_of_the_model_itself(judge, logs, model):
+    whole = build(model, 1).fit(*pair(logs, "complex", model))
+    X, y = pair(logs, "sweep", model)
+    first, second = np.reshape(whole.predict(X) - y, (2, -1))
+    found = judge(stride=1, measures=["halves"])["halves"][model]
+    assert found == pytest.approx(rms(second) / rms(first), rel=1e-9)
+
+
+def test_substitutes_are_the_competitors_themselves(judge, logs):
+    bank = on_bank(n_y=N_Y, alpha=ALPHA / 0.8, epsilons=[0.03, 0.01, 0.003])
+    found = judge(stride=1, measures=["substitutes"])["substitutes"]
+    for name, model, columns in (("fprc_lowpass", build("fprc", 1), 2), ("bank", bank, 1)):
+        X, y = ({log: np.stack([logs[log]["theta_deg"]] * columns, axis=1) for log in logs},
+                {log: logs[log]["p_target_kpa"] for log in logs})  # fmt: skip
+        predicted = model.fit(X["sweep"], y["sweep"]).predict(X["complex"])
+        assert found[name] == pytest.approx(rms(predicted - y["complex"]), rel=1e-9)
+
+
 # --- grids ----------------------------------------------------------------------------------------
 
 
@@ -169,7 +190,7 @@ def test_clusterings_begin_at_the_given_centres(judge, judged):
 # --- weights and tracking -------------------------------------------------------------------------
 
 
-def test_ratio_of_the_shares_is_that_of_the_published_formula(judge, logs):
+def test_shares_are_those_of_the_published_formula(judge, logs):
     X, y = pair(logs, "sweep", "fprc")
     rows = np.arange(len(y))
     # a generator, unlike a number, is not replaced by one of the fold's own
@@ -177,7 +198,9 @@ def test_ratio_of_the_shares_is_that_of_the_published_formula(judge, logs):
     weights = normalised_weights(model, (X, y, None), [(rows, rows)])
     of_theta, of_p_o = weights[:, 1 : 1 + N_Y], weights[:, 1 + N_Y :]
     expected = of_p_o.sum(axis=1).mean() / of_theta.sum(axis=1).mean()
-    assert judge(stride=1, measures=["shares"])["shares"] == pytest.approx(expected, rel=1e-9)
+    found = judge(stride=1, measures=["shares", "bias"])
+    assert found["shares"] == pytest.approx(expected, rel=1e-9)
+    assert found["bias"] == pytest.approx(weights[:, 0].mean(), rel=1e-9)
 
 
 def test_open_loop_errors_are_those_of_the_model_in_the_loop(judged, logs, on_rig, tracking):
@@ -190,6 +213,26 @@ def test_open_loop_errors_are_those_of_the_model_in_the_loop(judged, logs, on_ri
         error = (log["theta_d_deg"] - log["theta_deg"])[log["time_s"] >= 0.5]
         # P_ff differs by rounding, and a converter may round to the other side
         assert found == pytest.approx(rms(error), rel=1e-3), reference
+
+
+def test_measures_of_control_are_those_of_runs_with_the_model(judged, logs, on_rig, tracking):
+    control = judged["control"]
+    for loop, law in (("open_loop", "fprc"), ("closed_loop", "fprc_pd")):
+        errors = {name: control["rmse_deg"][f"{name}/{law}"] for name in REFERENCES}
+        assert errors == pytest.approx(judged[loop])
+    model = build("fprc").assembled(*fitted(logs, "sweep", "fprc"))
+    bench = Track(tracking, on_rig.control, on_rig.rig, SEED)
+    both, alone = (bench.follow("sweep", law, model) for law in ("fprc_pd", "pd"))
+    after = both["time_s"] >= 0.5
+    effort = rms(both["p_fb_kpa"][after]) / rms(both["p_ff_kpa"][after])
+    assert control["effort"]["sweep"] == pytest.approx(effort, rel=0.02)
+    errors = [(run["theta_d_deg"] - run["theta_deg"])[after] for run in (both, alone)]
+    largest = control["sweep"]["largest_error_deg"]
+    assert largest == pytest.approx(np.abs(errors[0]).max(), rel=0.02)
+    assert control["rmse_deg"]["sweep/pd"] == pytest.approx(rms(errors[1]), rel=1e-3)
+    commanded, measured = logs["sweep"]["p_exp_command_kpa"], logs["sweep"]["p_exp_kpa"]
+    expected = rms(commanded - measured) / np.ptp(commanded)
+    assert control["pressure_error"]["main"] == pytest.approx(expected)
 
 
 # --- what is asked for ----------------------------------------------------------------------------
