@@ -42,6 +42,11 @@ LONG_JOBS["measure_sensitivity"] = long_spec(
         "models": paper_models(SETTINGS),
         "tracking": SETTINGS["tracking"],
         "surrogate": SURROGATE,
+        "grids": {
+            "epsilon": sorted(SETTINGS["grids"]["epsilon"], reverse=True),
+            "n_c": sorted(SETTINGS["grids"]["n_c"]),
+            **dict.fromkeys(("n_u", "n_y"), sorted(SETTINGS["calibration"]["taps"])),
+        },
     },
 )
 

@@ -1,7 +1,9 @@
 """Sensitivity of every number that we show to each parameter of the rig, one at a time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import reduce
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -15,105 +17,197 @@ from fprc.config.rig import Rig
 from fprc.errors import FprcError, in_one_line
 from fprc.experiments.settings import RigSettings
 from fprc.figures.style import symbols
-from fprc.paper import MODELS, REFERENCE_NAMES, REFERENCES
+from fprc.paper import LOOPS, MODELS, REFERENCE_NAMES, REFERENCES
 from fprc.registry import title_of
 from fprc.studies.calibration.space import decode, free_parameters
-from fprc.studies.calibration.surrogate import judge_by_surrogate
+from fprc.studies.calibration.surrogate import FURTHER, judge_by_surrogate
 
-_MEASURES = ("shares", "open_loop", "closed_loop")
+Judged = Mapping[str, Any]
+
+_MEASURES = ("shares", "epsilon", "n_c", "taps", *FURTHER)
 _TABLES = {"sweep": "II", "complex": "III"}
 
-#: Groups of numbers as columns of the page.
+#: Groups of numbers: as columns of the page, and as headings of the figure.
 _GROUPS = {
-    "train": "Training errors", "test": "Test errors", "open_loop": "Open loop",
-    "closed_loop": "Closed loop", "shares": "Shares of the weights", "loops": "Loops",
-}  # fmt: skip
+    "train": ("Training errors", "Training errors"),
+    "test": ("Test errors", "Test errors"),
+    "halves": ("Halves of the reversed test (C7d)", "C7d"),
+    "substitutes": ("FPRC over its substitutes (B1)", "B1"),
+    "shares": ("Shares of the weights (C8a, C8b)", "C8"),
+    "bias": ("Share of the bias (C8c)", ""),
+    "grids": ("Grids (C9, C11, C12)", "C9 to C12"),
+    "open_loop": ("Open loop", "Open loop"),
+    "closed_loop": ("Closed loop", "Closed"),
+    "control": ("Other numbers of the closed loop (C14 to C17)", "C14 to C17"),
+    "pressure": ("Pressure errors (C19)", "C19"),
+    "loops": ("Loops (C18)", "Loops (C18)"),
+}
+
+#: Groups that mean little where feedback does not help.
+_NEED_STABILITY = ["closed_loop", "control"]
 
 #: Properties of the loops, as readers see them.
 _LOOPS = {
     "angle_deg": "largest angle", "loop_kpa": "width of the loop", "loop_growth": "its growth",
     "measured_loop_growth": "growth, P measured", "p_o_swing_kpa": "swing of P_o",
-    "p_o_loop": "width of P_o's loop", "p_o_loop_growth": "its growth ",
+    "p_o_loop": "width of P_o's loop", "p_o_loop_growth": "growth of P_o's loop",
 }  # fmt: skip
 
 
-def names_of_numbers() -> dict[tuple[str, str], str]:
-    """Return the name of each number by group and key."""
-    names = {
-        (phase, f"{log}/{model}/{phase}"): f"{number} {title_of(model)}"
+def _at(*keys: str) -> Callable[[Judged], float]:
+    def of(judged: Any) -> float:
+        return float(reduce(getitem, keys, judged))
+
+    return of
+
+
+def _largest_ratio(ours: Sequence[float], theirs: Sequence[float]) -> float:
+    return float(max(np.divide(ours, theirs), default=1.0))
+
+
+def _over_medium(judged: Judged, axis: int, end: int) -> float:
+    """Return the training error with few or many taps over that with a medium number."""
+    means = np.mean(judged["taps"], axis=axis)
+    return float(means[end] / means[len(means) // 2])
+
+
+def _errors(judged: Judged, controller: str) -> list[float]:
+    """Return a controller's errors on the references of Fig. 16."""
+    return [judged["control"]["rmse_deg"][f"{name}/{controller}"] for name in LOOPS]
+
+
+def _widths(judged: Judged, controller: str) -> list[float]:
+    """Return the widths of a controller's loops on the references of Fig. 16."""
+    loops = judged["control"]["loops"]
+    return [loops[f"{name}/{controller}"]["width_over_span"] for name in LOOPS]
+
+
+#: Every number, by group and name. Of several references it is the one nearest to its limit.
+NUMBERS: dict[tuple[str, str], Callable[[Judged], float]] = {
+    **{
+        (phase, f"{table} {title_of(model)}"): _at("errors", f"{log}/{model}/{phase}")
         for phase in ("train", "test")
-        for log, number in _TABLES.items()
+        for log, table in _TABLES.items()
         for model in MODELS
-    }
-    for loop in ("open_loop", "closed_loop"):
-        names |= {(loop, key): REFERENCE_NAMES[key] for key in REFERENCES}
-    names["shares", "shares"] = "ratio of the shares"
-    return names | {("loops", key): name for key, name in _LOOPS.items()}
+    },
+    **{("halves", title_of(model)): _at("halves", model) for model in MODELS},
+    ("substitutes", "over low-passed theta_d"): lambda judged: (
+        judged["errors"]["sweep/fprc/test"] / judged["substitutes"]["fprc_lowpass"]
+    ),
+    ("substitutes", "over a ridge on them"): lambda judged: (
+        judged["errors"]["sweep/fprc/test"] / judged["substitutes"]["bank"]
+    ),
+    ("shares", "ratio of the shares"): _at("shares"),
+    ("bias", "share of the bias"): _at("bias"),
+    # the settings' values fall for epsilon and rise for n_c
+    ("grids", "largest step over epsilon"): lambda judged: _largest_ratio(
+        judged["epsilon"][:-1], judged["epsilon"][1:]
+    ),
+    ("grids", "largest step over n_c"): lambda judged: _largest_ratio(
+        judged["n_c"]["fprc"]["train"][1:], judged["n_c"]["fprc"]["train"][:-1]
+    ),
+    ("grids", "FPRC / Fuzzy-linear, training"): lambda judged: _largest_ratio(
+        judged["n_c"]["fprc"]["train"], judged["n_c"]["fuzzy_linear"]["train"]
+    ),
+    ("grids", "FPRC / Fuzzy-linear, test"): lambda judged: _largest_ratio(
+        judged["n_c"]["fprc"]["test"], judged["n_c"]["fuzzy_linear"]["test"]
+    ),
+    ("grids", "few / medium n_u"): lambda judged: _over_medium(judged, 1, 0),
+    ("grids", "many / medium n_y"): lambda judged: _over_medium(judged, 0, -1),
+    **{
+        (loop, REFERENCE_NAMES[name]): _at("control", "rmse_deg", f"{name}/{controller}")
+        for loop, controller in (("open_loop", "fprc"), ("closed_loop", "fprc_pd"))
+        for name in REFERENCES
+    },
+    ("control", "P_fb / P_ff"): lambda judged: max(judged["control"]["effort"].values()),
+    ("control", "largest error"): _at("control", "sweep", "largest_error_deg"),
+    ("control", "last / first third"): lambda judged: (
+        judged["control"]["sweep"]["last_third_deg"] / judged["control"]["sweep"]["first_third_deg"]
+    ),
+    ("control", "loop of PD"): lambda judged: min(_widths(judged, "pd")),
+    ("control", "loop, FPRC+PD / PD"): lambda judged: _largest_ratio(
+        _widths(judged, "fprc_pd"), _widths(judged, "pd")
+    ),
+    ("control", "error, FPRC+PD / PD"): lambda judged: _largest_ratio(
+        _errors(judged, "fprc_pd"), _errors(judged, "pd")
+    ),
+    ("control", "bending, pushed"): _at("control", "disturbance", "bending"),
+    ("control", "P_o, pushed"): _at("control", "disturbance", "p_o"),
+    ("control", "error, pushed / not"): _at("control", "disturbance", "error_ratio"),
+    ("pressure", "actuator"): _at("control", "pressure_error", "main"),
+    ("pressure", "reservoir"): _at("control", "pressure_error", "reservoir"),
+    **{("loops", name): _at("properties", key) for key, name in _LOOPS.items()},
+}
+
+
+def numbers_of(
+    on_rig: RigSettings,
+    centers: Mapping[int, dict[str, np.ndarray]],
+    *,
+    models: Mapping[str, Any],
+    surrogate: Mapping[str, int],
+    grids: Mapping[str, Sequence[float]],
+    tracking: Mapping[str, Any],
+) -> dict[str, dict[str, float]]:
+    """Return the surrogate's numbers on a rig, means over seeds, by group and name.
+
+    ``centers`` are those of ``judge_by_surrogate``, by seed.
+    """
+    judged = [
+        judge_by_surrogate(on_rig, seed, models, surrogate, grids, tracking, _MEASURES, of_seed)
+        for seed, of_seed in centers.items()
+    ]
+    numbers: dict[str, dict[str, float]] = {group: {} for group in _GROUPS}
+    for (group, name), number in NUMBERS.items():
+        numbers[group][name] = float(np.mean([number(seed) for seed in judged]))
+    return numbers
 
 
 def judge_moved(
     cell: Mapping[str, Any],
     *,
-    seeds: Sequence[int],
-    surrogate: Mapping[str, int],
     on_rig: RigSettings,
-    models: Mapping[str, Any],
-    tracking: Mapping[str, Any],
+    centers: Mapping[int, Mapping[str, np.ndarray]],
+    **how: Any,
 ) -> dict[str, Any]:
-    """Return the surrogate's numbers, means over seeds, on a rig with one parameter changed.
+    """Return the numbers on a rig with one parameter changed.
 
-    ``cell`` holds its ``path``, None for no change, and its value as a ``share`` of its range.
+    ``cell`` holds its ``path``, None for no change, and its value as a ``share`` of its range. All
+    clusterings begin at the same ``centers``.
 
     Returns
     -------
     dict
-        ``numbers``, by group and key, or with None and why it is ``impossible``.
+        ``numbers``, see ``numbers_of``, or None with why it is ``impossible``.
     """
     moved = on_rig.rig
     if cell["path"] is not None:
         moved = decode(np.array([cell["share"]]), moved, free_parameters([cell["path"]]))
     try:
         Rig.model_validate(moved)
-        settings = replace(on_rig, rig=moved)
-        judged = [
-            judge_by_surrogate(settings, seed, models, surrogate, {}, tracking, _MEASURES)
-            for seed in seeds
-        ]
+        begin = {seed: dict(of_seed) for seed, of_seed in centers.items()}
+        return {"numbers": numbers_of(replace(on_rig, rig=moved), begin, **how)}
     except (ValidationError, FprcError) as error:
         return {"numbers": None, "impossible": in_one_line(error)}
-    source = {"train": "errors", "test": "errors", "loops": "properties"}
-    numbers: dict[str, dict[str, float]] = {group: {} for group in _GROUPS}
-    for group, key in names_of_numbers():
-        found = [seed[source.get(group, group)] for seed in judged]
-        values = found if group == "shares" else [row[key] for row in found]
-        numbers[group][key] = float(np.mean(values))
-    return {"numbers": numbers}
 
 
 def changes(report: Mapping[str, Any]) -> pd.DataFrame:
-    """Return all numbers with one parameter changed, relative to those of the rig itself, tidy.
-
-    Raises
-    ------
-    FprcError
-        The rig itself cannot be simulated.
-    """
+    """Return all numbers with one parameter changed, relative to those of the rig itself, tidy."""
     still = next(cell["numbers"] for cell in report["cells"] if cell["path"] is None)
-    if still is None:
-        raise FprcError("the rig itself cannot be simulated; correct the section rig")
     return pd.DataFrame(
         {
             "parameter": cell["path"],
             "share_of_range": cell["share"],
             "group": group,
             "number": name,
-            "value": cell["numbers"][group][key],
-            "change": cell["numbers"][group][key] / still[group][key] - 1.0,
+            "value": value,
+            "change": value / still[group][name] - 1.0,
             "source": report["source"],
         }
         for cell in report["cells"]
         if cell["path"] is not None and cell["numbers"] is not None
-        for (group, key), name in names_of_numbers().items()
+        for group, numbers in cell["numbers"].items()
+        for name, value in numbers.items()
     )
 
 
@@ -128,16 +222,19 @@ def page_of_changes(table: pd.DataFrame) -> pd.DataFrame:
     texts = changed.map(lambda change: f"{round(100 * change):+d} %").unstack("group")
     errors = table.pivot(index=[*moved, "number"], columns="group", values="value")
     worse = errors["closed_loop"] > errors["open_loop"]
-    texts["closed_loop"] = texts["closed_loop"].mask(worse.groupby(moved).any(), "unstable")
+    unstable = worse.groupby(moved).any()
+    for group in _NEED_STABILITY:
+        texts[group] = texts[group].mask(unstable, "unstable")
     ends = texts.groupby("parameter")
     page = ends.first() + ", " + ends.last()
     strongest = _largest(table).max(axis=1).sort_values(ascending=False).index
-    return page.loc[strongest, list(_GROUPS)].rename(columns=_GROUPS).reset_index(names="Parameter")
+    titles = {group: title for group, (title, _) in _GROUPS.items()}
+    return page.loc[strongest, list(titles)].rename(columns=titles).reset_index(names="Parameter")
 
 
 def plot_changes(table: pd.DataFrame, ax: Axes) -> QuadMesh:
     """Draw the largest change of each number, a row per parameter and a column per number."""
-    grid = _largest(table)[list(_in_order())]
+    grid = _largest(table)[list(NUMBERS)]
     grid = grid.loc[grid.max(axis=1).sort_values(ascending=False).index]
     values = 100 * grid.to_numpy(float).clip(0.01)
     image = ax.pcolormesh(values, cmap="Greys", norm=LogNorm(1.0, 100.0))
@@ -150,21 +247,10 @@ def plot_changes(table: pd.DataFrame, ax: Axes) -> QuadMesh:
     ax.set_yticks(np.arange(grid.shape[0]) + 0.5, grid.index)
     ax.set_ylim(grid.shape[0], 0)
     ax.tick_params(length=0, labelsize=6.0)
-    for group, title in _GROUPS.items():
-        if group in groups:
-            middle = groups.index(group) + groups.count(group) / 2
-            ax.text(
-                middle,
-                -0.4,
-                title.split()[0] if group == "shares" else title,
-                ha="center",
-                fontsize=6,
-            )
+    for group, (_, heading) in _GROUPS.items():
+        middle = groups.index(group) + groups.count(group) / 2
+        ax.text(middle, -0.4, heading, ha="center", fontsize=6)
     return image
-
-
-def _in_order() -> list[tuple[str, str]]:
-    return [(group, name) for (group, _), name in names_of_numbers().items()]
 
 
 def _largest(table: pd.DataFrame) -> pd.DataFrame:

@@ -16,6 +16,7 @@ from fprc.studies.families import stop
 from fprc.studies.families.sensitivity import (
     changes,
     judge_moved,
+    numbers_of,
     page_of_changes,
     plot_changes,
 )
@@ -34,19 +35,24 @@ def measure_sensitivity(
 ) -> None:
     """Move one parameter at a time over its range, and judge the rig with the surrogate models.
 
+    The clusterings of every rig begin at those of the rig itself.
+
     Parameters
     ----------
     on_rig : Mapping
         Arguments of ``RigSettings``.
     how : Mapping
-        ``models``, ``tracking`` and ``surrogate`` of ``judge_moved``.
+        ``models``, ``surrogate``, ``grids`` and ``tracking`` of ``numbers_of``.
     **run
         ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
     """
+    own = RigSettings(**on_rig)
+    centers: dict[int, dict[str, np.ndarray]] = {seed: {} for seed in seeds}
+    numbers_of(own, centers, **how)
     shares = np.linspace(0.0, 1.0, steps).tolist()
     cells = [{"path": path, "share": share} for path in paths for share in shares]
     with judged_cells(
-        partial(judge_moved, seeds=seeds, on_rig=RigSettings(**on_rig), **how),
+        partial(judge_moved, on_rig=own, centers=centers, **how),
         [{"path": None, "share": None}, *cells],
         settings=[seeds, on_rig, how],
         **run,

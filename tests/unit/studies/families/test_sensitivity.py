@@ -1,14 +1,20 @@
 """Sensitivity of the numbers to one parameter at a time."""
 
+import copy
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
-from fprc.config import Settings
+from fprc.artifacts import read_json
+from fprc.claims.finding import Results
+from fprc.claims.paper import CLAIMS
+from fprc.config import PUBLISHED, Settings
 from fprc.errors import FprcError
 from fprc.experiments.settings import RigSettings
+from fprc.paper import CONTROLLERS, EXPERIMENTS, LOOPS, MODELS, REFERENCES
 from fprc.plan.arguments import on_rig
 from fprc.studies.families import sensitivity
 from fprc.studies.stages import sensitivity as stage
@@ -17,23 +23,61 @@ SETTINGS = Settings().model_dump(mode="json")
 PATHS = ["bending.stiffness_kpa_per_deg", "bending.inertia_kpa_s2_per_deg"]
 
 
+HOW = {"models": {}, "tracking": {}, "surrogate": {}, "grids": {}}
+GRIDS = {"epsilon": [1.0, 0.1, 0.01], "n_c": [1, 4], "n_u": [2, 5, 10], "n_y": [2, 5, 10]}
+PHASES = {"train": "train_rmse_kpa", "test": "test_rmse_kpa"}
+
+
+def judged_rig(error, tracking=1.0, seed=0):
+    """Return what the surrogate returns: all errors alike, the other numbers drawn."""
+    drawn = np.random.default_rng(seed).uniform(0.5, 2.0, 100).tolist()
+    runs = [*REFERENCES, "disturbance"]
+    return {
+        "errors": {f"{log}/{model}/{phase}": error for log in EXPERIMENTS for model in MODELS
+                   for phase in PHASES},
+        "halves": {model: drawn.pop() for model in MODELS},
+        "substitutes": {"fprc_lowpass": 2.0 * error, "bank": 4.0 * error},
+        "shares": 0.5,
+        "bias": drawn.pop(),
+        "epsilon": [drawn.pop() for _ in GRIDS["epsilon"]],
+        "n_c": {model: {phase: [drawn.pop() for _ in GRIDS["n_c"]] for phase in PHASES}
+                for model in ("fprc", "fuzzy_linear")},
+        "taps": [[drawn.pop() for _ in GRIDS["n_y"]] for _ in GRIDS["n_u"]],
+        "control": {
+            "rmse_deg": {f"{name}/{law}": tracking * (1 + (law == "pd")) for name in runs
+                         for law in CONTROLLERS},
+            "effort": {name: drawn.pop() for name in REFERENCES},
+            "sweep": {name: drawn.pop() for name in
+                      ("largest_error_deg", "lag_ms", "first_third_deg", "last_third_deg")},
+            "loops": {f"{name}/{law}": {"width_over_span": drawn.pop()} for name in LOOPS
+                      for law in CONTROLLERS},
+            "disturbance": {name: drawn.pop() for name in ("bending", "p_o", "error_ratio")},
+            "pressure_error": {name: drawn.pop() for name in ("main", "reservoir")},
+        },
+        "properties": dict.fromkeys(
+            ("angle_deg", "loop_kpa", "loop_growth", "measured_loop_growth", "p_o_swing_kpa",
+             "p_o_loop", "p_o_loop_growth"), 7.0
+        ),
+    }  # fmt: skip
+
+
 @pytest.fixture
-def by_stiffness(monkeypatch):
+def begun():
+    """What the clusterings of each judged rig began at."""
+    return []
+
+
+@pytest.fixture
+def by_stiffness(monkeypatch, begun):
     """Numbers that depend on the stiffness alone; the softest rig is impossible."""
 
-    def judge(on_rig, seed, models, surrogate, grids, tracking, measures):
-        bending = on_rig.rig["bending"]
-        stiffness = bending["stiffness_kpa_per_deg"]
+    def judge(on_rig, seed, models, surrogate, grids, tracking, measures, centers):
+        stiffness = on_rig.rig["bending"]["stiffness_kpa_per_deg"]
+        begun.append(dict(centers))
+        centers.setdefault("readout", f"seed {seed}, {stiffness:g}")
         if stiffness < 2.1:
             raise FprcError("it diverged")
-        names = sensitivity.names_of_numbers()
-        errors = {key: stiffness + seed for group, key in names if group in ("train", "test")}
-        loops = {key: 7.0 for group, key in names if group == "loops"}
-        runs = {
-            group: {key: 1.0 / stiffness for found, key in names if found == group}
-            for group in ("open_loop", "closed_loop")
-        }
-        return {"errors": errors, "properties": loops, "shares": 0.5, **runs}
+        return judged_rig(stiffness + seed, 1.0 / stiffness)
 
     monkeypatch.setattr(sensitivity, "judge_by_surrogate", judge)
 
@@ -41,12 +85,19 @@ def by_stiffness(monkeypatch):
 @pytest.fixture
 def effects(by_stiffness, tmp_path):
     path = str(tmp_path / "effects.json")
-    how = {"models": {}, "tracking": {}, "surrogate": {}}
     stage.measure_sensitivity(
-        path, paths=PATHS, steps=3, seeds=[0, 2], on_rig=on_rig(SETTINGS), how=how, workers=1,
+        path, paths=PATHS, steps=3, seeds=[0, 2], on_rig=on_rig(SETTINGS), how=HOW, workers=1,
         checkpoint=str(tmp_path / "partial.jsonl"), version="1",
     )  # fmt: skip
     return path
+
+
+def test_clusterings_of_every_rig_begin_at_those_of_the_rig_itself(effects, begun):
+    own = SETTINGS["rig"]["bending"]["stiffness_kpa_per_deg"]
+    assert begun[:2] == [{}, {}]
+    where = [found["readout"] for found in begun[2:]]
+    assert set(where) == {f"seed {seed}, {own:g}" for seed in (0, 2)}
+    assert len(where) == 2 * 7 - 1  # the softest stops at its first seed
 
 
 def test_changes_are_relative_to_the_rig_itself(effects, tmp_path):
@@ -70,16 +121,88 @@ def test_changes_are_relative_to_the_rig_itself(effects, tmp_path):
     assert lines[0].split("|")[2].strip() == shown
 
 
+def results_of(judged):
+    """Return result files with the numbers of a judged rig, as the claims read them."""
+
+    def cell(model, errors, **settings):
+        read = {name: [errors[phase]] for phase, name in PHASES.items() if phase in errors}
+        return {"model": model, **settings, "validation_rmse_kpa": read["train_rmse_kpa"], **read}
+
+    grids = {
+        "epsilon": [
+            cell("fprc", {"train": error}, epsilon=epsilon)
+            for epsilon, error in zip(GRIDS["epsilon"], judged["epsilon"], strict=True)
+        ],
+        "n_c": [
+            cell(model, {phase: errors[phase][i] for phase in PHASES}, n_c=n_c)
+            for model, errors in judged["n_c"].items()
+            for i, n_c in enumerate(GRIDS["n_c"])
+        ],
+        "taps": [
+            cell("fprc", {"train": judged["taps"][i][j]}, n_u=n_u, n_y=n_y)
+            for i, n_u in enumerate(GRIDS["n_u"])
+            for j, n_y in enumerate(GRIDS["n_y"])
+        ],
+    }
+    halves = [
+        {"trained_on": "complex", "model": model, "test_halves_rmse_kpa": [1.0, ratio]}
+        for model, ratio in judged["halves"].items()
+    ]
+    weights = {"mean_share": {"bias": judged["bias"], "p_o": 0.2, "theta_d": 0.4}}
+    replicates = [{"models": halves, "weights": weights}]
+    return Results(replicates, [grids], [judged["control"]], {}, {})
+
+
+@pytest.mark.parametrize(
+    ("group", "name", "claim", "of", "text"),
+    [
+        ("halves", "ESN", "C7d", max, "ESN"),
+        ("halves", "FPRC", "C7d", max, "FPRC"),
+        ("halves", "Fuzzy-linear", "C7d", max, "Fuzzy-linear"),
+        ("bias", "share of the bias", "C8c", max, "%"),
+        ("shares", "ratio of the shares", "C8b", max, ""),
+        ("grids", "largest step over epsilon", "C9a", max, ""),
+        ("grids", "largest step over n_c", "C9b", max, ""),
+        ("grids", "FPRC / Fuzzy-linear, training", "C11", max, "training"),
+        ("grids", "FPRC / Fuzzy-linear, test", "C11", max, "test"),
+        ("grids", "few / medium n_u", "C12a", max, "training, few"),
+        ("grids", "many / medium n_y", "C12b", max, "training, many"),
+        ("control", "P_fb / P_ff", "C14", max, ""),
+        ("control", "largest error", "C15", max, "largest"),
+        ("control", "last / first third", "C15", max, "third"),
+        ("control", "loop of PD", "C16", min, "loop of PD"),
+        ("control", "loop, FPRC+PD / PD", "C16", max, "loop, FPRC"),
+        ("control", "error, FPRC+PD / PD", "C16", max, "RMSE"),
+        ("control", "bending, pushed", "C17", max, "bending"),
+        ("control", "P_o, pushed", "C17", max, "change of P_o"),
+        ("control", "error, pushed / not", "C17", max, "tracking"),
+        ("pressure", "actuator", "C19", max, "actuator"),
+        ("pressure", "reservoir", "C19", max, "reservoir"),
+    ],
+)
+def test_number_of_a_claim_is_that_of_its_statement(group, name, claim, of, text):
+    judged, published = judged_rig(1.0, seed=3), yaml.safe_load(PUBLISHED.read_text("utf-8"))
+    (row,) = (row for row in CLAIMS if row.id == claim)
+    found = [
+        statement.values.item() / (100.0 if "%" in statement.text else 1.0)
+        for statement in row.statements(results_of(judged), published)
+        if text in statement.text
+    ]
+    assert sensitivity.NUMBERS[group, name](judged) == pytest.approx(of(found))
+
+
+def test_ratio_to_a_substitute_is_fprcs_test_error_over_its(by_stiffness, effects):
+    numbers = read_json(effects)["cells"][0]["numbers"]["substitutes"]
+    assert list(numbers.values()) == pytest.approx([0.5, 0.25])
+
+
 def test_page_has_the_change_with_its_sign_at_both_ends_and_what_is_unstable():
     def rows(share, change, closed_loop):
-        values = {
+        values = dict.fromkeys(sensitivity.NUMBERS, (1.0, 0.0)) | {
             ("train", "II ESN"): (9.0, 0.5 * change),
             ("train", "II FPRC"): (9.0, change),
             ("open_loop", "Sweep"): (2.0, 0.0),
             ("closed_loop", "Sweep"): (closed_loop, closed_loop - 1.0),
-            ("shares", "ratio of the shares"): (1.0, 0.0),
-            ("test", "II ESN"): (9.0, 0.0),
-            ("loops", "largest angle"): (60.0, 0.0),
         }
         return [
             {"parameter": "p", "share_of_range": share, "group": group, "number": number,
@@ -91,22 +214,27 @@ def test_page_has_the_change_with_its_sign_at_both_ends_and_what_is_unstable():
     (row,) = sensitivity.page_of_changes(table).to_dict("records")
     assert row["Training errors"] == "-20 %, +10 %"
     assert row["Closed loop"] == "unstable, +90 %"
+    assert row["Other numbers of the closed loop (C14 to C17)"] == "unstable, +0 %"
+    assert row["Pressure errors (C19)"] == "+0 %, +0 %"
 
 
-def test_rig_that_cannot_be_simulated_itself_is_an_error():
-    report = {"source": "sim", "cells": [{"path": None, "share": None, "numbers": None}]}
-    with pytest.raises(FprcError, match="section rig"):
-        sensitivity.changes(report)
+def test_rig_that_cannot_be_simulated_itself_is_an_error(by_stiffness, tmp_path):
+    soft = copy.deepcopy(on_rig(SETTINGS))
+    soft["rig"]["bending"]["stiffness_kpa_per_deg"] = 2.0
+    with pytest.raises(FprcError, match="it diverged"):
+        stage.measure_sensitivity(
+            str(tmp_path / "effects.json"), paths=PATHS, steps=2, seeds=[0], on_rig=soft, how=HOW
+        )
 
 
 @pytest.mark.slow
 def test_every_number_of_the_surrogate_is_there(signals):
     settings = RigSettings(**on_rig(SETTINGS) | {"signals": signals})
     how = {"stride": 5, "esn_nodes": 20, "restarts": 1}
-    numbers = sensitivity.judge_moved(
-        {"path": None, "share": None}, seeds=[1], surrogate=how, on_rig=settings,
+    numbers = sensitivity.numbers_of(
+        settings, {1: {}}, surrogate=how, grids=GRIDS,
         models=SETTINGS["models"], tracking=SETTINGS["tracking"],
-    )["numbers"]  # fmt: skip
+    )  # fmt: skip
     values = [value for group in numbers.values() for value in group.values()]
-    assert len(values) == len(sensitivity.names_of_numbers()) == 12 + 8 + 1 + 7
+    assert len(values) == len(sensitivity.NUMBERS) == 12 + 3 + 2 + 2 + 6 + 8 + 9 + 2 + 7
     assert np.isfinite(values).all()
