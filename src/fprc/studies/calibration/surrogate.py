@@ -69,11 +69,11 @@ def judge_by_surrogate(
         ``errors`` by "trained on/model/phase", kPa; ``properties``, see ``objective.properties``;
         and of ``measures``: ``shares`` of P_o over theta_d in the weights, and the share of the
         ``bias``; ``halves``, the error in the second half of the sweep over that in the first, by
-        model; forward test errors of ``substitutes`` for P_o; training errors over ``epsilon``;
-        errors over ``n_c`` by model and phase; training errors over ``taps``, of shape
-        (n_u, n_y); RMSE by reference in ``open_loop`` and ``closed_loop``, deg; with
-        ``open_loop``, ``courses`` by reference, see ``objective.numbers_of``; and in ``control``
-        what ``measure_control`` returns for FPRC.
+        model; test errors of ``substitutes`` for P_o or for the rules, by "trained on/model";
+        training errors over ``epsilon``; errors over ``n_c`` by model and phase; training errors
+        over ``taps``, of shape (n_u, n_y); RMSE by reference in ``open_loop`` and
+        ``closed_loop``, deg; with ``open_loop``, ``courses`` by reference, see
+        ``objective.numbers_of``; and in ``control`` what ``measure_control`` returns for FPRC.
     """
     simulated = simulate(on_rig, seed)
     logs = {name: data.channels for name, data in simulated.items()}
@@ -100,12 +100,15 @@ def judge_by_surrogate(
             for name in MODELS
         }
     if "substitutes" in measures:
-        linear = _predicted("bank", simulated, models, seed, surrogate)
-        lowpassed = thinned.fit("sweep", "fprc_lowpass")
-        judged["substitutes"] = {
-            "fprc_lowpass": thinned.error(lowpassed, "complex", "fprc_lowpass"),
-            "bank": rmse(thinned.y["complex"], linear["sweep", "bank", "complex"]),
-        }
+        judged["substitutes"] = {}
+        for name in ("bank", "ridge_p_o"):
+            linear = _predicted(name, simulated, models, seed, surrogate)
+            found = rmse(thinned.y["complex"], linear["sweep", name, "complex"])
+            judged["substitutes"][f"sweep/{name}"] = found
+        for train, test in DIRECTIONS:
+            lowpassed = thinned.fit(train, "fprc_lowpass")
+            found = thinned.error(lowpassed, test, "fprc_lowpass")
+            judged["substitutes"][f"{train}/fprc_lowpass"] = found
     if "epsilon" in measures:
         judged["epsilon"] = [
             thinned.error(

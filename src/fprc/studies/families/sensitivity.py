@@ -32,7 +32,7 @@ _GROUPS = {
     "train": ("Training errors", "Training errors"),
     "test": ("Test errors", "Test errors"),
     "halves": ("Halves of the reversed test (C7d)", "C7d"),
-    "substitutes": ("FPRC over its substitutes (B1)", "B1"),
+    "substitutes": ("FPRC over its substitutes (B1, B2, B4)", "B1, B2, B4"),
     "shares": ("Shares of the weights (C8a, C8b)", "C8"),
     "bias": ("Share of the bias (C8c)", ""),
     "grids": ("Grids (C9, C11, C12)", "C9 to C12"),
@@ -54,11 +54,23 @@ _LOOPS = {
 }  # fmt: skip
 
 
+#: Substitutes for P_o, and for the rules, as readers see them.
+_SUBSTITUTES = {
+    "sweep/fprc_lowpass": "low-passed theta_d", "sweep/bank": "ridge on low-passes",
+    "complex/fprc_lowpass": "low-passed, reversed", "sweep/ridge_p_o": "ridge on all features",
+}  # fmt: skip
+
+
 def _at(*keys: str) -> Callable[[Judged], float]:
     def of(judged: Any) -> float:
         return float(reduce(getitem, keys, judged))
 
     return of
+
+
+def _over_substitute(key: str) -> Callable[[Judged], float]:
+    train, _ = key.split("/")
+    return lambda judged: judged["errors"][f"{train}/fprc/test"] / judged["substitutes"][key]
 
 
 def _largest_ratio(ours: Sequence[float], theirs: Sequence[float]) -> float:
@@ -91,12 +103,7 @@ NUMBERS: dict[tuple[str, str], Callable[[Judged], float]] = {
         for model in MODELS
     },
     **{("halves", title_of(model)): _at("halves", model) for model in MODELS},
-    ("substitutes", "over low-passed theta_d"): lambda judged: (
-        judged["errors"]["sweep/fprc/test"] / judged["substitutes"]["fprc_lowpass"]
-    ),
-    ("substitutes", "over a ridge on them"): lambda judged: (
-        judged["errors"]["sweep/fprc/test"] / judged["substitutes"]["bank"]
-    ),
+    **{("substitutes", name): _over_substitute(key) for key, name in _SUBSTITUTES.items()},
     ("shares", "ratio of the shares"): _at("shares"),
     ("bias", "share of the bias"): _at("bias"),
     # the settings' values fall for epsilon and rise for n_c

@@ -7,7 +7,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import Track
 from fprc.models import ESN, FPRC, FuzzyLinear
-from fprc.models.competitors import on_bank
+from fprc.models.competitors import on_bank, ridge_p_o
 from fprc.paper import REFERENCES
 from fprc.studies.calibration.surrogate import FURTHER, MEASURES, judge_by_surrogate
 
@@ -139,11 +139,21 @@ def test_halves_are_those_of_the_reversed_test_of_the_model_itself(judge, logs, 
 def test_substitutes_are_the_competitors_themselves(judge, logs):
     bank = on_bank(n_y=N_Y, alpha=ALPHA / 0.8, epsilons=[0.03, 0.01, 0.003])
     found = judge(stride=1, measures=["substitutes"])["substitutes"]
-    for name, model, columns in (("fprc_lowpass", build("fprc", 1), 2), ("bank", bank, 1)):
-        X, y = ({log: np.stack([logs[log]["theta_deg"]] * columns, axis=1) for log in logs},
-                {log: logs[log]["p_target_kpa"] for log in logs})  # fmt: skip
-        predicted = model.fit(X["sweep"], y["sweep"]).predict(X["complex"])
-        assert found[name] == pytest.approx(rms(predicted - y["complex"]), rel=1e-9)
+    ridge = ridge_p_o(n_y=N_Y, n_u=N_U, epsilon=0.01, alpha=ALPHA / 0.8)
+    twice = ["theta_deg", "theta_deg"]
+    expected = {}
+    for trained_on, name, model, inputs in (
+        ("sweep", "bank", bank, INPUTS["esn"]),
+        ("sweep", "ridge_p_o", ridge, INPUTS["fprc"]),
+        ("sweep", "fprc_lowpass", build("fprc", 1), twice),
+        ("complex", "fprc_lowpass", build("fprc", 1), twice),
+    ):
+        X = {log: np.stack([logs[log][key] for key in inputs], axis=1) for log in logs}
+        y = {log: logs[log]["p_target_kpa"] for log in logs}
+        test = OTHER[trained_on]
+        predicted = model.fit(X[trained_on], y[trained_on]).predict(X[test])
+        expected[f"{trained_on}/{name}"] = rms(predicted - y[test])
+    assert found == pytest.approx(expected, rel=1e-9)
 
 
 # --- grids ----------------------------------------------------------------------------------------

@@ -36,7 +36,8 @@ def judged_rig(error, tracking=1.0, seed=0):
         "errors": {f"{log}/{model}/{phase}": error for log in EXPERIMENTS for model in MODELS
                    for phase in PHASES},
         "halves": {model: drawn.pop() for model in MODELS},
-        "substitutes": {"fprc_lowpass": 2.0 * error, "bank": 4.0 * error},
+        "substitutes": {"sweep/fprc_lowpass": 2.0 * error, "sweep/bank": 4.0 * error,
+                        "complex/fprc_lowpass": 5.0 * error, "sweep/ridge_p_o": 8.0 * error},
         "shares": 0.5,
         "bias": drawn.pop(),
         "epsilon": [drawn.pop() for _ in GRIDS["epsilon"]],
@@ -193,7 +194,7 @@ def test_number_of_a_claim_is_that_of_its_statement(group, name, claim, of, text
 
 def test_ratio_to_a_substitute_is_fprcs_test_error_over_its(by_stiffness, effects):
     numbers = read_json(effects)["cells"][0]["numbers"]["substitutes"]
-    assert list(numbers.values()) == pytest.approx([0.5, 0.25])
+    assert list(numbers.values()) == pytest.approx([0.5, 0.25, 0.2, 0.125])
 
 
 def test_page_has_the_change_with_its_sign_at_both_ends_and_what_is_unstable():
@@ -236,5 +237,5 @@ def test_every_number_of_the_surrogate_is_there(signals):
         models=SETTINGS["models"], tracking=SETTINGS["tracking"],
     )  # fmt: skip
     values = [value for group in numbers.values() for value in group.values()]
-    assert len(values) == len(sensitivity.NUMBERS) == 12 + 3 + 2 + 2 + 6 + 8 + 9 + 2 + 7
+    assert len(values) == len(sensitivity.NUMBERS) == 12 + 3 + 4 + 2 + 6 + 8 + 9 + 2 + 7
     assert np.isfinite(values).all()
