@@ -337,7 +337,7 @@ def _absolute(deviation: float) -> float:
     A sum of magnitudes has a low median where a sum of squares has many middling deviations.
     """
     beyond = max(abs(deviation) - _NEAR / _TABLES, 0.0)
-    square = 2.0 * (math.sqrt(1.0 + deviation**2) - 1.0) + _FAR_WEIGHT * beyond**2
+    square = 2.0 * (math.sqrt(1.0 + deviation**2) - 1.0) + beyond**2
     return math.copysign(math.sqrt(square), deviation)
 
 
