@@ -31,9 +31,8 @@ COMMAND = {"column": "p_exp_command_kpa", "unit": "kPa"}
 def bring(recorded, tmp_path, undrawn):
     """Import a simulated sweep, written as CSV, with the given channels."""
 
-    def bring(channels, time_s=None, **more):
-        columns = dict(recorded["sweep"]) | ({} if time_s is None else {"time_s": time_s})
-        pd.DataFrame(columns).to_csv(tmp_path / "log.csv", index=False)
+    def bring(channels, **more):
+        pd.DataFrame(recorded["sweep"]).to_csv(tmp_path / "log.csv", index=False)
         mapping = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
         raw = tmp_path / "sweep.h5"

@@ -130,6 +130,12 @@ def test_one_command_goes_from_a_recording_to_a_report(finished):
     assert others[["block_rmse", "block_std", "test_rmse"]].gt(0.0).all(axis=None)
     # of 7 s that train; 1.5 s are three time constants of the low-pass
     assert set(others["blocks"]) == {4}
+    report = read_json(out / "readout/competitors.json")
+    assert report["block_s"] == pytest.approx([1.75] * 4, rel=1e-3)
+    # 40 samples are purged on both sides of two blocks, and on one side of two
+    assert report["overlap"] == pytest.approx(np.mean([350 / 970, 350 / 1010]))
+    page = (out / "readout/competitors.md").read_text(encoding="utf-8")
+    assert "4 blocks of 1.75 s of the training data" in page
     assert "cells" not in printed
     assert "] 26 of 26 cells" in messages
     assert "] 9 of 9 cells" in messages

@@ -14,15 +14,15 @@ class Bench:
         self.time_s = 0.0
         self.ticks = -1
 
-    def _remember(self, name, *values):
-        self.calls.append((name, *values))
+    def _remember(self, name):
+        self.calls.append(name)
         if name == self.fail and self.ticks == self.at:
             raise self.error
 
     def wait_for(self, tick):
         self.ticks += 1
         self.time_s = tick * 0.005
-        self._remember("wait", tick)
+        self._remember("wait")
         return tick
 
     def read(self):
@@ -31,16 +31,10 @@ class Bench:
         return Readings(self.time_s, 10.0 + k, 20.0 + k, 30.0 + k, 40.0 + k, 50.0 + k)
 
     def write(self, main_v, reservoir_v):
-        self._remember("write", main_v, reservoir_v)
+        self._remember("write")
 
     def safe(self):
         self._remember("safe")
-
-    def close(self):
-        self._remember("close")
-
-    def names(self):
-        return [call[0] for call in self.calls]
 
 
 def law(k, now):
@@ -69,7 +63,7 @@ class Stuttering(Bench):
 def test_each_row_is_handed_on_when_it_is_complete():
     kept = []
     bench = Stuttering()
-    rows = go(bench, samples=6, keep=lambda k, row: kept.append((k, row, bench.names()[-1])))
+    rows = go(bench, samples=6, keep=lambda k, row: kept.append((k, row, bench.calls[-1])))
     assert [k for k, _, _ in kept] == [0, 1, 4, 5]
     np.testing.assert_allclose(rows["time_s"], 0.005 * np.array([0, 1, 4, 5]))
     np.testing.assert_array_equal(rows["p_exp_command_kpa"], [100.0, 101.0, 104.0, 105.0])
@@ -85,8 +79,8 @@ def test_device_is_made_safe_when_it_fails(where, at, error):
     with pytest.raises((type(error), RunAbortedError)) as caught:
         go(bench)
     assert error in (caught.value, caught.value.__cause__)
-    assert bench.names()[-2:] == [where, "safe"]
-    assert bench.names().count("safe") == 1
+    assert bench.calls[-2:] == [where, "safe"]
+    assert bench.calls.count("safe") == 1
 
 
 @pytest.mark.parametrize("sensor", NEEDED_SENSORS)
@@ -100,4 +94,4 @@ def test_sensor_without_a_reading_stops_the_run_by_its_name(sensor, value):
     bench = Dropout()
     with pytest.raises(RunAbortedError, match=f"no reading of {sensor}"):
         go(bench)
-    assert bench.names() == ["wait", "read", "write", "wait", "read", "safe"]
+    assert bench.calls == ["wait", "read", "write", "wait", "read", "safe"]
