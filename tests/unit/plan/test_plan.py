@@ -9,7 +9,7 @@ from fprc.config import Settings, check
 from fprc.logs.folder import Header
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.plan import Plan
-from fprc.plan.results import CHORES, RESULTS
+from fprc.plan.results import BY_NAME, CHORES, RESULTS
 
 MODELS = ("esn", "fprc", "fuzzy_linear")
 FIVE = (*REFERENCES, "disturbance")
@@ -154,6 +154,25 @@ def test_closed_loop_results_of_recorded_logs_are_made_of_the_runs_that_are_ther
     assert set(plan.targets["fig13"]) == {"results/figures/fig13_sine_0p5.pdf"} | logs
     assert {"fig12", "fig14", "fig15", "fig16", "fig17"} <= set(plan.unavailable_targets)
     assert "table4_runs" in plan.unavailable_results
+
+
+def test_drawing_of_the_actuator_needs_angle_and_pressure_as_such():
+    notes = {"theta_deg": "not in deg: displacement x [mm]", "p_exp_kpa": "of the regulator"}
+    found = recorded(*EXPERIMENTS, notes=notes).unavailable
+    assert found["fig1"] == "needs theta_deg in deg; in sweep.h5 it is displacement x [mm]"
+    assert "fig4" not in found
+
+
+@pytest.mark.parametrize("number", range(12, 18))
+def test_closed_loop_figure_is_made_of_its_own_runs(number):
+    name = f"fig{number}"
+    own = set(BY_NAME[name].logs)
+    plan = recorded(*own)
+    assert own <= set(plan.every_run)
+    assert name not in plan.unavailable
+    for run in own:
+        found = recorded(*own - {run}).unavailable
+        assert f"{run}.h5, which is not in data/raw" in found[name]
 
 
 def test_without_p_o_fprc_is_left_out_everywhere():
