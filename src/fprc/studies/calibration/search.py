@@ -106,7 +106,8 @@ def search(
     key : str
         Hash of everything that the judgements depend on.
     seconds : float
-        After this time, s, nothing but the starts is judged any more.
+        After this time, s, nothing but the starts is judged any more. Rounds after the first
+        count only if they were finished.
     progress : callable
         Called after each step with the rounds begun and planned, the least loss, and the time, s.
     """
@@ -172,7 +173,9 @@ def search(
                     break
             best = min([best, *corrected(ended)], key=_loss)
         except TimeoutError:
-            best, finished = lowest, False
+            finished = False
+            if begun <= len(starts):  # no correction has seen it, but it is better than nothing
+                best = lowest
     return SearchResult(best.point, best.loss, begun, evaluations, finished)
 
 
