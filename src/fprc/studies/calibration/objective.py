@@ -21,7 +21,8 @@ Judged = Sequence[Mapping[str, Any]]
 #: neighbouring rigs.
 _TABLES, _OPEN, _CLOSED, _RATIO, _CORRELATION = 0.03, 0.06, 0.15, 0.025, 0.1
 
-#: The part of an error's logarithm beyond this counts several times.
+#: Beyond this an error's logarithm counts more: that of an open loop so many times, and the square
+#: of a table's is added.
 _NEAR, _FAR_WEIGHT = 0.1, 3.0
 
 #: How often an error of a table counts: the validation errors, which are no targets, are close to

@@ -166,6 +166,25 @@ def test_rig_that_cannot_be_judged_is_impossible(logs_at, failure):
     assert logs_at([0.5], ["drift.sigma_kpa"], fail)[0] is None
 
 
+def test_clusterings_begin_at_those_of_the_rig_beside(on_rig):
+    """A stand-in whose only number is where its clustering began, twice at each rig."""
+
+    def estimate(settings, seeds, centers):
+        sigma_kpa = settings.rig["drift"]["sigma_kpa"]
+        began = centers.setdefault(21, {}).setdefault("sweep", np.array([sigma_kpa]))
+        return [{"errors": {"a": float(began[0])}}]
+
+    free = free_parameters(["drift.sigma_kpa"])
+    for beside in (0.25, 0.75, 0.25):
+        expected = decode(np.array([beside]), RIG, free)["drift"]["sigma_kpa"]
+        for point in (0.3, 0.9):
+            found = stage.judge_point(
+                np.array([point]), np.array([beside]), on_rig=replace(on_rig, rig=RIG), free=free,
+                seeds=[21], estimate=estimate, key="beside",
+            )  # fmt: skip
+            assert found == pytest.approx([math.log(expected)])
+
+
 # --- the whole fit --------------------------------------------------------------------------------
 
 
