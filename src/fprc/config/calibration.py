@@ -61,14 +61,14 @@ class FirstSearch(Section):
     """The first search, on the first seed; that for ``calibration.fit``, on all seeds, follows."""
 
     fit: tuple[Term, ...] = Field(
-        ("tables", "orders", "plausible", "C18", "open_loop", "closed_loop", "closed_sweep"),
+        ("tables", "orders", "plausible", "C18", "open_loop"),
         description="terms of its objective, of those in calibration.fit; none: no first search",
     )
     rounds: int = quantity(
-        5, (1, 1000), "rounds, each of a rig for each free parameter and up to 18 more"
+        6, (1, 1000), "rounds, each of a rig for each free parameter and up to 18 more"
     )
     starts: int = quantity(
-        16,
+        24,
         (1, 1000),
         "rigs at which it begins: that of the configuration, and random ones near it; each round "
         "goes on from the better half",

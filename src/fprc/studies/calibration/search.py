@@ -27,9 +27,9 @@ from fprc.artifacts import resuming
 #: shorter one the noise.
 _STEP, _FINEST, _COARSEST, _CHANGE = 0.03, 0.01, 0.06, 0.1
 
-#: Most steps of a round, how many in turn may find nothing better, and the distances that each
-#: tries, as multiples of the radius.
-_STEPS, _FAILED, _REACH = 6, 3, (0.2, 0.6, 1.5)
+#: Most steps of a round, how many in turn may lower the loss by less than a share of it, because
+#: the slopes are worn out by then, and the distances that each tries, as multiples of the radius.
+_STEPS, _FAILED, _GAIN, _REACH = 6, 2, 0.05, (0.2, 0.6, 1.5)
 
 #: Radius with which a round begins, and limits of every radius, in units of the cube; the
 #: factor after a step that found nothing better.
@@ -195,10 +195,11 @@ def _steps(
         for new, _ in sorted(tried, key=lambda pair: -pair[0].loss):
             slopes = _corrected(slopes, here, new)
         best, reached = min(tried, key=lambda pair: pair[0].loss, default=(here, 0.0))
+        failed = 0 if best.loss < (1.0 - _GAIN) * here.loss else failed + 1
         if best.loss < here.loss:
-            here, radius, failed = best, reached, 0
+            here, radius = best, reached
         else:
-            radius, failed = _SHRINK * radius, failed + 1
+            radius *= _SHRINK
         radius = max(radius, _LEAST)
         yield here._replace(slopes=slopes)
         if failed == _FAILED:
