@@ -23,6 +23,7 @@ from pathlib import Path
 import h5py  # noqa: F401
 import nbformat  # noqa: F401
 import numpy  # noqa: F401
+import pandas  # noqa: F401
 import pydantic  # noqa: F401
 import smart_open  # noqa: F401
 import snakemake.cli

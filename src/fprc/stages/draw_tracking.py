@@ -36,10 +36,13 @@ def draw_following(
 
     The axis of the errors spans those of all ``runs``, so that the four figures can be compared.
     """
-    opened, closed = isolated_each(read_run, [open_loop, closed_loop], names=_CHANNELS)
+    # in one call, because each starts a process, and once, because each file has its error
+    paths = list(dict.fromkeys([open_loop, closed_loop, *runs]))
+    logs = dict(zip(paths, isolated_each(read_run, paths, names=_CHANNELS), strict=True))
+    opened, closed = logs[open_loop], logs[closed_loop]
     table = error_summary([opened, closed])
     write_csv(csv, table)
-    every = error_summary(isolated_each(read_run, runs, names=_CHANNELS[:3]))
+    every = error_summary([logs[run] for run in runs])
     limit = 1.05 * every["max_abs_error_deg"].max()
     fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.6, sharex=True, height_ratios=(4, 4, 4, 3, 2))
     plot_following(opened.channels, axes[0])
