@@ -102,22 +102,23 @@ def judge_directions(
 
 def errors_over_starts(
     logs: Mapping[str, Data], judgement: Judgement, starts: int
-) -> dict[str, dict[str, list[float]]]:
+) -> tuple[dict[str, dict[str, list[float]]], list[SequenceModel]]:
     """Return RMSEs of FPRC whose fuzzy c-means begins at several random places, kPa.
 
     Each start trains on the same rows, those of the first fold, and clusters once.
 
     Returns
     -------
-    dict of dict
-        Errors by the log that trained, and by phase, ``train`` or ``test``.
+    dict of dict, list of SequenceModel
+        Errors by the log that trained, and by phase, ``train`` or ``test``; and the models that
+        the sweep trained.
     """
     prepared = prepare(
         build("fprc", judgement.models, judgement.seed),
         {key: data.samples("fprc", judgement.models) for key, data in logs.items()},
     )
     seeds = np.random.SeedSequence(judgement.seed).generate_state(starts).tolist()
-    errors = {}
+    errors, models = {}, {}
     for train, test in DIRECTIONS:
         part, _ = judgement.split_rows(logs[train])[0]
         readouts = [prepared.readout(train, part, random_state=seed, restarts=1) for seed in seeds]
@@ -125,4 +126,5 @@ def errors_over_starts(
             "train": [prepared.error(readout, train, part) for readout in readouts],
             "test": [prepared.error(readout, test) for readout in readouts],
         }
-    return errors
+        models[train] = [prepared.fitted(readout) for readout in readouts]
+    return errors, models["sweep"]

@@ -8,7 +8,7 @@ from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.grids import judge_grids
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.experiments.tracking import Track, measure_control
+from fprc.experiments.tracking import Track, measure_control, rmse_of_each
 from fprc.registry import controllers
 
 #: Places where the fuzzy c-means of FPRC begins, to see how much its errors depend on them.
@@ -40,9 +40,10 @@ def replicate(
     data = simulate(settings, how.seed)
     comparison, models = compare_models(data, how)
     described = {"seed": how.seed, "source": "sim"}
-    starts = errors_over_starts(data, how, _STARTS)
+    starts, started = errors_over_starts(data, how, _STARTS)
     write_json(compared, described | comparison | {"fprc_rmse_over_starts": starts})
     write_json(cells, described | judge_grids(data, values, how))
     bench = Track(tracking, settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
-    write_json(measures, described | measured)
+    tracked = rmse_of_each(bench, started, ("fprc", "fprc_pd"))
+    write_json(measures, described | measured | {"fprc_rmse_over_starts": tracked})

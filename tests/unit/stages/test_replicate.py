@@ -7,8 +7,10 @@ from fprc.config import Settings
 from fprc.experiments.data import read_data
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.logs import read_columns
 from fprc.models import load_model
+from fprc.paper import REFERENCES
 from fprc.plan import arguments
 from fprc.registry import build
 from fprc.stages.grid import weigh
@@ -124,3 +126,24 @@ def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, jud
     trained = readout.predict(features.transform(X)[part]) - y[part]
     for phase, wrong in (("train", trained), ("test", tested)):
         assert found["complex"][phase][3] == pytest.approx(np.sqrt(np.mean(wrong**2)))
+
+
+def test_each_start_drives_the_loops_of_table_4(errors, settings, on_rig, judgement):
+    """The loop of the real rig, sample by sample, gives the errors that compiled code gave."""
+    found = read_json(errors.replace("compared", "measures"))["fprc_rmse_over_starts"]
+    assert {run: len(rmses) for run, rmses in found.items()} == {
+        f"{reference}/{controller}": 10
+        for reference in REFERENCES
+        for controller in ("fprc", "fprc_pd")
+    }
+    logs, how = simulate(RigSettings(**on_rig), SEED), Judgement(**judgement)
+    (X, y), part = logs["sweep"].pair("fprc"), how.split_rows(logs["sweep"])[0][0]
+    model = build("fprc", how.models, SEED)
+    features = model.make_features().fit(X)
+    seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])
+    readout = model.make_readout().set_params(random_state=seed)
+    readout.fit(features.transform(X)[part], y[part])
+    bench = Track(settings["tracking"], settings["control"], settings["rig"], SEED)
+    for run in ("sweep/fprc", "complex/fprc_pd"):
+        followed = bench.follow(*run.split("/"), model.assembled(features, readout))
+        assert found[run][3] == pytest.approx(tracking_rmse(followed, SETTLE_S), rel=1e-6)

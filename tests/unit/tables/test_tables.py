@@ -193,6 +193,7 @@ def controls(seeds=3):
             "seed": 101 + k,
             "source": "sim",
             "rmse_deg": {run: errors[k] for run, errors in ERRORS_DEG.items()},
+            "fprc_rmse_over_starts": {"sweep/fprc": [1.0, 3.0], "sweep/fprc_pd": [2.0, 2.0]},
         }
         for k in range(seeds)
     ]
@@ -289,6 +290,17 @@ def test_table_names_its_data_and_says_neither_nan_nor_none(tmp_path, tabulated,
         text = file.read_text(encoding="utf-8")
         assert not {"nan", "none"} & set(re.findall(r"\w+", text.lower())), file
     assert "simulated rig, not hardware" in text
+
+
+def test_table_4_has_the_spread_over_starts_of_the_clustering(tmp_path):
+    path = tmp_path / "control.json"
+    write_json(str(path), controls(1)[0])
+    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md", "tex")}
+    tabulate.tabulate_tracking_seeds(str(config.PUBLISHED), [str(path)], feedback="", **files)
+    text = files["md"].read_text(encoding="utf-8")
+    # standard deviation and mean of 1 and 3 deg, and of 2 and 2 deg
+    assert re.findall(r"among (\d+) starts.* by ([\d.]+) %.* by ([\d.]+) %.* is ([\d.]+) times",
+                      text) == [("2", "70.7", "0.0", "3.00")]  # fmt: skip
 
 
 WORDS = st.text("abcXYZ019.±θ%[]-_/:;*<>&\"'|`\\$ ", max_size=12).map(
