@@ -22,8 +22,8 @@ Judged = Sequence[Mapping[str, Any]]
 _TABLES, _OPEN, _CLOSED, _RATIO, _CORRELATION = 0.03, 0.06, 0.15, 0.025, 0.1
 
 #: Beyond this an error's logarithm counts more: that of an open loop so many times, and the square
-#: of a table's is added.
-_NEAR, _FAR_WEIGHT = 0.1, 3.0
+#: of a table's is added, so many times.
+_NEAR, _FAR_WEIGHT, _SQUARE_WEIGHT = 0.1, 3.0, 2.0
 
 #: How often an error of a table counts: the validation errors, which are no targets, are close to
 #: the training errors.
@@ -338,7 +338,7 @@ def _absolute(deviation: float) -> float:
     A sum of magnitudes has a low median where a sum of squares has many middling deviations.
     """
     beyond = max(abs(deviation) - _NEAR / _TABLES, 0.0)
-    square = 2.0 * (math.sqrt(1.0 + deviation**2) - 1.0) + beyond**2
+    square = 2.0 * (math.sqrt(1.0 + deviation**2) - 1.0) + _SQUARE_WEIGHT * beyond**2
     return math.copysign(math.sqrt(square), deviation)
 
 

@@ -29,7 +29,7 @@ _STEP, _FINEST, _COARSEST, _CHANGE = 0.03, 0.01, 0.06, 0.1
 
 #: Most steps of a round, how many in turn may lower the loss by less than a share of it, because
 #: the slopes are worn out by then, and the distances that each tries, as multiples of the radius.
-_STEPS, _FAILED, _GAIN, _REACH = 6, 2, 0.05, (0.2, 0.6, 1.5)
+_STEPS, _FAILED, _GAIN, _REACH = 6, 2, 0.02, (0.2, 0.6, 1.5)
 
 #: Radius with which a round begins, and limits of every radius, in units of the cube; the
 #: factor after a step that found nothing better.
@@ -43,8 +43,8 @@ _DAMPING, _CORRECTED = 0.3, 0.7
 #: the most steps that it takes.
 _INSET, _SOLVED = 0.05, 15
 
-#: A round that lowers the loss by a smaller share is the last: the next would hardly differ.
-_WORTH = 0.01
+#: So many rounds in turn that lower the loss by a smaller share are the last.
+_IDLE, _WORTH = 2, 0.01
 
 
 class SearchResult(NamedTuple):
@@ -158,6 +158,7 @@ def search(
 
         try:
             ended = [best._replace(point=start) for start in starts]
+            idle = 0
             planned = [math.ceil(len(starts) / 2**round_) for round_ in range(rounds)]
             for count in planned:
                 points, ended = sorted(corrected(ended), key=_loss)[:count], []
@@ -169,7 +170,9 @@ def search(
                         elapsed_s = time.monotonic() - begin_s
                         progress(begun, sum(planned), lowest.loss, elapsed_s)
                     ended.append(after)
-                if len(points) == 1 and ended[0].loss > (1.0 - _WORTH) * points[0].loss:
+                gained = len(points) != 1 or ended[0].loss < (1.0 - _WORTH) * points[0].loss
+                idle = 0 if gained else idle + 1
+                if idle == _IDLE:
                     break
             best = min([best, *corrected(ended)], key=_loss)
         except TimeoutError:

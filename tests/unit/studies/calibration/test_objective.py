@@ -171,7 +171,7 @@ def test_term_is_zero_within_its_limits_and_grows_beyond_them(what, share):
     expected = (beyond / close) ** 2
     if term == "tables":  # about a magnitude, twice since the validation error is about the same
         magnitude = 2.0 * math.hypot(1.0, beyond / close) - 2.0
-        expected = 2.0 * (magnitude + (far / close) ** 2)
+        expected = 2.0 * (magnitude + 2.0 * (far / close) ** 2)
     assert loss(term, change(ratio)) == pytest.approx(expected, rel=1e-6, abs=1e-12)
 
 
