@@ -156,6 +156,10 @@ def search(
                 for point, numbers in zip(points, found, strict=True)
             ]
 
+        def solved(radii: Sequence[float], here: _Here, slopes: np.ndarray) -> list[np.ndarray]:
+            least = delayed(_least_within)
+            return list(pool(least(radius, here, slopes, deviations_of) for radius in radii))
+
         try:
             ended = [best._replace(point=start) for start in starts]
             idle = 0
@@ -165,7 +169,7 @@ def search(
                 best = lowest = min([best, *points], key=_loss)
                 for here in points:
                     begun += 1
-                    for after in _steps(here, judged, deviations_of):
+                    for after in _steps(here, judged, solved):
                         lowest = min(lowest, after, key=_loss)
                         elapsed_s = time.monotonic() - begin_s
                         progress(begun, sum(planned), lowest.loss, elapsed_s)
@@ -185,15 +189,14 @@ def search(
 def _steps(
     begin: _Here,
     judged: Callable[[Sequence[np.ndarray], _Here], list[_Here | None]],
-    deviations_of: Callable[[Sequence[float]], np.ndarray],
+    solved: Callable[[Sequence[float], _Here, np.ndarray], list[np.ndarray]],
 ) -> Iterator[_Here]:
     """Yield the best point after each step of a round."""
     slopes, near = _slopes(begin, judged)
     here, radius, failed = min(begin, *near, key=_loss), _RADIUS, 0
     for _ in range(_STEPS):
         radii = [min(share * radius, _MOST) for share in _REACH]
-        points = [_least_within(r, here, slopes, deviations_of) for r in radii]
-        found = judged(points, begin)
+        found = judged(solved(radii, here, slopes), begin)
         tried = [(new, r) for new, r in zip(found, radii, strict=True) if new]
         for new, _ in sorted(tried, key=lambda pair: -pair[0].loss):
             slopes = _corrected(slopes, here, new)
