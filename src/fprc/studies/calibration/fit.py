@@ -37,7 +37,7 @@ from fprc.studies.calibration.space import (
     resolved,
     starts_near,
 )
-from fprc.studies.calibration.surrogate import LOOPS, judge_by_surrogate
+from fprc.studies.calibration.surrogate import judge_by_surrogate
 
 log = logging.getLogger(__name__)
 
@@ -184,9 +184,7 @@ def _searched(
         full_seeds=calibration["full_seeds"],
         judgement=judgement,
         tracking=tracking,
-        loops={
-            name: feedback for name, feedback in LOOPS.items() if name in _measures(calibration)
-        },
+        measures=_measures(calibration),
     )
     like = estimate(start_rig, seeds)
     # a search that ran out of time goes on if it is given more

@@ -1,18 +1,20 @@
 """Measures of the full models on one rig, and how they compare with those of the surrogate."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed, parallel_config
 
 from fprc.experiments.comparison import judge_directions
+from fprc.experiments.grids import weight_shares
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tracking import Track, rms_of, tracking_errors
 from fprc.paper import DIRECTIONS, MODELS
 from fprc.registry import build
 from fprc.studies.calibration.objective import errors_of
+from fprc.studies.calibration.surrogate import LOOPS, SHARES
 
 
 def judge_fully(
@@ -21,7 +23,7 @@ def judge_fully(
     workers: int,
     judgement: Mapping[str, Any],
     tracking: Mapping[str, Any],
-    loops: Mapping[str, bool],
+    measures: Collection[str],
 ) -> list[dict[str, dict[str, float]]]:
     """Return the full models' errors on a rig, one mapping per seed.
 
@@ -31,18 +33,19 @@ def judge_fully(
         Arguments of ``Judgement`` without the seed.
     tracking : Mapping
         Section ``tracking`` of the configuration.
-    loops : Mapping
-        See ``tracking_errors``; these errors are of FPRC trained on the sweep.
+    measures : collection of str
+        Which of ``SHARES`` and ``LOOPS`` of ``surrogate`` to compute beside the errors.
 
     Returns
     -------
     list of dict
-        ``errors`` of Tables II and III by "trained on/model/phase", kPa, and those of ``loops`` by
-        reference, deg.
+        ``errors`` of Tables II and III by "trained on/model/phase", kPa; and of ``measures``, with
+        FPRC trained on the sweep: ``shares``, that of P_o in the weights over theta_d's, and the
+        RMSE of a loop by reference, deg.
     """
     with parallel_config("loky", inner_max_num_threads=1):
         return Parallel(n_jobs=workers)(
-            delayed(_judge_seed)(on_rig, Judgement(**judgement, seed=seed), tracking, loops)
+            delayed(_judge_seed)(on_rig, Judgement(**judgement, seed=seed), tracking, measures)
             for seed in seeds
         )
 
@@ -51,7 +54,7 @@ def _judge_seed(
     on_rig: RigSettings,
     judgement: Judgement,
     tracking: Mapping[str, Any],
-    loops: Mapping[str, bool],
+    measures: Collection[str],
 ) -> dict[str, dict[str, float]]:
     data = simulate(on_rig, judgement.seed)
     reports = [
@@ -62,7 +65,10 @@ def _judge_seed(
         )
     ]
     judged = {"errors": errors_of({"models": reports})}
-    if loops:
+    if SHARES in measures:
+        shares = weight_shares(data["sweep"], judgement)["mean_share"]
+        judged[SHARES] = {"p_o_over_theta_d": shares["p_o"] / shares["theta_d"]}
+    if loops := {name: feedback for name, feedback in LOOPS.items() if name in measures}:
         fprc = build("fprc", judgement.models, judgement.seed).fit(*data["sweep"].pair("fprc"))
         bench = Track(tracking, on_rig.control, on_rig.rig, judgement.seed)
         judged |= rms_of(tracking_errors(bench, fprc, loops))

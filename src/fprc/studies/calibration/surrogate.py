@@ -29,8 +29,11 @@ _TRAINED = 0.8
 #: Length of the blocks over which errors in open loop are averaged, s.
 _BLOCK_S = 0.25
 
+#: Measure of the shares of the inputs in the weights.
+SHARES = "shares"
+
 #: Optional measures, of the fit and further ones; each takes time of its own.
-MEASURES = ("shares", "epsilon", "n_c", "taps", "open_loop", "closed_loop")
+MEASURES = (SHARES, "epsilon", "n_c", "taps", "open_loop", "closed_loop")
 FURTHER = ("bias", "halves", "substitutes", "control")
 
 #: Whether a loop has feedback.
@@ -67,9 +70,9 @@ def judge_by_surrogate(
     -------
     dict
         ``errors`` by "trained on/model/phase", kPa; ``properties``, see ``objective.properties``;
-        and of ``measures``: ``shares`` of P_o over theta_d in the weights, and the share of the
-        ``bias``; ``halves``, the error in the second half of the sweep over that in the first, by
-        model; test errors of ``substitutes`` for P_o or for the rules, by "trained on/model";
+        and of ``measures``: ``shares``, that of P_o in the weights over theta_d's, and the share of
+        the ``bias``; ``halves``, the error in the second half of the sweep over that in the first,
+        by model; test errors of ``substitutes`` for P_o or for the rules, by "trained on/model";
         training errors over ``epsilon``; errors over ``n_c`` by model and phase; training errors
         over ``taps``, of shape (n_u, n_y); RMSE by reference in ``open_loop`` and
         ``closed_loop``, deg; with ``open_loop``, ``courses`` by reference, see
@@ -91,7 +94,7 @@ def judge_by_surrogate(
         for (train, name, log), values in predicted.items()
     }
     judged: dict[str, Any] = {"errors": errors, "properties": properties(logs)}
-    if wanted := {"shares", "bias"}.intersection(measures):
+    if wanted := {SHARES, "bias"}.intersection(measures):
         shares = thinned.shares()
         judged |= {name: shares[name] for name in wanted}
     if "halves" in measures:
@@ -206,13 +209,13 @@ class _FuzzyModels:
             }
         return judged
 
-    def shares(self) -> dict[str, float]:
+    def shares(self) -> dict[str, Any]:
         """Return the mean share of P_o in the weights over theta_d's; the bias's (Eqs. 13, 14)."""
         rows, n_y = self.rows("sweep", "fprc"), self.settings["n_y"]
         readout = self._fitted("shares", to_unit(rows, n_y), self.y["sweep"])
         weights = shares_of(readout.W_out_)
         ratio = weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum()
-        return {"shares": float(ratio), "bias": float(weights[:, 0].mean())}
+        return {SHARES: {"p_o_over_theta_d": float(ratio)}, "bias": float(weights[:, 0].mean())}
 
     def _fitted(
         self, what: str, rows: np.ndarray, y: np.ndarray, **changed: Any

@@ -104,7 +104,7 @@ NUMBERS: dict[tuple[str, str], Callable[[Judged], float]] = {
     },
     **{("halves", title_of(model)): _at("halves", model) for model in MODELS},
     **{("substitutes", name): _over_substitute(key) for key, name in _SUBSTITUTES.items()},
-    ("shares", "ratio of the shares"): _at("shares"),
+    ("shares", "ratio of the shares"): _at("shares", "p_o_over_theta_d"),
     ("bias", "share of the bias"): _at("bias"),
     # the settings' values fall for epsilon and rise for n_c
     ("grids", "largest step over epsilon"): lambda judged: _largest_ratio(

@@ -64,7 +64,7 @@ def find_near_print(
     log.info("judging the rig of the configuration, for the surrogate's ratios")
     start, seeds_of_ratios = settings["on_rig"], range(near_print["seed"] - 2, near_print["seed"])
     ratios = ratios_to_full(
-        judge_fully(start, seeds_of_ratios, workers, judgement, tracking={}, loops={}),
+        judge_fully(start, seeds_of_ratios, workers, judgement, tracking={}, measures=()),
         [judge_by_surrogate(start, seed, models, surrogate, {}, {}) for seed in seeds_of_ratios],
     )["errors"]
     judge = partial(

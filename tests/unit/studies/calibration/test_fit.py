@@ -11,8 +11,9 @@ from fprc.artifacts import read_json
 from fprc.config import PUBLISHED, Settings, check
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, SimulationError
+from fprc.experiments.comparison import compare_models
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.provenance import hash_of
 from fprc.registry import build
@@ -266,7 +267,10 @@ def full(settings):
     """Return what the full models measure on a rig, means over their seeds."""
 
     def call(on_rig):
-        seeds = judge_fully(on_rig, [41, 42], 1, settings["judgement"], settings["tracking"], LOOPS)
+        measures = {"shares", *LOOPS}
+        seeds = judge_fully(
+            on_rig, [41, 42], 1, settings["judgement"], settings["tracking"], measures
+        )
         return {
             measure: {key: np.mean([seed[measure][key] for seed in seeds]) for key in errors}
             for measure, errors in seeds[0].items()
@@ -280,7 +284,7 @@ def test_residuals_are_those_of_the_full_models_on_the_fitted_rig(fitted, report
     loops = PRINTED["table_4_tracking_rmse_deg"]
     printed = {
         "errors": printed_errors(PRINTED), "open_loop": loops["fprc"],
-        "closed_loop": loops["fprc_pd"],
+        "closed_loop": loops["fprc_pd"], "shares": {"p_o_over_theta_d": 56.1 / 43.8},
     }  # fmt: skip
     for measure, residuals in report["residuals"].items():
         expected = {key: found[measure][key] / printed[measure][key] - 1.0 for key in residuals}
@@ -295,13 +299,21 @@ def test_surrogate_is_corrected_by_its_ratios_on_the_fitted_rig(
     fitted, report, settings, full, on_rig
 ):
     models, on_rig = settings["judgement"]["models"], replace(on_rig, rig=written(fitted))
-    cheap = judge_by_surrogate(
-        on_rig, 21, models, SURROGATE, {}, settings["tracking"], {"open_loop", "closed_loop"}
-    )
-    assert set(report["surrogate_ratios"]) == {"errors", "open_loop", "closed_loop"}
+    measures = {"shares", "open_loop", "closed_loop"}
+    cheap = judge_by_surrogate(on_rig, 21, models, SURROGATE, {}, settings["tracking"], measures)
+    assert set(report["surrogate_ratios"]) == {"errors", *measures}
     for measure, errors in full(on_rig).items():
         expected = {key: error / cheap[measure][key] for key, error in errors.items()}
         assert report["surrogate_ratios"][measure] == pytest.approx(expected, rel=1e-9)
+
+
+def test_share_of_the_full_models_is_the_one_that_c8_judges(settings, on_rig):
+    (judged,) = judge_fully(on_rig, [41], 1, settings["judgement"], {}, {"shares"})
+    judgement = Judgement(**settings["judgement"], seed=41)
+    data = simulate(on_rig, 41)
+    mean_share = compare_models(data, judgement)[0]["weights"]["mean_share"]
+    expected = mean_share["p_o"] / mean_share["theta_d"]
+    assert judged["shares"]["p_o_over_theta_d"] == pytest.approx(expected, rel=1e-9)
 
 
 def test_full_models_follow_with_what_the_surrogate_would_be_without_shortcuts(settings, on_rig):

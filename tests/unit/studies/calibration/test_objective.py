@@ -46,7 +46,7 @@ PROPERTIES = {"angle_deg": 60.0, "loop_kpa": 60.0, "p_o_loop": 0.3} | dict.fromk
 GOOD = {
     "errors": ERRORS,
     "properties": PROPERTIES,
-    "shares": 1.0,
+    "shares": {"p_o_over_theta_d": 1.0},
     "epsilon": [8.0, 9.0, 10.0],
     "n_c": {
         "fprc": {"train": [14.0, 12.0, 10.0], "test": [12.0, 11.0, 13.0]},
@@ -124,7 +124,9 @@ STATEMENTS = {
         "plausible", lambda r: {"properties": PROPERTIES | {"loop_kpa": 60.0 * r}},
         45.0 / 60.0, 75.0 / 60.0, HELD,
     ),
-    "equal shares": ("C8", lambda r: {"shares": r}, 0.5 / WIDE, 2.0 * WIDE, HELD),
+    "equal shares": (
+        "C8", lambda r: {"shares": {"p_o_over_theta_d": r}}, 0.5 / WIDE, 2.0 * WIDE, HELD,
+    ),
     "epsilon": ("C9a", lambda r: {"epsilon": [9.0, 10.0, 10.0 / r]}, 0.0, SLACK, HELD),
     "n_c": (
         "C9b", lambda r: with_n_c("fprc", "train", [10.0, 9.0, 9.0 * r]), 0.0, SLACK, HELD,

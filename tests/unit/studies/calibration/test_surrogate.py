@@ -209,7 +209,7 @@ def test_shares_are_those_of_the_published_formula(judge, logs):
     of_theta, of_p_o = weights[:, 1 : 1 + N_Y], weights[:, 1 + N_Y :]
     expected = of_p_o.sum(axis=1).mean() / of_theta.sum(axis=1).mean()
     found = judge(stride=1, measures=["shares", "bias"])
-    assert found["shares"] == pytest.approx(expected, rel=1e-9)
+    assert found["shares"]["p_o_over_theta_d"] == pytest.approx(expected, rel=1e-9)
     assert found["bias"] == pytest.approx(weights[:, 0].mean(), rel=1e-9)
 
 

@@ -38,7 +38,7 @@ def judged_rig(error, tracking=1.0, seed=0):
         "halves": {model: drawn.pop() for model in MODELS},
         "substitutes": {"sweep/fprc_lowpass": 2.0 * error, "sweep/bank": 4.0 * error,
                         "complex/fprc_lowpass": 5.0 * error, "sweep/ridge_p_o": 8.0 * error},
-        "shares": 0.5,
+        "shares": {"p_o_over_theta_d": 0.5},
         "bias": drawn.pop(),
         "epsilon": [drawn.pop() for _ in GRIDS["epsilon"]],
         "n_c": {model: {phase: [drawn.pop() for _ in GRIDS["n_c"]] for phase in PHASES}
