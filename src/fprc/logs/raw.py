@@ -98,20 +98,15 @@ def read_raw(
     return log
 
 
-def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
-    """Read channels of a closed-loop run; the whole log is checked as by ``read_raw``.
-
-    Parameters
-    ----------
-    names : tuple of str, optional
-        Channels to return; by default all.
+def read_run(path: Path | str) -> Columns:
+    """Read the log of a closed-loop run.
 
     Raises
     ------
     LogError
         See ``read_raw`` (the rate is not checked); also, the log is not of a closed-loop run.
     """
-    log, problems = _gather(path, names or ())
+    log, problems = _gather(path)
     attributes = log.attributes
     if "experiment" in attributes and not _is_run(attributes):
         problems.append(
@@ -120,17 +115,15 @@ def read_run(path: Path | str, names: tuple[str, ...] | None = None) -> Columns:
         )
     if problems:
         raise LogError("\n".join(problems))
-    if names is None:
-        return log
-    return log._replace(channels={name: log.channels[name] for name in names})
+    return log
 
 
-def _gather(path: Path | str, also: tuple[str, ...] = ()) -> tuple[Columns, list[str]]:
+def _gather(path: Path | str) -> tuple[Columns, list[str]]:
     """Read a raw log with the channels and attributes that its kind requires."""
     attributes = gather_columns(path, ())[0].attributes
     recorded = str(attributes.get("source"))
     source = next((word for word in ("import", "rig") if recorded.startswith(word)), "sim")
-    needed = tuple(dict.fromkeys([*needed_by(source, tracking=_is_run(attributes)), *also]))
+    needed = needed_by(source, tracking=_is_run(attributes))
     required = RUN_ATTRIBUTES if _is_run(attributes) else ()
     log, problems = gather_columns(
         path,

@@ -22,7 +22,6 @@ from fprc.paper import LOOPS, REFERENCE_NAMES
 from fprc.signals import repeat_cycle, settled
 from fprc.tables.figure_data import deviations, error_summary
 
-_CHANNELS = ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "p_fb_kpa")
 #: Panels of the reservoir in Fig. 17.
 _RESERVOIR = {
     "p_i_kpa": "(b) Input $P_i$", "phi_deg": r"Bending $\phi$", "p_o_kpa": "Output $P_o$"
@@ -38,7 +37,7 @@ def draw_following(
     """
     # in one call, because each starts a process, and once, because each file has its error
     paths = list(dict.fromkeys([open_loop, closed_loop, *runs]))
-    logs = dict(zip(paths, isolated_each(read_run, paths, names=_CHANNELS), strict=True))
+    logs = dict(zip(paths, isolated_each(read_run, paths), strict=True))
     opened, closed = logs[open_loop], logs[closed_loop]
     table = error_summary([opened, closed])
     write_csv(csv, table)
@@ -71,7 +70,7 @@ def draw_following(
 
 def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 16: actual angle over reference, PD against FPRC+PD."""
-    logs = isolated_each(read_run, runs, names=_CHANNELS)
+    logs = isolated_each(read_run, runs)
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.1, sharex=True, sharey=True)
     for ax, letter, reference in zip(axes, "ab", LOOPS, strict=True):
         pair = [
@@ -92,7 +91,7 @@ def draw_disturbance(
 
     The reservoir's signals are drawn over their last undisturbed cycle, repeated.
     """
-    (log,) = isolated_each(read_run, [run], names=(*_CHANNELS, *_RESERVOIR))
+    (log,) = isolated_each(read_run, [run])
     channels, settle_s = log.channels, log.attributes["settle_s"]
     time_s = channels["time_s"]
     cycles = {
