@@ -17,11 +17,10 @@ from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import read_columns, write_raw
 from fprc.logs.clock import Recording, likely_rate, other_unit, refuse_length
 from fprc.logs.diagnosis import describe, diagnose
-from fprc.logs.gather import gather
+from fprc.logs.gather import gather, read_source
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import other_quantity
 from fprc.logs.resample import rate_of, resample
-from fprc.logs.sources import read_source
 from fprc.logs.variables import Source, columns_of
 from fprc.provenance import sha256
 

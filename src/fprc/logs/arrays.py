@@ -14,6 +14,7 @@ import scipy.io
 from scipy.io.matlab import MatlabFunction, MatlabOpaque
 
 from fprc.errors import LogError
+from fprc.given import open_given
 from fprc.logs.attributes import read_attribute
 from fprc.logs.hdf5 import SIGNATURE, refuse_never_written
 from fprc.logs.variables import Source
@@ -47,9 +48,9 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
     Raises
     ------
     LogError
-        The file is damaged, cut short, empty, or has too many parts.
+        The file cannot be opened, is damaged, cut short, empty, or has too many parts.
     """
-    with path.open("rb") as file:
+    with open_given(path, error=LogError) as file:
         head = file.read(10)
     if not matlab:
         kind, parts = "HDF5", _parts_of_hdf5(path)

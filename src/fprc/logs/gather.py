@@ -1,18 +1,54 @@
-"""Convert columns of another program's file to channels of a raw log."""
+"""Read another program's file, and convert its columns to channels of a raw log."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fprc.channels import CONVERTED
 from fprc.errors import LogError
+from fprc.logs.arrays import read_arrays
 from fprc.logs.clock import Clock, Recording, read_clock
 from fprc.logs.columns import LARGEST
+from fprc.logs.delimited import read_text
+from fprc.logs.isolated import isolated_each
 from fprc.logs.variables import Source, pick
 
+#: Formats by the ending of a file's name.
+_SUFFIXES = {
+    ".csv": "CSV", ".tsv": "CSV", ".txt": "CSV", ".dat": "CSV",
+    ".h5": "HDF5", ".hdf5": "HDF5", ".hdf": "HDF5", ".mat": "MATLAB",
+}  # fmt: skip
 #: Factor from each unit to that of a raw log; ``1``: another quantity, not converted.
 FACTORS = {"1": 1.0} | {name: by for units in CONVERTED.values() for name, by in units.items()}
+
+
+def read_source(path: Path | str, **layout: Any) -> Source:
+    """Read every variable of a CSV, HDF5 or MATLAB file that can be a channel.
+
+    HDF5 and MATLAB files are read in a child process, because their libraries can hang or
+    crash on a damaged file.
+
+    Parameters
+    ----------
+    **layout
+        Layout of a text file, see ``read_text``.
+
+    Raises
+    ------
+    LogError
+        The file cannot be opened, is not in the format that its name's ending stands for, or is
+        too large.
+    """
+    path = Path(path)
+    kind = _SUFFIXES.get(path.suffix.lower())
+    if kind is None:
+        raise LogError(f"{path}: unknown file name ending; must be one of {', '.join(_SUFFIXES)}")
+    if kind == "CSV":
+        return read_text(path, **layout)
+    (source,) = isolated_each(read_arrays, [path], matlab=kind == "MATLAB")
+    return source
 
 
 def gather(

@@ -1,3 +1,5 @@
+import re
+
 import h5py
 import numpy as np
 import pandas as pd
@@ -7,10 +9,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from fprc.errors import LogError
+from fprc.logs import gather as module
 from fprc.logs.arrays import read_arrays
 from fprc.logs.columns import LARGEST
-from fprc.logs.gather import gather
-from fprc.logs.sources import read_source
+from fprc.logs.gather import gather, read_source
+from fprc.logs.isolated import attempt_each
 
 PLAIN = {"scale": 1.0, "offset": 0.0}
 T = np.arange(50) / 100.0
@@ -117,6 +120,44 @@ def test_value_that_is_kept_and_not_finite_is_named_with_its_sample(tmp_path, wr
             f"p_exp_kpa: {name.format('force')}: {content.sample(30)} is nan, and 1 more" in message
         )
         assert len(gather(content, **asked(name, end_s=0.295)).time_s) == 30
+
+
+# --- files ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["log.h5", "log.mat"])
+def test_arrays_are_read_in_another_process(tmp_path, monkeypatch, name):
+    monkeypatch.setattr(module, "isolated_each", lambda *call, **more: ["read there"])
+    assert read_source(tmp_path / name) == "read there"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS[1:])
+def test_file_cut_anywhere_is_refused_with_a_message_and_never_hangs(tmp_path, writers, kind):
+    write, file, _ = writers[kind]
+    write(tmp_path / file, COLUMNS)
+    whole, cuts = (tmp_path / file).read_bytes(), []
+    for size in sorted({128, *range(0, len(whole), max(len(whole) // 60, 1))}):
+        cuts.append((tmp_path / file).with_stem(f"cut_{size}"))
+        cuts[-1].write_bytes(whole[:size])
+    found = attempt_each(read_arrays, cuts, matlab=file.endswith("mat"))
+    for path, error in zip(cuts, found, strict=True):
+        assert isinstance(error, LogError)
+        assert str(error).startswith(f"{path}: ")
+        assert not re.search("not read within|crashed", str(error))
+
+
+def test_unknown_ending_is_answered_by_the_known_ones(tmp_path):
+    with pytest.raises(LogError, match="must be one of .csv"):
+        read_source(tmp_path / "log.xlsx")
+
+
+@pytest.mark.parametrize("name", ["log.h5", "log.mat"])
+def test_text_under_another_ending_is_refused(tmp_path, name):
+    (tmp_path / name).write_text("t,angle\n0,1\n")
+    with pytest.raises(LogError) as caught:
+        read_arrays(tmp_path / name, matlab=name.endswith("mat"))
+    assert str(caught.value).startswith(str(tmp_path / name))
 
 
 # --- clock, cut, units ----------------------------------------------------------------------
