@@ -19,7 +19,6 @@ from fprc.studies.blocks import replace_block
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs/chamber.md"
-BLOCK = "recordings"
 #: Public recordings: file below the folder of its map's name.
 FILES = {"byu_bellows_arm": "bellows_arm_whitened.mat", "pneusim_antagonistic_pam": "data.mat"}
 #: The grid over epsilon and taps, which the table does not show, as small as it can be.
@@ -40,15 +39,17 @@ def in_mm(mapping: Mapping[str, Any]) -> dict[str, Any]:
     return {**mapping, "channels": {**mapping["channels"], "theta_deg": theta}}
 
 
-def readout(folder: Path, *asked: str, mapping: Mapping[str, Any]) -> dict[str, Any]:
+def readout(*asked: str, mapping: Mapping[str, Any]) -> dict[str, Any]:
     """Run `fprc readout` in an empty folder and return its report on the models."""
-    for name, content in (("map.yaml", mapping), ("few.yaml", FEW)):
-        (folder / name).write_text(yaml.safe_dump(content), encoding="utf-8")
-    given = ("--map", folder / "map.yaml", "--config", folder / "few.yaml", "--out", folder / "out")
-    if code := main(["readout", *asked, *map(str, given)]):
-        raise SystemExit(code)
-    report: dict[str, Any] = read_json(folder / "out/readout/competitors.json")
-    return report
+    with tempfile.TemporaryDirectory() as folder:
+        asked += ("--out", f"{folder}/out")
+        for option, content in (("--map", mapping), ("--config", FEW)):
+            path = Path(folder, f"{option[2:]}.yaml")
+            path.write_text(yaml.safe_dump(content), encoding="utf-8")
+            asked += (option, str(path))
+        if code := main(["readout", *asked]):
+            raise SystemExit(code)
+        return read_json(f"{folder}/out/readout/competitors.json")
 
 
 def row(name: str, report: Mapping[str, Any]) -> dict[str, str]:
@@ -71,30 +72,22 @@ def row(name: str, report: Mapping[str, Any]) -> dict[str, str]:
 
 def rows(datasets: Path) -> Iterator[dict[str, str]]:
     """Evaluate the recordings one after the other, and yield their rows."""
+    for dataset, file in FILES.items():
+        path = str(datasets / dataset / file)
+        mapping = yaml.safe_load((ROOT / f"config/maps/{dataset}.yaml").read_text("utf-8"))
+        yield row(f"`{dataset}`", readout(path, mapping=mapping))
+    yield row(f"`{dataset}`, in mm", readout(path, mapping=in_mm(mapping)))
     with tempfile.TemporaryDirectory() as name:
-        folders = iter(Path(tempfile.mkdtemp(dir=name)) for _ in range(9))
-        for dataset, file in FILES.items():
-            path = str(datasets / dataset / file)
-            mapping = yaml.safe_load((ROOT / f"config/maps/{dataset}.yaml").read_text("utf-8"))
-            yield row(f"`{dataset}`", readout(next(folders), path, mapping=mapping))
-        yield row(f"`{dataset}`, in mm", readout(next(folders), path, mapping=in_mm(mapping)))
         logs = [str(Path(name, f"{experiment}.h5")) for experiment in ("complex", "sweep")]
         for log in logs:
             main(["simulate", Path(log).stem, "--out", log])
-        asked = (logs[0], "--train", logs[1])
-        yield row("sweep of the simulated rig", readout(next(folders), *asked, mapping=SIMULATED))
-
-
-def block(datasets: Path) -> str:
-    """Return the table."""
-    text: str = pd.DataFrame(rows(datasets)).to_markdown(index=False, disable_numparse=True)
-    return text
+        report = readout(logs[0], "--train", logs[1], mapping=SIMULATED)
+        yield row("sweep of the simulated rig", report)
 
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
-    page = replace_block(
-        PAGE.read_text(encoding="utf-8"), BLOCK, block(Path(sys.argv[1])), str(PAGE)
-    )
-    write_text(PAGE, page)
+    table = pd.DataFrame(rows(Path(sys.argv[1]))).to_markdown(index=False, disable_numparse=True)
+    page = PAGE.read_text(encoding="utf-8")
+    write_text(PAGE, replace_block(page, "recordings", table, str(PAGE)))
