@@ -227,12 +227,10 @@ def _targets(dataset: h5py.Dataset) -> list[tuple[str, Any]]:
 
 def _numbers_of(part: np.ndarray | h5py.Dataset | str) -> np.ndarray | str:
     """Return the numbers of a part, or why it cannot be a channel."""
-    if isinstance(part, str):
-        return part
     if isinstance(part, h5py.Dataset):
         part = _read(part)
-        if isinstance(part, str):
-            return part
+    if isinstance(part, str):
+        return part
     if part.dtype.kind not in "fiub":
         return "text" if part.dtype.kind in "US" else f"numbers of type {part.dtype}"
     return part.astype(np.float64, copy=False)

@@ -16,9 +16,6 @@ LIKELY_HZ = (10.0, 20000.0)
 #: Most samples per channel that resampling may process.
 MOST_POINTS = 5_000_000
 
-#: ``Clock.corrections`` of a clock that was not corrected.
-NO_CORRECTIONS = {"unordered_samples": 0, "repeated_samples": 0, "repeated": None}
-
 
 class Clock(NamedTuple):
     """Time stamps of a file's samples, sorted."""

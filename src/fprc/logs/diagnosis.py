@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from fprc.logs.clock import NO_CORRECTIONS
 from fprc.logs.quality import gaps_of, runs
 from fprc.logs.resample import rate_of
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
@@ -21,7 +20,7 @@ LEAK_KPA_PER_MIN = 2.0
 def diagnose(
     time_s: np.ndarray,
     channels: Mapping[str, np.ndarray],
-    corrections: Mapping[str, Any] = NO_CORRECTIONS,
+    corrections: Mapping[str, Any],
     *,
     quality: Mapping[str, Any],
 ) -> dict[str, Any]:

@@ -10,7 +10,8 @@ from fprc.logs import diagnosis
 from fprc.logs import sealed_chamber as sealed
 from fprc.logs.diagnosis import describe
 
-diagnose = partial(diagnosis.diagnose, quality={"gap_periods": 1.5, "stuck_s": 2.0})
+QUALITY = {"gap_periods": 1.5, "stuck_s": 2.0}
+diagnose = partial(diagnosis.diagnose, corrections={}, quality=QUALITY)
 RATE_HZ = 200.0
 TIME_S = np.arange(8000) / RATE_HZ
 
@@ -216,7 +217,7 @@ def test_every_finding_is_described_with_its_channel(squeezed, unit):
     time_s, channels = time_s[kept], {name: values[kept] for name, values in channels.items()}
     channels["same_deg"] = channels["phi_deg"]
     corrections = {"unordered_samples": 3, "repeated_samples": 5, "repeated": "mean"}
-    found = diagnose(time_s, channels, corrections)
+    found = diagnose(time_s, channels, corrections=corrections)
     lines = describe(found, dict.fromkeys(channels, unit))
     for begin, finding in (
         ("clock", "out of order"), ("clock", "repeat"), ("clock", "gaps"), ("p_i_kpa", "hold"),
