@@ -14,7 +14,6 @@ from fprc.cli import main
 from fprc.commands import readout as readout_command
 from fprc.commands.readout import report_readout
 from fprc.commands.readout_page import findings
-from fprc.config.importing import read_map
 from fprc.errors import ConfigError
 from fprc.evaluation.cells import judged_cells, log_progress
 from fprc.experiments.competitors import period_s, recording_blocks
@@ -261,20 +260,6 @@ def test_slowest_of_several_recordings_sets_the_rate(recording, tmp_path):
     assert run(tmp_path, recording(), "--train", more) == 130
     train = read_data(tmp_path / "out/data/sweep.h5")
     assert train.attributes["recordings"] == {"sweep.h5": 700, "sweep_2.h5": 300}
-
-
-@pytest.mark.parametrize(
-    ("more", "message"),
-    [
-        ({"experiment": "sweep"}, "give either experiment"),
-        ({"test_from_s": None}, "give either experiment"),
-        ({"test_from_s": 3, "start_s": 4}, "must lie between start_s = 4 and end_s = inf"),
-        ({"test_from_s": 9, "end_s": 8}, "must lie between start_s = 0 and end_s = 8"),
-    ],
-)
-def test_map_says_one_log_or_two_parts(recording, more, message):
-    with pytest.raises(ConfigError, match=message):
-        read_map(recording(**more))
 
 
 def table_of(errors):

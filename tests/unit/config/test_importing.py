@@ -19,6 +19,8 @@ SMALL = {
         "p_exp_kpa": {"column": "P", "unit": "bar"},
     },
 }
+#: The beginning of a map of two parts.
+TWO = SMALL | {"experiment": None}
 
 
 @pytest.fixture
@@ -96,6 +98,10 @@ def test_quantity_that_is_something_else_needs_a_note(problems):
         (SMALL | {"time": {"rate_hz": 10, "unit": "ms"}}, "time: unit belongs to a column"),
         (SMALL | {"time": {"rate_hz": 0}}, "time.rate_hz = 0: must be greater than 0"),
         (SMALL | {"start_s": 3, "end_s": 2}, "end_s = 2; must be above start_s = 3"),
+        (SMALL | {"test_from_s": 7}, "give either experiment"),
+        (SMALL | {"experiment": None}, "give either experiment"),
+        (TWO | {"test_from_s": 3, "start_s": 4}, "between start_s = 4 and end_s = inf"),
+        (TWO | {"test_from_s": 9, "end_s": 8}, "between start_s = 0 and end_s = 8"),
         (SMALL | {"end_s": []}, "end_s = []: must be a valid number"),
         (SMALL | {"end_s": 10**399}, "end_s = 1000"),
         (SMALL | {"end_s": "soon"}, "end_s = soon: must be a valid number"),

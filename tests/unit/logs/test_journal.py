@@ -399,20 +399,6 @@ def test_journal_without_a_sample_gives_no_log(path, tmp_path):
     assert not (tmp_path / "run.h5").exists()
 
 
-def test_sensor_that_the_rig_does_not_have_is_left_out_of_the_log(path, tmp_path):
-    phi = NAMES.index("phi_deg")
-    journal = Journal(path, NAMES, ATTRIBUTES)
-    for k in range(20):
-        values = list(row(k))
-        values[phi] = float("nan")
-        journal.append(k, values)
-    journal.close()
-    raw = tmp_path / "sweep.h5"
-    recover(path, raw)
-    log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.01)
-    assert set(log.channels) == set(needed_by("sim")) - {"phi_deg"}
-
-
 def test_attributes_of_any_name_are_kept(path, tmp_path):
     more = dict.fromkeys(["path", "channels", "operator"], "mine")
     with Journal(path, NAMES, ATTRIBUTES | more) as journal:

@@ -42,6 +42,11 @@ def test_raw_log_comes_back_as_it_was_written(write_log, channels):
     assert log.attributes["rig"] == {"valve": {"leak": 0.0}}
 
 
+def test_sensor_that_the_rig_does_not_have_is_left_out_of_the_log(write_log):
+    path = write_log(changed={"phi_deg": np.full(400, np.nan)}, source="rig")
+    assert set(read_raw(path, **RATE).channels) == set(needed_by("sim")) - {"phi_deg"}
+
+
 def test_raw_log_without_an_attribute_that_it_needs_is_not_written(tmp_path):
     with pytest.raises(LogError, match="needs seed and rig"):
         write_raw(tmp_path / "a.h5", {}, experiment="sweep", source="sim", sample_rate_hz=200.0)
@@ -110,17 +115,6 @@ def test_run_has_reference_feedforward_and_feedback(write_run):
     path = write_run()
     assert tuple(read_raw(path, **RATE).channels) == needed_by("sim", tracking=True)
     assert tuple(read_run(path).channels) == needed_by("sim", tracking=True)
-
-
-def test_run_of_an_earlier_version_with_a_gain_is_readable(write_run):
-    old = {
-        "experiment": "track_sweep_fprc_pd_identified",
-        "controller": "fprc_pd",
-        "gain": "identified",
-    }
-    path = write_run(**old, rig={"gains": {"kp_kpa_per_deg": 0.5, "kd_kpa_s_per_deg": 0.005}})
-    assert tuple(read_raw(path, **RATE).channels) == needed_by("sim", tracking=True)
-    assert old.items() <= read_run(path).attributes.items()
 
 
 @pytest.mark.parametrize(
