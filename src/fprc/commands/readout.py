@@ -113,7 +113,7 @@ def report_readout(
     rate_hz = mapping.sample_rate_hz or _common_rate(recorded_hz, settings)
     mapping = mapping.model_copy(update={"sample_rate_hz": rate_hz})
     if mapping.experiment == "sweep":
-        test_from_s = float(f"{mapping.start_s + _TRAINED * duration_s:.4g}")
+        test_from_s = mapping.start_s + float(f"{_TRAINED * duration_s:.4g}")
         mapping = mapping.model_copy(update={"experiment": None, "test_from_s": test_from_s})
     scaled = settings_at(settings, rate_hz)
     rates = rates_in_words(recorded_hz, rate_hz, settings, scaled)

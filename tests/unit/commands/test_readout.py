@@ -191,11 +191,19 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, capsys):
 
 @pytest.mark.usefixtures("stopped")
 @pytest.mark.parametrize(
-    ("kept", "trained", "tested"), [({}, 1600, 800), ({"start_s": 3, "end_s": 9}, 800, 400)]
+    ("pause_s", "kept", "trained", "tested"),
+    [
+        (0, {}, 1600, 800),
+        (0, {"start_s": 3, "end_s": 9}, 800, 400),
+        (20_000, {"start_s": 20_000}, 1600, 800),
+    ],
 )
 def test_last_third_is_the_test_unless_the_map_says_where_it_begins(
-    recording, tmp_path, kept, trained, tested
+    recording, tmp_path, pause_s, kept, trained, tested
 ):
+    table = pd.read_csv(tmp_path / "log.csv")
+    table.loc[1:, "t"] += pause_s
+    table.to_csv(tmp_path / "log.csv", index=False)
     assert run(tmp_path, recording(test_from_s=None, experiment="sweep", **kept)) == 130
     lengths = [
         len(read_columns(tmp_path / f"out/data/{name}.h5", ("time_s",)).channels["time_s"])
