@@ -310,10 +310,11 @@ def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) ->
         return f"{len(values) - finite} values are not finite"
     if guess:
         return f"a clock? {guess[0]:.4g} Hz if in {guess[1]}"
-    fresh = np.count_nonzero(np.diff(values)) / max(len(values) - 1, 1)
+    fresh = np.count_nonzero(values[1:] != values[:-1]) / max(len(values) - 1, 1)
     return "constant" if fresh == 0.0 else f"{fresh:.0%} new values" if fresh < 0.9 else ""
 
 
+@np.errstate(all="ignore")  # differences of large values may overflow, and are no steps of a clock
 def _guess_rate(values: np.ndarray) -> tuple[float, str] | None:
     """Guess rate and unit of a column that increases as a clock does.
 

@@ -194,8 +194,9 @@ def jittery(jitter_s):
         (jittery(0.004), True),
         (jittery(0.02), True),
         (np.linspace(0.0, 1.0, 2000) ** 4, False),  # a ramp that rises late
+        (np.array([-1e308, 1e308, 1.2e308, 1.3e308]), False),
     ],
-    ids=["even", "jitter", "more jitter", "ramp"],
+    ids=["even", "jitter", "more jitter", "ramp", "beyond all numbers"],
 )
 def test_clock_is_found_however_unevenly_it_ticks(tmp_path, capsys, stamps, is_clock):
     rows = "".join(f"{stamp:.9f},1\n" for stamp in stamps)
