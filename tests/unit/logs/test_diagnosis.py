@@ -40,6 +40,12 @@ def test_clean_recording_has_an_even_clock_and_nothing_else():
         assert (channel["frozen"], channel["at_extreme"]) == ([], [])
 
 
+def test_even_clock_is_described_without_a_sign():
+    corrections = {"unordered_samples": 0, "repeated_samples": 0}
+    found = diagnose(np.arange(8000.0), {"theta_deg": wave()}, corrections=corrections)
+    assert "clock: 98 % of the steps are within 0.0% of" in describe(found, {"theta_deg": "deg"})[1]
+
+
 def test_record_is_json():
     found = diagnose(TIME_S, {"theta_deg": wave(), "p_i_kpa": wave(), "p_o_kpa": wave()})
     assert json.loads(json.dumps(found, allow_nan=False)) == found
