@@ -73,10 +73,10 @@ def import_or_list(
     LogError, OutputError
         See ``import_mapped``.
     """
-    if list_:
-        list_source(source, map_)
-    elif draft:
-        print(draft_map(source, map_))
+    if list_ or draft:
+        # a map that is not complete may already say how the text is to be read
+        content = read_source(source, **(read_csv(map_).model_dump() if map_ else {}))
+        print(list_columns(content) if list_ else draft_map(content))
     elif map_ and out:
         mapping = read_map(map_)
         if mapping.experiment is None:
@@ -217,50 +217,39 @@ def _is_imported(old: Path) -> bool:
     return not isinstance(log, LogError) and log.attributes.get("source") == "import"
 
 
-def list_source(source: str, map_file: str | None = None) -> None:
-    """Print the columns of a foreign file: samples, range, share of new values, guessed rate.
-
-    Parameters
-    ----------
-    map_file : str, optional
-        Only its ``csv`` section is used.
-    """
-    content = _content(source, map_file)
+def list_columns(content: Source) -> str:
+    """Describe the columns of a foreign file: samples, range, share of new values, guessed rate."""
     columns = {visible(name): v for name, v in columns_of(content).items()}
-    print(terminal(f"{source}: {content.kind}, {len(columns)} columns"))
     width = max(map(len, [*columns, "column"]))
-    print(f"  {'column':{width}}  {'samples':>8}  {'lowest':>10}  {'highest':>10}  remark")
-    clocks = 0
-    for name, values in columns.items():
+    lines = [
+        visible(f"{content.path}: {content.kind}, {len(columns)} columns"),
+        f"  {'column':{width}}  {'samples':>8}  {'lowest':>10}  {'highest':>10}  remark",
+    ]
+    guesses = [_guess_rate(values) for values in columns.values()]
+    for (name, values), guess in zip(columns.items(), guesses, strict=True):
         finite = values[np.isfinite(values)]
         low, high = (f"{v:.4g}" for v in (finite.min(), finite.max())) if finite.size else "--"
-        guess = _guess_rate(values)
-        clocks += guess is not None
         remark = _remark(values, len(finite), guess)
-        print(f"  {name:{width}}  {len(values):8}  {low:>10}  {high:>10}  {remark}".rstrip())
-    for name, why in content.others.items():
-        print(visible(f"  {name}: cannot be a channel: {why}"))
-    for note in content.notes:
-        print(visible(f"  {note}"))
-    if not clocks:
-        print(
+        lines.append(f"  {name:{width}}  {len(values):8}  {low:>10}  {high:>10}  {remark}".rstrip())
+    lines += [
+        visible(f"  {name}: cannot be a channel: {why}") for name, why in content.others.items()
+    ]
+    lines += [visible(f"  {note}") for note in content.notes]
+    if not any(guesses):
+        lines.append(
             "no column looks like a clock; name the column with the times in the map, or, if the "
             "file has none, give time.rate_hz"
         )
+    return "\n".join(lines)
 
 
-def draft_map(source: str, map_file: str | None = None) -> str:
+def draft_map(content: Source) -> str:
     """Return a map of a foreign file in YAML, its channels, units and clock guessed.
 
     A channel that the workflow needs and no column's name identifies has the column ``?``, and
     a unit that no name gives is marked: the user completes them.
-
-    Parameters
-    ----------
-    map_file : str, optional
-        Only its ``csv`` section is used.
     """
-    columns = columns_of(_content(source, map_file))
+    columns = columns_of(content)
     guesses = {name: _guess_rate(values) for name, values in columns.items()}
     clock = next((name for name, guess in guesses.items() if guess), None)
     found: dict[str, str] = {}
@@ -268,7 +257,7 @@ def draft_map(source: str, map_file: str | None = None) -> str:
         if name != clock and (likely := likely_channel(name)):
             found.setdefault(likely, name)
     lines = [
-        f"# Drafted from the names in {visible(Path(source).name)}; check each line, and complete "
+        f"# Drafted from the names in {visible(content.path.name)}; check each line, and complete "
         "those with a ?",
         "experiment: sweep  # or complex; instead, for fprc readout: test_from_s, in seconds",
     ]
@@ -294,10 +283,6 @@ def draft_map(source: str, map_file: str | None = None) -> str:
             lines.append(f"  {channel.name}: {spec}  # {channel.meaning}")
     left = [_quoted(name) for name in columns if name not in (clock, *found.values())]
     return "\n".join([*lines, *(["# columns left: " + ", ".join(left)] if left else [])])
-
-
-def _content(source: str, map_file: str | None) -> Source:
-    return read_source(source, **(read_csv(map_file).model_dump() if map_file else {}))
 
 
 def _quoted(name: str) -> str:
