@@ -88,20 +88,19 @@ def _source(module: str) -> tuple[str, set[tuple[str, str]]]:
 
 def _imports(tree: ast.AST, package: str) -> Iterator[tuple[str, str]]:
     """Yield every import of a module, at any depth, except those under TYPE_CHECKING."""
-    for node in ast.iter_child_nodes(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.Import):
             yield from ((alias.name, "") for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             origin = resolve_name("." * node.level + (node.module or ""), package)
             yield from ((origin, alias.name) for alias in node.names)
-        elif isinstance(node, _BLOCKS) and not (
-            isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
-        ):
-            yield from _imports(node, package)
 
 
 def _statements(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield a module and its statements, at any depth, except those under TYPE_CHECKING."""
     yield tree
     for node in ast.iter_child_nodes(tree):
-        if isinstance(node, _BLOCKS):
+        if isinstance(node, _BLOCKS) and not (
+            isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+        ):
             yield from _statements(node)
