@@ -192,7 +192,7 @@ class Plan:
     @cached_property
     def pages(self) -> list[str]:
         """Tables of the report; Tables II to IV are each followed by the version over seeds."""
-        seeds = dict(zip(("table2", "table3", "table4"), self.seeds_tables, strict=True))
+        seeds = dict(zip(("table2", "table3", "table4"), BY_NAME["seeds"].files, strict=True))
         pages = []
         # claims and the tables over seeds have places of their own
         in_report = (result for result in RESULTS if result.title and not result.on_rigs)
@@ -200,13 +200,8 @@ class Plan:
             if result.name in self.targets:
                 pages += [self.paths.below(file) for file in result.files if file.endswith(".md")]
             if result.name in seeds and "seeds" in self.targets:
-                pages.append(seeds[result.name])
+                pages.append(self.paths.below(seeds[result.name]))
         return pages
-
-    @cached_property
-    def seeds_tables(self) -> list[str]:
-        """Tables II to IV over further seeds."""
-        return [self.paths.below(file) for file in BY_NAME["seeds"].files[:3]]
 
     def replicates(self, part: str, targets: Sequence[str] = ()) -> list[str]:
         """Return one part of each further seed's report, for each of the models' ``targets``."""
