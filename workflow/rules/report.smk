@@ -43,8 +43,7 @@ rule report_page:
     params:
         **stage("report.write_report"),
         settings=SETTINGS,
-        # params, not inputs: the report must not cause these, which take minutes, to be made
-        beyond=lambda wildcards: beyond_paper(unchanged("beyond/claims.json")),
+        beyond=lambda wildcards: beyond_paper(),
     message:
         "Report: claims, tables, figures and settings on one page"
     script:

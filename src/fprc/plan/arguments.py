@@ -1,10 +1,8 @@
 """What the rules pass to their stages: a stage gets only the settings that it reads."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-from fprc.artifacts import read_json
 from fprc.registry import settings_of
 
 Settings = Mapping[str, Any]
@@ -72,14 +70,3 @@ def tracking(settings: Settings, reference: str, *names: str) -> dict[str, Any]:
         **pick(section, "angle_range_deg", "pressure_limit_kpa", *names),
         "references": pick(section["references"], reference),
     }
-
-
-def beyond_paper(claims: str) -> dict[str, Any]:
-    """Return the verdicts on B1-B8; empty if they have not been judged.
-
-    Parameters
-    ----------
-    claims : str
-        Report of the target ``beyond``, JSON; it need not exist.
-    """
-    return read_json(claims) if Path(claims).is_file() else {}
