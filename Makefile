@@ -8,7 +8,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick style fast types kernels lint site tests faults test damage test-kill reproduce-twice processors \
 	slurm slurm-programs test-slurm chromium docs check lowest newest fault-matrix fuzz loop-benchmark benchmark \
-	container test-container cut release release-tools test-release clean
+	recordings container test-container cut release release-tools test-release clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
