@@ -14,9 +14,7 @@ _NULL = BeforeValidator(lambda value: None if value == "null" else value)
 class Boards(Section):
     """Contec analog boards and the wiring of their channels."""
 
-    library: str = Field(
-        "", description="the driver's shared library; empty: libcaio.so, on Windows caio.dll"
-    )
+    library: str = Field("", description="the driver's shared library; empty: libcaio.so")
     input_device: str = Field("AIO000", min_length=1, description="analog input board")
     output_device: str = Field("AIO001", min_length=1, description="analog output board")
     p_exp_input: int = quantity(0, (0, 63), "channel of the actuator's pressure sensor")

@@ -31,8 +31,6 @@ def request_realtime(priority: int) -> list[str]:
 
 
 def _priority(priority: int) -> str:
-    if not hasattr(os, "sched_setscheduler"):
-        return "no real-time priority: this system has no SCHED_FIFO; continuing without"
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     except OSError as error:
@@ -44,12 +42,7 @@ def _priority(priority: int) -> str:
 
 
 def _memory() -> str:
-    try:
-        library = ctypes.CDLL(None, use_errno=True)
-        failed = library.mlockall(_MCL_CURRENT | _MCL_FUTURE)
-    except (OSError, AttributeError, TypeError):
-        return "memory not locked: this system has no mlockall; continuing without"
-    if failed:
+    if ctypes.CDLL(None, use_errno=True).mlockall(_MCL_CURRENT | _MCL_FUTURE):
         return (
             f"memory not locked ({os.strerror(ctypes.get_errno())}); continuing without. To grant "
             "it, add '@realtime - memlock unlimited' to /etc/security/limits.conf"

@@ -1,4 +1,4 @@
-"""Contec analog boards through their C driver, libcaio.so or caio.dll.
+"""Contec analog boards through their C driver, libcaio.so.
 
 Every call returns 0 on success, else a code that ``AioGetErrorString`` translates
 (Contec API-AIO).
@@ -6,7 +6,6 @@ Every call returns 0 on success, else a code that ``AioGetErrorString`` translat
 
 import contextlib
 import ctypes
-import sys
 from typing import Any
 
 from fprc.errors import DeviceError
@@ -31,23 +30,20 @@ def load_library(path: str = "") -> ctypes.CDLL:
     Parameters
     ----------
     path : str
-        Shared library; empty for the driver's default name on this system.
+        Shared library; empty for the driver's default name.
 
     Raises
     ------
     DeviceError
         The library is missing, or is not this driver.
     """
-    windows = sys.platform == "win32"
-    name = path or ("caio.dll" if windows else "libcaio.so")
+    name = path or "libcaio.so"
     try:
-        # on Windows the driver uses the calling convention stdcall
-        library = getattr(ctypes, "WinDLL", ctypes.CDLL)(name)
+        library = ctypes.CDLL(name)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name
         raise DeviceError(
-            f"driver {visible(name)}: cannot be loaded ({error}); install Contec's API-AIO"
-            f"{'(WDM)' if windows else '(LNX)'} from contec.com, or set hardware.boards.library "
-            "to its path"
+            f"driver {visible(name)}: cannot be loaded ({error}); install Contec's "
+            "API-AIO(LNX) from contec.com, or set hardware.boards.library to its path"
         ) from error
     for call, types in _SIGNATURES.items():
         try:
@@ -100,10 +96,7 @@ class _Board:
         text = ctypes.create_string_buffer(256)
         if self._library.AioGetErrorString(code, text):
             return "no description"
-        try:
-            return text.value.decode("utf-8")
-        except UnicodeDecodeError:
-            return text.value.decode("cp932", "replace")  # Japanese Windows
+        return text.value.decode("utf-8", "replace")
 
 
 class AnalogInput(_Board):

@@ -42,8 +42,11 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
     Raises
     ------
     DeviceError
-        A board is in use, by the process that the message names, or cannot be locked.
+        A board is in use, by the process that the message names, or cannot be locked; or this is
+        not Linux.
     """
+    if sys.platform != "linux":
+        raise DeviceError("the real rig can be driven only from Linux; nothing was moved")
     # the folders of the system in the order of every program
     places = [Path(folder)] if folder else [place.resolve() for place in _SHARED if place.is_dir()]
     if not places:
@@ -114,12 +117,8 @@ def _lock_in_all(board: str, places: Sequence[Path], denied: set[str]) -> Iterat
 
 
 def _lock(board: str, path: Path) -> int:
-    try:
-        import fcntl
-    except ImportError as error:
-        raise DeviceError(
-            "boards can be locked against other programs only on Linux; run the real rig on Linux"
-        ) from error
+    import fcntl  # which other systems may lack
+
     file = _open(path)
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

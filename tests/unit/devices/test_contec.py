@@ -1,7 +1,5 @@
-import ctypes
 import shutil
 import subprocess
-import sys
 
 import pytest
 
@@ -37,8 +35,8 @@ def test_board_is_reset_unless_its_outputs_must_hold(bench, library):
     assert bench.shared.calls - calls == calls - 1
 
 
-@pytest.mark.parametrize(("code", "words"), [(20000, "装置"), (20001, "no description")])
-def test_words_of_a_japanese_driver_are_readable_and_none_are_no_crash(bench, library, code, words):
+@pytest.mark.parametrize(("code", "words"), [(20000, "\\ufffd+u"), (20001, "no description")])
+def test_words_that_cannot_be_read_and_none_are_no_crash(bench, library, code, words):
     board = AnalogInput(library, "AIO000", 1)
     bench.fail(code=code)
     with pytest.raises(DeviceError, match=rf"failed with code {code} \({words}\)"):
@@ -55,16 +53,8 @@ def test_missing_library_says_where_to_get_it(tmp_path, name, shown):
     assert "API-AIO(LNX) from contec.com, or set hardware.boards.library" in str(caught.value)
 
 
-def test_driver_has_its_own_name_on_each_system(monkeypatch):
+def test_driver_is_looked_for_by_its_own_name():
     with pytest.raises(DeviceError, match=r"^driver libcaio\.so: cannot"):
-        load_library()
-
-    def missing(name):
-        raise OSError(f"{name} not found")
-
-    monkeypatch.setattr(sys, "platform", "win32")
-    monkeypatch.setattr(ctypes, "WinDLL", missing, raising=False)
-    with pytest.raises(DeviceError, match=r"^driver caio\.dll: .*API-AIO\(WDM\)"):
         load_library()
 
 

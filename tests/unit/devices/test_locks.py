@@ -2,6 +2,7 @@ import errno
 import logging
 import os
 import subprocess
+import sys
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,6 +28,14 @@ def test_board_is_had_by_one_at_a_time_and_its_holder_named(tmp_path):
             pass
     with locked(BOARDS, str(tmp_path)):
         pass
+
+
+@pytest.mark.parametrize("system", ["darwin", "win32"])
+def test_boards_are_refused_on_a_system_that_cannot_drive_them(tmp_path, monkeypatch, system):
+    monkeypatch.setattr(sys, "platform", system)
+    with pytest.raises(DeviceError, match="only from Linux"), locked(BOARDS, str(tmp_path)):
+        pass
+    assert not list(tmp_path.iterdir())
 
 
 def test_process_that_inherits_a_lock_holds_it_after_the_other_has_gone(tmp_path):
