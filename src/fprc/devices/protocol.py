@@ -22,9 +22,6 @@ class Device(Protocol):
     def safe(self) -> None:
         """Vent both chambers; may be called at any time, and repeatedly."""
 
-    def close(self) -> None:
-        """Vent both chambers and release the hardware."""
-
 
 class Clock(Protocol):
     """Clock of a rig."""

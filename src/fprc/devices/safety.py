@@ -33,7 +33,7 @@ class CheckedRig:
         self, device: Device, limits: Mapping[str, Any], period_s: float, *, phi: bool = True
     ):
         self._device = device
-        self.safe, self.close = device.safe, device.close
+        self.safe = device.safe
         self._period_s = period_s
         self._stale_s = limits["stale_s"]
         watched = [name for name in SENSORS if name in limits and (phi or name != "phi_deg")]

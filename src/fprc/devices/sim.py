@@ -154,10 +154,6 @@ class SimulatedRig:
         """Vent both chambers; closed valves would keep their pressure."""
         self._valve_v[:] = 0.0
 
-    def close(self) -> None:
-        """Vent both chambers; there is nothing to release."""
-        self.safe()
-
     def _advance(self, substeps: int) -> None:
         self._tick += 1
         failed = advance(

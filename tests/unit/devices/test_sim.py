@@ -37,11 +37,11 @@ def test_noise_does_not_repeat_beyond_its_buffer(rig):
     assert abs(np.corrcoef(second, third)[0, 1]) < 0.5
 
 
-def test_closed_rig_vents_both_chambers(device):
+def test_rig_that_is_made_safe_vents_both_chambers(device):
     device.write(6.5, 6.5)
     device.wait_for(100)
     assert min(device.read().p_exp_kpa, device.read().p_i_kpa) > 150.0
-    device.close()
+    device.safe()
     device.wait_for(600)
     assert max(device.read().p_exp_kpa, device.read().p_i_kpa) < 12.0
 
