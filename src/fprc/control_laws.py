@@ -8,6 +8,11 @@ starts fast.
 import math
 from typing import Any
 
+#: Voltage that closes a proportional valve, V.
+NEUTRAL_V = 5.0
+#: Highest voltage of a valve, V; the lowest is 0.
+HIGHEST_V = 10.0
+
 
 def clamp(value: float, low: float, high: float) -> float:
     """Return a pressure within its limits: P_i and P_d = P_ff + P_fb, and what was learned."""
@@ -21,19 +26,18 @@ def pressure_step(
     ki: float,
     period_s: float,
     neutral_v: float,
-    limit_v: float,
 ) -> tuple[float, float]:
     """Return the voltage of a valve, and the integral of its pressure error.
 
-    V = V_neutral + kp e + ki integral(e), from 0 to ``limit_v``; at either end the integral stays
+    V = V_neutral + kp e + ki integral(e), from 0 to ``HIGHEST_V``; at either end the integral stays
     as it is (Sec. IV, gains in V/kPa and V/(kPa s)).
     """
     summed = integral_kpa_s + error_kpa * period_s
     volts = neutral_v + kp * error_kpa + ki * summed
     if volts < 0.0:
         return 0.0, integral_kpa_s
-    if volts > limit_v:
-        return limit_v, integral_kpa_s
+    if volts > HIGHEST_V:
+        return HIGHEST_V, integral_kpa_s
     return volts, summed
 
 

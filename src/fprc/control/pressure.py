@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
-from fprc.control_laws import pressure_step
-from fprc.devices import HIGHEST_V, NEUTRAL_V
+from fprc.control_laws import NEUTRAL_V, pressure_step
 
 
 @dataclass(eq=False, repr=False)
@@ -21,8 +20,8 @@ class PressurePI:
         Gains, paper Sec. IV.
     period_s : float
         Time between two calls.
-    neutral_v, limit_v : float
-        Voltage that closes the valve, and the highest voltage.
+    neutral_v : float
+        Voltage that closes the valve.
     """
 
     kp_v_per_kpa: float
@@ -30,7 +29,6 @@ class PressurePI:
     period_s: float
     _: KW_ONLY
     neutral_v: float = NEUTRAL_V
-    limit_v: float = HIGHEST_V
     integral_kpa_s: float = field(default=0.0, init=False)
 
     def step(self, setpoint_kpa: float, measured_kpa: float) -> float:
@@ -53,7 +51,6 @@ class PressurePI:
             self.ki_v_per_kpa_s,
             self.period_s,
             self.neutral_v,
-            self.limit_v,
         )
         return volts
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS
-from fprc.devices import HIGHEST_V, NEUTRAL_V
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 
@@ -112,6 +111,4 @@ def _controllers(
         "k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
         "p_i_limits_kpa": (0.0, control["reservoir_limit_kpa"]),
         "p_exp_limits_kpa": p_exp_limits_kpa,
-        "neutral_v": NEUTRAL_V,
-        "limit_v": HIGHEST_V,
     }

@@ -4,11 +4,6 @@ from typing import Protocol
 
 from fprc.channels import Readings
 
-#: Voltage that closes a proportional valve, V.
-NEUTRAL_V = 5.0
-#: Highest voltage of a valve, V; the lowest is 0.
-HIGHEST_V = 10.0
-
 
 class Device(Protocol):
     """A rig at the level of valve voltages and sensor readings."""

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from fprc.channels import SENSORS, Readings, unit_of
-from fprc.devices.protocol import HIGHEST_V, Device
+from fprc.control_laws import HIGHEST_V
+from fprc.devices.protocol import Device
 from fprc.errors import SafetyError
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fprc.channels import CHANNELS, Readings
-from fprc.devices.protocol import NEUTRAL_V
+from fprc.control_laws import NEUTRAL_V
 from fprc.errors import SimulationError
 from fprc.rig.closed_loop import RECORDED, SETPOINTS, close_loop
 from fprc.rig.parameters import record

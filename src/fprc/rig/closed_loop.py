@@ -43,8 +43,7 @@ def close_loop(
         Of the controllers: ``main``, ``reservoir`` (``kp_v_per_kpa``, ``ki_v_per_kpa_s``);
         ``feedback`` (``kp_kpa_per_deg``, ``kd_kpa_s_per_deg``, ``incremental``, ``acts``: 0 or 1);
         ``learning``, see ``fprc.models.Online``;
-        ``k_in_kpa_per_deg``; ``p_i_limits_kpa``, ``p_exp_limits_kpa`` (lowest, highest);
-        ``neutral_v``, ``limit_v``.
+        ``k_in_kpa_per_deg``; ``p_i_limits_kpa``, ``p_exp_limits_kpa`` (lowest, highest).
     setpoints : ndarray of shape (n_samples, 4)
         See ``SETPOINTS``.
     regressors : ndarray of shape (n_samples, n_weights)
@@ -123,11 +122,11 @@ def close_loop(
         p_exp = _clamp(p_ff + p_fb, low, high)
         valve_v[0], summed_main = _pressure_step(
             p_exp - p_main, summed_main, main.kp_v_per_kpa, main.ki_v_per_kpa_s, period_s,
-            control.neutral_v, control.limit_v,
+            control_laws.NEUTRAL_V,
         )  # fmt: skip
         valve_v[1], summed_reservoir = _pressure_step(
             p_i - p_active, summed_reservoir, reservoir.kp_v_per_kpa, reservoir.ki_v_per_kpa_s,
-            period_s, control.neutral_v, control.limit_v,
+            period_s, control_laws.NEUTRAL_V,
         )  # fmt: skip
         row = rows[k]
         row.time_s = (tick + k) * period_s
