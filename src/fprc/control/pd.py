@@ -1,10 +1,12 @@
 """Feedback of the bending angle: the paper's PD controller."""
 
 import math
+from dataclasses import KW_ONLY, dataclass, field
 
 from fprc.control_laws import pd_step
 
 
+@dataclass(eq=False, repr=False)
 class PD:
     """P_fb from e = theta_d - theta, by the authors' incremental law or by a positional one.
 
@@ -35,22 +37,14 @@ class PD:
         Lowest and highest P_d.
     """
 
-    def __init__(
-        self,
-        kp_kpa_per_deg: float,
-        kd_kpa_s_per_deg: float,
-        period_s: float,
-        *,
-        incremental: bool = True,
-        limits_kpa: tuple[float, float] = (0.0, math.inf),
-    ):
-        self.kp_kpa_per_deg = kp_kpa_per_deg
-        self.kd_kpa_s_per_deg = kd_kpa_s_per_deg
-        self.period_s = period_s
-        self.incremental = incremental
-        self.limits_kpa = limits_kpa
-        self._last: float | None = None
-        self._p_fb_kpa = 0.0
+    kp_kpa_per_deg: float
+    kd_kpa_s_per_deg: float
+    period_s: float
+    _: KW_ONLY
+    incremental: bool = True
+    limits_kpa: tuple[float, float] = (0.0, math.inf)
+    _last: float | None = field(default=None, init=False)
+    _p_fb_kpa: float = field(default=0.0, init=False)
 
     def step(self, theta_d_deg: float, theta_deg: float, p_ff_kpa: float = 0.0) -> float:
         """Return P_fb for this sample, kPa."""
