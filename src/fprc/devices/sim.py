@@ -9,7 +9,7 @@ import numpy as np
 from fprc.channels import CHANNELS, Readings
 from fprc.control_laws import NEUTRAL_V
 from fprc.errors import SimulationError
-from fprc.rig.closed_loop import RECORDED, SETPOINTS, close_loop
+from fprc.rig.closed_loop import RECORDED, close_loop
 from fprc.rig.parameters import record
 from fprc.rig.simulator import (
     DIVERGED,
@@ -113,7 +113,7 @@ class SimulatedRig:
         controllers : Mapping
             See ``fprc.rig.closed_loop.close_loop``.
         setpoints : ndarray of shape (n_samples, 4)
-            See ``fprc.rig.closed_loop.SETPOINTS``.
+            See ``fprc.rig.closed_loop.close_loop``.
         learner : tuple of ndarray, optional
             ``regressors``, ``learned``, ``covariance`` and ``prior`` of ``close_loop``.
 
@@ -128,8 +128,6 @@ class SimulatedRig:
             The state left its physical range; names the quantity and the time.
         """
         samples = len(setpoints)
-        if setpoints.shape != (samples, len(SETPOINTS)):
-            raise ValueError(f"setpoints of shape {setpoints.shape}: give {len(SETPOINTS)} columns")
         rows = np.empty(samples, RECORDED)
         failed, done = close_loop(
             self._state,

@@ -20,10 +20,6 @@ _learning_target = kernel(control_laws.learning_target)
 _may_learn = kernel(control_laws.may_learn)
 _learn_step = kernel(control_laws.learn_step)
 
-#: Columns of ``setpoints``: feedforward pressure, reference angle (NaN: none), pressure of PAM A
-#: (NaN: it follows the measured angle), push on the reservoir.
-SETPOINTS = ("p_ff_kpa", "theta_d_deg", "p_i_kpa", "push_kpa")
-
 #: A record of ``rows``: every channel of a log.
 RECORDED = np.dtype([(channel.name, float) for channel in CHANNELS])
 
@@ -45,7 +41,8 @@ def close_loop(
         ``learning``, see ``fprc.models.Online``;
         ``k_in_kpa_per_deg``; ``p_i_limits_kpa``, ``p_exp_limits_kpa`` (lowest, highest).
     setpoints : ndarray of shape (n_samples, 4)
-        See ``SETPOINTS``.
+        Feedforward pressure, reference angle (NaN: none), pressure of PAM A (NaN: it follows the
+        measured angle), push on the reservoir.
     regressors : ndarray of shape (n_samples, n_weights)
         Of the model's readout, see ``fprc.models.Online``; without columns, nothing is learned.
     learned : ndarray of shape (n_weights,)

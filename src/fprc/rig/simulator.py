@@ -23,9 +23,6 @@ from fprc.rig.valve import mass_flow, opening, spool_acceleration
 #: the bend sensor, and noise of up to two samples of both angles.
 NOISE_PER_TICK = 9
 
-#: Order of the pressure sensors in every array of three.
-PRESSURE_SENSORS = ("p_main", "p_i", "p_o")
-
 #: Codes that ``advance`` returns when a quantity leaves its physical range.
 DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bending angle",
             4: "volume of PAM B", 5: "spool of a valve"}  # fmt: skip
@@ -72,10 +69,11 @@ def initial_state(rig: Mapping[str, Any], rng: np.random.Generator) -> np.ndarra
 def draw_instruments(rig: Mapping[str, Any], rng: np.random.Generator) -> np.ndarray:
     """Calibration errors of the three pressure sensors, drawn once per rig.
 
-    Gain, offset and bow share the linearity that the data sheet allows.
+    Gain, offset and bow share the linearity that the data sheet allows. The order of the sensors,
+    here and in every array of three, is P_exp, P_i, P_o.
     """
     share = rig["pressure_sensor"]["linearity"] / 3.0
-    gain, offset, bow = rng.uniform(-share, share, size=(3, len(PRESSURE_SENSORS)))
+    gain, offset, bow = rng.uniform(-share, share, size=(3, 3))
     return record({"gain": list(gain), "offset": list(offset), "bow": list(bow)})
 
 
