@@ -9,6 +9,7 @@ import pytest
 
 from fprc.apparatus import session
 from fprc.config import Settings
+from fprc.devices.hardware import HardwareRig
 
 # libraries and thousands of tests stay: to look through them for garbage takes a tenth of the time
 gc.disable()
@@ -106,7 +107,7 @@ def live_by(monkeypatch):
                 bench.wait(seconds)
 
         monkeypatch.setattr(session, "_wait", wait)
-        monkeypatch.setattr(session, "_now", lambda: waited_s[0])
+        monkeypatch.setattr(session, "HardwareRig", partial(HardwareRig, now=lambda: waited_s[0]))
         return sessions, messages
 
     return live_by

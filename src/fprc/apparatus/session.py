@@ -66,7 +66,6 @@ def on_rig(
             clock.elapsed,
             has_lock=True,  # inherited from the guardian
             sleep=_wait,
-            now=_now,
         )
     except DeviceError:
         notify(SAFE)  # nothing was moved
@@ -125,10 +124,6 @@ def notify(message: bytes) -> bool:
     except BrokenPipeError:
         return False
     return True
-
-
-def _now() -> float:
-    return time.monotonic()
 
 
 def _boottime() -> float:

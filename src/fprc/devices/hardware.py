@@ -32,8 +32,6 @@ class HardwareRig:
         Returns the time since the start of the run, s, which becomes the time of a reading.
     has_lock : bool
         Whether this process already holds the locks of the boards; see ``fprc.devices.locks``.
-    open_bus : callable
-        Opens the I2C bus with a given number.
     sleep, now : callable
         Sleep function, and a monotonic clock, s.
 
@@ -49,7 +47,6 @@ class HardwareRig:
         elapsed: Callable[[], float],
         *,
         has_lock: bool = False,
-        open_bus: Callable[[int], Any] = open_bus,
         sleep: Callable[[float], None] = time.sleep,
         now: Callable[[], float] = time.monotonic,
     ):

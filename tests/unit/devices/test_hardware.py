@@ -23,7 +23,7 @@ def buses():
 
 
 @pytest.fixture
-def build(bench, hardware, buses):
+def build(bench, hardware, buses, monkeypatch):
     """Open the rig on buses that are recorded."""
 
     def open_and_keep(number):
@@ -32,12 +32,9 @@ def build(bench, hardware, buses):
         bus.close = Mock(wraps=bus.close)
         return bus
 
-    def build(**more):
-        rig = HardwareRig(
-            hardware,
-            bench.elapsed,
-            **{"open_bus": open_and_keep, "sleep": lambda seconds: None} | more,
-        )
+    def build():
+        monkeypatch.setattr("fprc.devices.hardware.open_bus", open_and_keep)
+        rig = HardwareRig(hardware, bench.elapsed, sleep=lambda seconds: None)
         rig._venting = {"sleep": bench.wait, "now": bench.elapsed}
         return rig
 
