@@ -5,7 +5,6 @@ real time and prints ``ready`` once it does.
 """
 
 import ctypes
-import json
 import mmap
 import os
 import subprocess
@@ -113,8 +112,7 @@ class Bench:
 
 
 def main() -> None:
-    settings = json.loads(sys.stdin.readline()) if len(sys.argv) > 2 else Settings().model_dump()
-    bench = Bench(Path(sys.argv[1]), settings)
+    bench = Bench(Path(sys.argv[1]), Settings().model_dump())
     bench.wait_for(1)
     print("ready", flush=True)
     start_s = beat_s = time.perf_counter()

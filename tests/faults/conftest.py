@@ -6,35 +6,14 @@ from typing import NamedTuple
 
 import pytest
 
+from fprc.studies.blocks import replace_block
+
 PAGE = Path(__file__).parents[2] / "docs" / "faults.md"
-_HEAD = """\
-# What happens when something fails
-
-After each of these faults on the rig both valves end up venting, with two exceptions: a valve
-that stays open, and a driver whose calls all fail from then on. The guardian
-([hardware.md](hardware.md)) then keeps trying, and says what to do by hand. **Nothing here was
-tested on hardware**: the code for the real devices ran against two stand-ins, a C library with
-the symbols of Contec's driver and an I2C bus for the angle sensors, both connected to the
-simulated rig.
-
-- *runs*: number of runs, each with the fault at another place
-- *safe*: whether the last voltages on the output board vent both chambers
-- *ticks*: ticks that began between the fault and the writes that vent; 0: vented within the tick
-- *lost*: samples that were read and written to the valves, but are missing in the journal, and in
-  the log that replaces it if it lost some
-- *measured*: for faults injected in real time, the time from the fault to the last write that
-  vents, on the computer that generated this page
-
-`make fault-matrix` writes this page; a test compares all columns but *measured* with its own
-results.
-
-<!-- faults: generated -->
-"""
 _COLUMNS = ("fault", "where", "runs", "what ends the run", "safe", "ticks", "lost", "measured")
 
 
 class Row(NamedTuple):
-    """Outcome of a fault; ``measured`` is not compared."""
+    """Outcome of a fault."""
 
     fault: str
     where: str
@@ -42,7 +21,6 @@ class Row(NamedTuple):
     safe: str
     ticks: str
     lost: str
-    measured: str = ""
 
 
 class Matrix:
@@ -79,7 +57,7 @@ class Matrix:
             fault = device + colon + "; ".join(row.fault.rpartition(": ")[2] for row in rows)
         elif len(rows) > 1:
             where = "; ".join(f"{row.where} ({n})" for row, n in zip(rows, runs, strict=True))
-        return (fault, where, str(sum(runs)), *first[2:6], self.measured[first])
+        return (fault, where, str(sum(runs)), *first[2:], self.measured[first])
 
 
 def _lines(table):
@@ -123,7 +101,7 @@ _FILLING = {"test_matrix.py", "test_process.py"}
 
 @pytest.fixture
 def whole_matrix(_matrix, request):
-    """The page after every test has added to it; skips if some did not run."""
+    """The table after every test has added to it; skips if some did not run."""
     # other folders have fixtures of these names too
     here = [item for item in request.session.items if item.path.parent == Path(__file__).parent]
     present = {item.path.name for item in here}
@@ -131,12 +109,14 @@ def whole_matrix(_matrix, request):
     chosen = request.config.option.keyword or request.config.option.markexpr
     if not present >= _FILLING or chosen or not filling <= _passed:
         pytest.skip("not every test of the table was run")
-    return _HEAD + "\n".join([*_matrix.lines(), "<!-- faults: end -->"])
+    return "\n".join(_matrix.lines())
 
 
 @pytest.fixture
 def page(request, whole_matrix):
-    """The page as committed; written first if requested."""
+    """The page as committed; its table is written first if requested."""
+    text = PAGE.read_text(encoding="utf-8")
     if request.config.getoption("write_matrix", False):
-        PAGE.write_text(whole_matrix + "\n", encoding="utf-8")
-    return PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
+        text = replace_block(text, "faults", whole_matrix, PAGE.name)
+        PAGE.write_text(text, encoding="utf-8")
+    return text
