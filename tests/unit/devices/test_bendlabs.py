@@ -3,9 +3,9 @@ import sys
 
 import pytest
 import smbus2
-from fake_bus import FakeBus
 from hypothesis import example, given
 from hypothesis import strategies as st
+from smbus2 import FakeBus
 
 from fprc.devices.bendlabs import BendSensor, open_bus
 from fprc.errors import DeviceError
