@@ -21,7 +21,7 @@ from io import BufferedReader
 from typing import IO, Any
 
 from fprc.devices.locks import locked, write_holder
-from fprc.devices.pneumatics import NotVentedError, board_names, not_vented, vent_from_outside
+from fprc.devices.pneumatics import NotVentedError, board_names, vent_from_outside
 from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
@@ -180,11 +180,11 @@ def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) 
                 written_s = written_s or time.monotonic()
         now_s = time.monotonic()
         if written_s and now_s - written_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S:
-            return str(not_vented("no pressure can be read: the driver does not answer"))
+            return str(NotVentedError("no pressure can be read: the driver does not answer"))
         if received.count(signal.SIGINT) > before:
             given_up.set()
             if written_s:
-                return str(not_vented("Ctrl-C ended the wait for the pressures"))
+                return str(NotVentedError("Ctrl-C ended the wait for the pressures"))
             return f"{_NOT_VENTED} ({problem})"
         if (problem and not printed) or now_s - printed_s > _MESSAGE_S:
             printed_s, printed = now_s, problem

@@ -25,6 +25,13 @@ _IN_A_ROW = 10
 class NotVentedError(DeviceError):
     """The valves were set to vent, but no reading confirms that the chambers are vented."""
 
+    def __init__(self, why: str):
+        super().__init__(
+            f"THE CHAMBERS MAY BE UNDER PRESSURE: both valves were set to vent, but {why}. Cut the "
+            "supply and open the chambers by hand; if a gauge shows 0 kPa, check the sensors' "
+            "cables and zero_v"
+        )
+
 
 class Valves:
     """Both proportional valves on the output board, and the optional heartbeat output.
@@ -151,7 +158,7 @@ def vent(
             if chambers.vented:
                 return
             if now() - written_s > voltages["vent_s"]:
-                raise not_vented(f"after {voltages['vent_s']:g} s {failed}{state}")
+                raise NotVentedError(f"after {voltages['vent_s']:g} s {failed}{state}")
         sleep(_POLL_S)
 
 
@@ -189,15 +196,6 @@ class _Chambers:
             + f"; vented is {self._limit_kpa:g} or less (hardware.valves.vented_kpa)"
             + (f"; {in_words(frozen)} never changed: frozen sensor" if frozen else "")
         )
-
-
-def not_vented(why: str) -> NotVentedError:
-    """Return the error for chambers that may still be under pressure, with the remedy."""
-    return NotVentedError(
-        f"THE CHAMBERS MAY BE UNDER PRESSURE: both valves were set to vent, but {why}. Cut the "
-        "supply and open the chambers by hand; if a gauge shows 0 kPa, check the sensors' cables "
-        "and zero_v"
-    )
 
 
 def vent_from_outside(hardware: Mapping[str, Any], on_write: Callable[[str], None]) -> None:
