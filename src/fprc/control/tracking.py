@@ -1,8 +1,8 @@
 """Control law of the tracking experiments: feedforward, feedback, or both (Sec. IV)."""
 
 import math
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -74,14 +74,14 @@ def tracking_law(
 
 
 def refuse_impossible(
-    theta_d_deg: np.ndarray,
-    sample_rate_hz: float,
-    *,
-    angle_range_deg: tuple[float, float],
-    k_in_kpa_per_deg: float,
-    reservoir_limit_kpa: float,
+    theta_d_deg: np.ndarray, control: Mapping[str, Any], angle_range_deg: tuple[float, float]
 ) -> None:
     """Check a reference before the rig moves.
+
+    Parameters
+    ----------
+    control : Mapping
+        Section ``control`` of the configuration.
 
     Raises
     ------
@@ -89,21 +89,22 @@ def refuse_impossible(
         Names the first time and value at which the reference leaves the
         actuator's range, or P_i = K_in theta_d exceeds its limit.
     """
-    low, high = angle_range_deg
+    (low, high), rate_hz = angle_range_deg, control["sample_rate_hz"]
     problems = []
     outside = np.flatnonzero(~((theta_d_deg >= low) & (theta_d_deg <= high)))
     if outside.size:
         k = outside[0]
         problems.append(
-            f"theta_d = {theta_d_deg[k]:.2f} deg at t = {k / sample_rate_hz:.3f} s leaves the "
+            f"theta_d = {theta_d_deg[k]:.2f} deg at t = {k / rate_hz:.3f} s leaves the "
             f"actuator's range of {low:g} to {high:g} deg; reduce amplitude or offset"
         )
-    beyond = np.flatnonzero(k_in_kpa_per_deg * theta_d_deg > reservoir_limit_kpa)
+    p_i_kpa, limit_kpa = control["k_in_kpa_per_deg"] * theta_d_deg, control["reservoir_limit_kpa"]
+    beyond = np.flatnonzero(p_i_kpa > limit_kpa)
     if beyond.size:
         k = beyond[0]
         problems.append(
-            f"P_i = {k_in_kpa_per_deg * theta_d_deg[k]:.1f} kPa at t = {k / sample_rate_hz:.3f} s "
-            f"exceeds the reservoir's limit of {reservoir_limit_kpa:g} kPa; reduce theta_d or K_in"
+            f"P_i = {p_i_kpa[k]:.1f} kPa at t = {k / rate_hz:.3f} s exceeds the reservoir's limit "
+            f"of {limit_kpa:g} kPa; reduce theta_d or K_in"
         )
     if problems:
         raise ControlError("\n".join(problems))

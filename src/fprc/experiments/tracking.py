@@ -64,13 +64,7 @@ class Track(NamedTuple):
         """
         rate_hz = self.control["sample_rate_hz"]
         theta_d = reference_angle(self.tracking["references"][name], rate_hz)
-        refuse_impossible(
-            theta_d,
-            rate_hz,
-            angle_range_deg=self.tracking["angle_range_deg"],
-            k_in_kpa_per_deg=self.control["k_in_kpa_per_deg"],
-            reservoir_limit_kpa=self.control["reservoir_limit_kpa"],
-        )
+        refuse_impossible(theta_d, self.control, self.tracking["angle_range_deg"])
         return theta_d
 
     def describe(self, reference: str, controller: str) -> dict[str, Any]:

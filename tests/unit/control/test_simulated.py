@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, needed_by
-from fprc.control import PressurePI, hysteresis_law, run, tracking_law
+from fprc.control import hysteresis_law, pressure_loops, run, tracking_law
 from fprc.control.simulated import simulate_hysteresis, simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
@@ -17,11 +17,6 @@ def device(rig, **more):
     return SimulatedRig(rig, seed=3, run=0, sample_rate_hz=200.0, **more)
 
 
-def loops(control):
-    names = ("main_loop", "reservoir_loop")
-    return {name: PressurePI(**control[name], period_s=0.005) for name in names}
-
-
 def pressures(samples=SAMPLES):
     return 200.0 - 220.0 * np.sign(np.cos(2.0 * np.pi * 0.7 * np.arange(samples) / 200.0))
 
@@ -31,7 +26,7 @@ def test_hysteresis_run_is_that_of_the_loop_bit_by_bit(rig, control):
     commands = pressures()
     law = hysteresis_law(commands, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
     slow = device(rig)
-    expected = run(slow, slow, law, SAMPLES, **loops(control))
+    expected = run(slow, slow, law, SAMPLES, **pressure_loops(control))
     assert {0.0, 10.0} <= set(expected["valve_main_v"])
     assert (expected["p_i_command_kpa"] == 0.0).any()
     result = simulate_hysteresis(device(rig), control, commands)
@@ -61,7 +56,7 @@ def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, feedback):
         feedback=feedback and pd_of(control, 300.0),
     )
     slow = device(rig, push_kpa=lambda tick: pushes[tick])
-    expected = run(slow, slow, law, SAMPLES, **loops(control), extra=TRACKING_CHANNELS)
+    expected = run(slow, slow, law, SAMPLES, **pressure_loops(control), extra=TRACKING_CHANNELS)
     assert {0.0, 300.0} <= set(expected["p_exp_command_kpa"])
     result = simulate_tracking(
         device(rig), control, theta_d, p_ff, 300.0, feedback=bool(feedback), push_kpa=pushes
@@ -77,7 +72,7 @@ def test_run_continues_where_the_rig_is(rig, control):
     simulate_hysteresis(half, control, commands[:4000])
     slow = again
     law = hysteresis_law(commands, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
-    run(slow, slow, law, 4000, **loops(control))
+    run(slow, slow, law, 4000, **pressure_loops(control))
     for continued in (half, again):
         continued.write(together["valve_main_v"][3999], together["valve_reservoir_v"][3999])
         continued.wait_for(4000)

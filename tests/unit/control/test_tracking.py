@@ -45,13 +45,8 @@ def test_controller_without_a_number_is_refused_and_shown(value):
 
 
 def refuse(theta_d, low=0.0, high=65.0, limit=450.0):
-    refuse_impossible(
-        np.asarray(theta_d),
-        200.0,
-        angle_range_deg=(low, high),
-        k_in_kpa_per_deg=7.0,
-        reservoir_limit_kpa=limit,
-    )
+    control = {"sample_rate_hz": 200.0, "k_in_kpa_per_deg": 7.0, "reservoir_limit_kpa": limit}
+    refuse_impossible(np.asarray(theta_d), control, (low, high))
 
 
 def test_reference_within_its_limits_is_accepted():
