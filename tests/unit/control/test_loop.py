@@ -41,16 +41,9 @@ def law(k, now):
     return 100.0 + k, 200.0 + now.theta_deg
 
 
-def go(bench, samples=3, law=law, period_s=0.005, **options):
-    return run(
-        bench,
-        bench,
-        law,
-        samples,
-        main_loop=PressurePI(0.03, 0.0, period_s),
-        reservoir_loop=PressurePI(0.01, 0.0, period_s),
-        **options,
-    )
+def go(bench, samples=3, **options):
+    loops = {name: PressurePI(0.03, 0.0, 0.005) for name in ("main_loop", "reservoir_loop")}
+    return run(bench, bench, law, samples, **loops, **options)
 
 
 class Stuttering(Bench):
