@@ -6,9 +6,10 @@ import getpass
 import logging
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import datetime
+from itertools import product
 from pathlib import Path
 
 from fprc.errors import DeviceError
@@ -57,17 +58,16 @@ def locked(boards: Sequence[str], folder: str = "") -> Iterator[list[int]]:
     places = list(dict.fromkeys(places))
     with contextlib.ExitStack() as held:
         files: list[int] = []
-        denied: set[str] = set()
-        for board in sorted(set(boards)):
-            for file in _lock_in_all(board, places, denied):
-                held.callback(os.close, file)
-                files.append(file)
-        if denied:
-            log.info(
-                "boards are locked in one folder only, not in %s; two users need one in common "
-                "(hardware.boards.lock_folder)",
-                ", ".join(sorted(denied)),
-            )
+        refused: dict[Path, OSError] = {}
+        for place, board in product(places, sorted(set(boards))):
+            path = place / f"fprc-{board}.lock"
+            try:
+                files.append(_lock(board, path))
+                held.callback(os.close, files[-1])
+            except OSError as error:
+                refused[path] = error
+        if refused:
+            _judge(refused, places)
         write_holder(files, "")
         yield files
 
@@ -91,29 +91,22 @@ def write_holder(files: Sequence[int], more: str) -> None:
             os.write(file, text.encode(errors="replace"))
 
 
-def _lock_in_all(board: str, places: Sequence[Path], denied: set[str]) -> Iterator[int]:
-    """Yield the locked files; add folders that this user cannot write to, but not all, to a set."""
-    refused: dict[Path, OSError] = {}
-    for place in places:
-        path = place / f"fprc-{board}.lock"
-        try:
-            yield _lock(board, path)
-        except OSError as error:
-            refused[path] = error
-    problems = list(refused.values())
-    if len(refused) < len(places) and all(error.errno in _DENIED for error in problems):
-        denied.update(f"{path.parent} ({error.strerror})" for path, error in refused.items())
-        return
+def _judge(refused: Mapping[Path, OSError], places: Sequence[Path]) -> None:
+    """Raise DeviceError unless a folder has all locks, and this user cannot write to the others."""
     failed = in_words(
         f"{path} cannot be locked ({error.strerror})" for path, error in refused.items()
     )
-    remedy = "make the file writable for all users"
-    if any(isinstance(error, FileNotFoundError) for error in problems):
+    denied = all(error.errno in _DENIED for error in refused.values())
+    if denied and {path.parent for path in refused} < set(places):
+        log.info("%s; two users need a folder in common (hardware.boards.lock_folder)", failed)
+        return
+    remedy = "make the files writable for all users"
+    if any(isinstance(error, FileNotFoundError) for error in refused.values()):
         remedy = f"create the folder {places[0]}"
     raise DeviceError(
-        f"board {board}: {failed}, so another program could use the board too; {remedy}, or set "
+        f"{failed}, so another program could use the boards too; {remedy}, or set "
         "hardware.boards.lock_folder"
-    ) from problems[0]
+    )
 
 
 def _lock(board: str, path: Path) -> int:
