@@ -28,24 +28,17 @@ def open_bus(number: int) -> Any:
     DeviceError
         smbus2 is missing, the bus is missing, or this user may not open it.
     """
-    path = f"/dev/i2c-{number}"
     try:
         bus = _smbus2().SMBus(number)
-    except FileNotFoundError as error:
-        raise DeviceError(
-            f"I2C bus {number}: {path} does not exist; enable I2C (Raspberry Pi: `sudo "
-            "raspi-config nonint do_i2c 0`, elsewhere `sudo modprobe i2c-dev`), or choose one of "
-            "the buses that `i2cdetect -l` lists"
-        ) from error
-    except PermissionError as error:
-        raise DeviceError(
-            f"I2C bus {number}: this user may not open {path}; run `sudo usermod -aG i2c $USER` "
-            "and log in again"
-        ) from error
     except OSError as error:
+        remedies = {
+            FileNotFoundError: "enable I2C (Raspberry Pi: `sudo raspi-config nonint do_i2c 0`, "
+            "elsewhere `sudo modprobe i2c-dev`), or choose a bus that `i2cdetect -l` lists",
+            PermissionError: "run `sudo usermod -aG i2c $USER` and log in again",
+        }
+        remedy = remedies.get(type(error), "check with `i2cdetect -l` that it is an I2C bus")
         raise DeviceError(
-            f"I2C bus {number}: {path} cannot be opened ({error}); check with `i2cdetect -l` that "
-            "it is an I2C bus"
+            f"I2C bus {number}: /dev/i2c-{number} cannot be opened ({error}); {remedy}"
         ) from error
     bus.number = number
     return bus
@@ -84,6 +77,7 @@ class BendSensor:
         self._gain = gain
         self._offset_deg = offset_deg
         self._message = _smbus2().i2c_msg
+        self._number = getattr(bus, "number", "N")
 
     def start(self, sleep: Callable[[float], None] = time.sleep) -> None:
         """Start sampling, and wait for the first sample."""
@@ -148,15 +142,13 @@ class BendSensor:
             raise self._error(action, str(error)) from error
 
     def _error(self, action: str, reason: str) -> DeviceError:
-        number = getattr(self._bus, "number", "N")
         return DeviceError(
             f"{self._name()}: {action} failed ({reason}); check cable, supply and address: "
-            f"`i2cdetect -y {number}` lists the devices that answer"
+            f"`i2cdetect -y {self._number}` lists the devices that answer"
         )
 
     def _name(self) -> str:
-        number = getattr(self._bus, "number", "of unknown number")
-        return f"angle sensor 0x{self._address:02x} on I2C bus {number}"
+        return f"angle sensor 0x{self._address:02x} on I2C bus {self._number}"
 
 
 def _smbus2() -> Any:
