@@ -13,12 +13,6 @@ from fprc.devices import pneumatics
 
 
 @pytest.fixture
-def heard():
-    """Signals that the user sends to the guardian."""
-    return []
-
-
-@pytest.fixture
 def alive(bench, monkeypatch):
     """A bench whose time advances while the guardian waits."""
     vent = partial(pneumatics.vent, sleep=bench.wait, now=bench.elapsed)
@@ -82,21 +76,19 @@ def fill(bench):
     assert bench.rig.read().p_exp_kpa > 100.0
 
 
-def test_chambers_that_no_sensor_shows_are_not_called_vented(alive, settings, heard):
+def test_chambers_that_no_sensor_shows_are_not_called_vented(alive, settings):
     settings["hardware"]["boards"]["input_device"] = "AIO007"
-    message = vent_until_shown(settings["hardware"], heard)
+    message = vent_until_shown(settings["hardware"])
     assert "no pressure can be read (board AIO007: AioInit failed with code 10000" in message
     assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
     assert alive.shared.opened == 0
 
 
 @pytest.mark.parametrize("failures", [0, 1, 6, 40])
-def test_board_that_fails_and_recovers_is_tried_until_it_vents(
-    alive, settings, heard, quick, failures
-):
+def test_board_that_fails_and_recovers_is_tried_until_it_vents(alive, settings, quick, failures):
     fill(alive)
     alive.fail(failures)
-    assert vent_until_shown(settings["hardware"], heard) == VENTED
+    assert vent_until_shown(settings["hardware"]) == VENTED
     assert alive.shared.failures == failures
     assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
     assert abs(alive.rig.read().p_exp_kpa) < 15.0
@@ -118,7 +110,8 @@ def wait_for(true):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP, signal.SIGTERM])
-def test_venting_is_given_up_only_by_the_user(alive, settings, heard, quick, caplog, number):
+def test_venting_is_given_up_only_by_the_user(alive, settings, quick, caplog, number):
+    heard = []
     alive.fail(1 << 40)
 
     def send():
@@ -143,7 +136,7 @@ def test_venting_is_given_up_only_by_the_user(alive, settings, heard, quick, cap
 
 
 def test_terminal_that_takes_no_message_does_not_keep_from_venting(
-    alive, settings, heard, quick, monkeypatch
+    alive, settings, quick, monkeypatch
 ):
     fill(alive)
     alive.fail(6)
@@ -155,12 +148,12 @@ def test_terminal_that_takes_no_message_does_not_keep_from_venting(
         held.set()
 
     person = in_the_background(look)
-    assert vent_until_shown(settings["hardware"], heard) == VENTED
+    assert vent_until_shown(settings["hardware"]) == VENTED
     person.join()
 
 
 def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
-    settings, heard, quick, monkeypatch
+    settings, quick, monkeypatch
 ):
     never = threading.Event()
 
@@ -170,7 +163,7 @@ def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
 
     monkeypatch.setattr(guardian, "vent_from_outside", vent)
     settings["hardware"]["valves"]["vent_s"] = 0.1
-    message = vent_until_shown(settings["hardware"], heard)
+    message = vent_until_shown(settings["hardware"])
     never.set()
     assert "both valves were set to vent, but no pressure can be read: the driver" in message
 

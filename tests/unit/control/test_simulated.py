@@ -68,12 +68,11 @@ def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, feedback):
 def test_run_continues_where_the_rig_is(rig, control):
     commands = pressures()
     together = simulate_hysteresis(device(rig), control, commands)
-    half, again = device(rig), device(rig)
+    half, slow = device(rig), device(rig)
     simulate_hysteresis(half, control, commands[:4000])
-    slow = again
     law = hysteresis_law(commands, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
     run(slow, slow, law, 4000, **pressure_loops(control))
-    for continued in (half, again):
+    for continued in (half, slow):
         continued.write(together["valve_main_v"][3999], together["valve_reservoir_v"][3999])
         continued.wait_for(4000)
         assert continued.read().theta_deg == together["theta_deg"][4000]
