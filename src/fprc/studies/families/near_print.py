@@ -19,7 +19,6 @@ from scipy.special import ndtr, ndtri
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, FprcError, in_one_line
 from fprc.experiments.settings import RigSettings
-from fprc.signals import rms
 from fprc.studies.calibration.space import Free, decode
 from fprc.studies.calibration.surrogate import judge_by_surrogate
 from fprc.studies.families.family import draw_rig, is_plausible
@@ -51,8 +50,8 @@ def move_near(
     assimilations: int,
     sweeps: int,
     seed: int,
-) -> tuple[np.ndarray, np.ndarray, list[dict[str, Any]]]:
-    """Move points of a standard normal prior near a target.
+) -> np.ndarray:
+    """Return points of a standard normal prior, moved near a target.
 
     Parameters
     ----------
@@ -61,14 +60,6 @@ def move_near(
         Logarithms of the printed errors.
     tolerance : float
         Standard deviation of the deviation from ``target``.
-
-    Returns
-    -------
-    points, logs : ndarray
-        Points, and the logarithms of their errors.
-    history : list of dict
-        ``step``, ``rigs`` and ``deviation`` (root mean square of the logarithms) of each step, and
-        ``accepted``, the share of the sampler's proposals.
 
     Raises
     ------
@@ -80,36 +71,30 @@ def move_near(
     # the sampler steps along differences of points, which must span the space
     least = 2 * prior.shape[1] if sweeps else 3
     points, logs = _judged(prior, simulate, least)
-    history = [_history_row("prior", logs, target)]
-    for step in range(1, assimilations + 1):
+    for _ in range(assimilations):
         moved = assimilate(points, logs, target, tolerance, assimilations, rng)
         points, logs = _judged(moved, simulate, least)
-        history.append(_history_row(f"assimilation {step}", logs, target))
     if not sweeps:
-        return points, logs, history
-    known = {point.tobytes(): row for point, row in zip(points, logs, strict=True)}
+        return points
 
-    def log_probability(batch: np.ndarray) -> np.ndarray:
-        log_probabilities = np.full(len(batch), -np.inf)
-        for i, (point, row) in enumerate(zip(batch, simulate(batch), strict=True)):
-            if row is not None:
-                known[point.tobytes()] = np.asarray(row)
-                log_probabilities[i] = _log_probability(point, np.asarray(row), target, tolerance)
-        return log_probabilities
+    def log_probabilities(
+        points: np.ndarray, logs: Sequence[Sequence[float] | None] | np.ndarray
+    ) -> np.ndarray:
+        return np.array([
+            -np.inf if row is None
+            else -0.5 * (np.sum(((row - target) / tolerance) ** 2) + np.sum(point**2))
+            for point, row in zip(points, logs, strict=True)
+        ])  # fmt: skip
 
-    sampler = emcee.EnsembleSampler(*points.shape, log_probability, moves=_MOVES, vectorize=True)
-    log_probabilities = [
-        _log_probability(point, row, target, tolerance)
-        for point, row in zip(points, logs, strict=True)
-    ]
+    sampler = emcee.EnsembleSampler(
+        *points.shape,
+        lambda batch: log_probabilities(batch, simulate(batch)),
+        moves=_MOVES,
+        vectorize=True,
+    )
     random = np.random.RandomState(seed).get_state()
-    start = emcee.State(points, log_prob=np.array(log_probabilities), random_state=random)
-    for sweep, state in enumerate(sampler.sample(start, iterations=sweeps), start=1):
-        points = state.coords
-        logs = np.array([known[point.tobytes()] for point in points])
-        accepted = float(np.mean(sampler.acceptance_fraction))
-        history.append(_history_row(f"sweep {sweep}", logs, target) | {"accepted": accepted})
-    return points, logs, history
+    start = emcee.State(points, log_prob=log_probabilities(points, logs), random_state=random)
+    return np.asarray(sampler.run_mcmc(start, sweeps).coords)
 
 
 def assimilate(
@@ -193,14 +178,3 @@ def _judged(points: np.ndarray, simulate: Simulate, least: int) -> tuple[np.ndar
             "drawn.p_o_swing_kpa"
         )
     return points[kept], np.array([logs[i] for i in kept], dtype=float)
-
-
-def _log_probability(
-    point: np.ndarray, logs: np.ndarray, target: np.ndarray, tolerance: float
-) -> float:
-    return float(-0.5 * (np.sum(((logs - target) / tolerance) ** 2) + np.sum(point**2)))
-
-
-def _history_row(step: str, logs: np.ndarray, target: np.ndarray) -> dict[str, Any]:
-    deviation = rms(logs - target)
-    return {"step": step, "rigs": len(logs), "deviation": deviation}

@@ -87,7 +87,7 @@ def find_near_print(
             )
             return [rig.get("logs") for rig in judged]
 
-        points, _, history = move_near(
+        points = move_near(
             np.array([rig["point"] for rig in prior]),
             simulate,
             np.log(list(errors.values())),
@@ -97,7 +97,6 @@ def find_near_print(
             rigs,
             {
                 "source": "sim",
-                "history": history,
                 "rigs": [
                     rig_at(point, settings["free"], settings["on_rig"]).rig
                     for point in points[: near_print["keep"]]

@@ -43,12 +43,10 @@ def test_sweeps_alone_reach_the_closed_form_and_leave_the_impossible():
             None if point[2] < 0 else own for point, own in zip(points, linear(points), strict=True)
         ]
 
-    points, logs, history = move_near(
+    points = move_near(
         prior(600), half, TARGET, tolerance=TOLERANCE, assimilations=0, sweeps=400, seed=2
     )
     assert (points[:, 2] >= 0).all()
-    assert logs == pytest.approx(np.array(linear(points)))
-    assert 0.05 < history[-1]["accepted"] < 0.9
     # by importance: draws of the closed form that are possible
     mean, covariance = closed_form()
     exact = np.random.default_rng(3).multivariate_normal(mean, covariance, 200000)
