@@ -43,7 +43,7 @@ def parameter_file(
     )
     values = {
         "fitted": {"name": name, "to": list(summary["fit"]), "start": list(start)},
-        "rig": _different(rig, Rig().model_dump(mode="json")),
+        "rig": Rig.model_validate(rig).model_dump(mode="json", exclude_defaults=True),
     }
     return head + yaml.safe_dump(values, sort_keys=False, default_flow_style=None)
 
@@ -70,15 +70,3 @@ def _edges(parameters: Sequence[Mapping[str, Any]]) -> str:
     return textwrap.fill(
         text, 100, initial_indent="# ", subsequent_indent="# ", break_long_words=False
     )
-
-
-def _different(rig: Mapping[str, Any], default: Mapping[str, Any]) -> dict[str, Any]:
-    changed = {}
-    for key, value in rig.items():
-        if isinstance(value, Mapping):
-            inner = _different(value, default[key])
-            if inner:
-                changed[key] = inner
-        elif value != default[key]:
-            changed[key] = value
-    return changed

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.config.rig import free_ranges, stiffest_squeeze
-from fprc.errors import ConfigError
 
 #: Largest sum of the slip weights without the last one.
 _MOST = 0.97
@@ -43,14 +42,10 @@ def free_parameters(
 
     Raises
     ------
-    ConfigError
-        Lists every path and every range that is wrong.
+    ValueError
+        See ``free_ranges``; in a configuration that was checked, none is raised.
     """
-    try:
-        limits_of = free_ranges(paths, ranges or {})
-    except ValueError as error:
-        raise ConfigError(f"cannot calibrate:\n  {error}") from None
-    return [Free(path, *limits) for path, limits in limits_of.items()]
+    return [Free(path, *limits) for path, limits in free_ranges(paths, ranges or {}).items()]
 
 
 def encode(rig: Mapping[str, Any], free: Sequence[Free]) -> np.ndarray:
@@ -58,22 +53,20 @@ def encode(rig: Mapping[str, Any], free: Sequence[Free]) -> np.ndarray:
     return np.array([_share(parameter, _get(rig, parameter.path)) for parameter in free])
 
 
-def decode(
-    point: np.ndarray, rig: Mapping[str, Any], free: Sequence[Free], digits: int = 4
-) -> dict[str, Any]:
+def decode(point: np.ndarray, rig: Mapping[str, Any], free: Sequence[Free]) -> dict[str, Any]:
     """Return a copy of ``rig`` with its free parameters at ``point``.
+
+    Numbers have the digits of a fitted rig's file, so that the rig that is judged is the rig that
+    is written.
 
     Parameters
     ----------
     point : ndarray of shape (n_parameters,)
         Each parameter as a share of its range, 0 to 1.
-    digits : int
-        Significant digits. The default is that of a fitted rig's file, so that the
-        rig that is judged is the rig that is written.
     """
     changed = copy.deepcopy(dict(rig))
     for share, parameter in zip(point, free, strict=True):
-        _set(changed, parameter.path, _value(parameter, float(share)), digits)
+        _set(changed, parameter.path, _value(parameter, float(share)))
     for section in ("bending", "reservoir"):
         if any(parameter.path.startswith(f"{section}.slip_weight.") for parameter in free):
             changed[section]["slip_weight"] = _summing_to_one(changed[section]["slip_weight"])
@@ -109,7 +102,7 @@ def _summing_to_one(weights: Sequence[float]) -> list[float]:
     *free, _ = weights
     total = sum(free)
     if total > _MOST:
-        free = [_rounded(weight * _MOST / total, 4) for weight in free]
+        free = [_rounded(weight * _MOST / total) for weight in free]
     return [*free, round(1.0 - sum(free), 10)]
 
 
@@ -136,17 +129,17 @@ def _get(rig: Mapping[str, Any], path: str) -> Any:
     return value
 
 
-def _set(rig: dict[str, Any], path: str, value: float, digits: int) -> None:
+def _set(rig: dict[str, Any], path: str, value: float) -> None:
     *sections, last = path.split(".")
     holder = _get(rig, ".".join(sections)) if sections else rig
     if isinstance(holder, list):
-        holder[int(last)] = _rounded(value, digits)
+        holder[int(last)] = _rounded(value)
     elif isinstance(holder[last], (list, tuple)):
         scale = value / holder[last][0]
-        holder[last] = [_rounded(scale * item, digits) for item in holder[last]]
+        holder[last] = [_rounded(scale * item) for item in holder[last]]
     else:
-        holder[last] = _rounded(value, digits)
+        holder[last] = _rounded(value)
 
 
-def _rounded(value: float, digits: int) -> float:
-    return float(f"{value:.{digits}g}") if abs(value) > 1e-12 else 0.0
+def _rounded(value: float) -> float:
+    return float(f"{value:.4g}") if abs(value) > 1e-12 else 0.0

@@ -62,9 +62,9 @@ def test_encoding_undoes_decoding_within_the_rounding_whatever_the_range(share, 
 def test_range_of_a_decade_above_zero_is_logarithmic(low, high, logarithmic):
     assert Free("drift.time_s", low, high).logarithmic is logarithmic
     free = [Free("drift.time_s", low, high)]
-    middle = decode(np.array([0.5]), RIG, free, digits=15)["drift"]["time_s"]
+    middle = decode(np.array([0.5]), RIG, free)["drift"]["time_s"]
     expected = math.sqrt(low * high) if logarithmic else 0.5 * (low + high)
-    assert middle == pytest.approx(expected, rel=1e-12)
+    assert middle == pytest.approx(expected, rel=5e-4)  # four digits
     assert encode(at(expected), free) == pytest.approx([0.5])
 
 
@@ -72,10 +72,8 @@ def test_range_of_a_decade_above_zero_is_logarithmic(low, high, logarithmic):
 def test_list_is_scaled_as_a_whole(share):
     free = [Free("bending.slip_distance_deg", 0.1, 2.8)]
     before = np.array(RIG["bending"]["slip_distance_deg"])
-    after = np.array(
-        decode(np.array([share]), RIG, free, digits=12)["bending"]["slip_distance_deg"]
-    )
-    assert after / before == pytest.approx(np.full(4, after[0] / before[0]))
+    after = np.array(decode(np.array([share]), RIG, free)["bending"]["slip_distance_deg"])
+    assert after / before == pytest.approx(np.full(4, after[0] / before[0]), rel=1.1e-3)
     assert 0.1 <= after[0] <= 2.8
 
 
@@ -128,9 +126,9 @@ def test_weights_sum_to_one_at_every_point(point):
 @given(st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3))
 def test_weights_that_leave_room_are_taken_as_they_are(shares):
     free = free_parameters([f"bending.slip_weight.{k}" for k in range(3)])
-    *own, last = decode(np.array(shares), FULL_RIG, free, digits=12)["bending"]["slip_weight"]
+    *own, last = decode(np.array(shares), FULL_RIG, free)["bending"]["slip_weight"]
     if sum(shares) <= 0.97:
-        assert own == pytest.approx(shares, abs=1e-9)
+        assert own == pytest.approx(shares, abs=5e-5)
     else:
         # all alike, and at least 0.03 for the last
         assert np.array(own) * sum(shares) == pytest.approx(0.97 * np.array(shares), abs=1e-3)
@@ -212,7 +210,7 @@ WRONG_PATHS = ["bending", "bending.friciton_kpa", "models.esn.r", "bending.relax
 )  # fmt: skip
 def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once(paths, ranges, refused):
     with pytest.raises(ConfigError) as caught:
-        free_parameters(paths, ranges)
+        check({"calibration": {"free": paths, "ranges": ranges}})
     for key in refused:
         assert f"calibration.{key} " in str(caught.value)
 
