@@ -275,7 +275,7 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
         "unit": "rig" if repeats > 1 else "seed",
         "fitted": ["tables", "orders", "open_loop"],
         "cells": cells,
-        "capacity": [_capacity(601 + unit, random) for unit in range(units)],
+        "capacity": [_capacity(unit, random) for unit in range(units)],
         "training_length": [
             {"seed": 601, "seconds": seconds, "models": _over_length(seconds)}
             for seconds in (15.0, 30.0, 60.0)
@@ -310,17 +310,16 @@ def _model(name, error):
     }
 
 
-def _capacity(seed, random):
+def _capacity(unit, random):
     sets = {"p_o": (0.8, 0.15, 1), "p_o_taps": (2.5, 0.8, 4), "theta_lowpass_taps": (2.0, 0.0, 4),
             "esn": (20.0, 30.0, 300)}  # fmt: skip
     noise = 1.0 + 0.02 * random.standard_normal(len(sets))
     return {
-        "seed": seed,
+        "unit": unit,
+        "seed": 601 + unit,
         "sets": {
             name: {
-                "memory": linear * f,
                 "by_degree": {"1": linear * f, "2": 0.25 * other * f, "3": 0.75 * other * f},
-                "total": (linear + other) * f,
                 "states": states,
             }
             for (name, (linear, other, states)), f in zip(sets.items(), noise, strict=True)

@@ -51,9 +51,8 @@ def judge_capacity(
     -------
     list of one dict
         ``seed``. ``noise_of_p_o``: standard deviation of the noise over that of the signal.
-        ``sets``: for each set the number of ``states``, the ``rank``, the ``threshold``, the
-        capacities ``by_degree`` and, of the input itself, ``by_delay``; ``memory`` is that of
-        degree 1, ``nonlinear`` that of all higher degrees, ``total`` their sum.
+        ``sets``: for each set the number of ``states``, the ``rank``, the ``threshold``, and the
+        capacities ``by_degree`` and, of the input itself, ``by_delay``.
 
     Raises
     ------
@@ -132,9 +131,6 @@ def _summary(states: np.ndarray, found: Capacities) -> dict[str, Any]:
         "states": states.shape[1],
         "rank": found.rank,
         "threshold": found.threshold,
-        "memory": float(found.by_degree[0]),
-        "nonlinear": float(found.by_degree[1:].sum()),
-        "total": float(found.by_degree.sum()),
         "by_degree": {
             str(degree): value for degree, value in enumerate(found.by_degree.tolist(), 1)
         },

@@ -132,15 +132,13 @@ def capacities(family: Mapping[str, Any]) -> pd.DataFrame:
     """
     rows = []
     for entry in family.get("capacity") or ():
-        unit = entry.get("unit", entry["seed"])
         for name, found in entry["sets"].items():
-            degrees = found.get("by_degree", {})
-            numbers = {"memory": found.get("memory"), "total": found.get("total")}
+            degrees = found["by_degree"]
+            numbers = {"memory": degrees["1"], "total": sum(degrees.values())}
             numbers |= {f"degree {n}": value for n, value in degrees.items()}
             numbers["nonlinear"] = sum(value for n, value in degrees.items() if int(n) > 1)
             rows += [
-                (unit, entry["seed"], name, quantity, float(value), found["states"])
+                (entry["unit"], entry["seed"], name, quantity, value, found["states"])
                 for quantity, value in numbers.items()
-                if value is not None and math.isfinite(value)
             ]
     return pd.DataFrame(rows, columns=["unit", "seed", "set", "quantity", "value", "states"])

@@ -51,7 +51,6 @@ def models(families: Families) -> pd.DataFrame:
         steps = [
             {"unit": 0, "model": model, "measure": "step_us", "value": value}
             for model, value in (family.get("step_us") or {}).items()
-            if value is not None
         ]
         kept = table[table["measure"].isin(list(MEASURES))]
         return pd.concat([kept, pd.DataFrame(steps)]) if steps else kept
@@ -218,7 +217,6 @@ def lengths(families: Families) -> pd.DataFrame:
             }
             for entry in family.get("training_length") or ()
             for model, errors in entry["models"].items()
-            if errors.get("test_rmse_kpa") is not None
         ]
         return pd.DataFrame(rows, columns=["unit", "model", "training", "value"])
 
