@@ -1,8 +1,6 @@
 """Fit the simulated rig to published numbers and claims."""
 
 import copy
-import hashlib
-import json
 import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -17,6 +15,7 @@ from joblib import Parallel, delayed, parallel_config
 from fprc import __version__
 from fprc.config.rig import Rig
 from fprc.errors import FprcError
+from fprc.evaluation.cells import checkpoint_key
 from fprc.experiments.settings import RigSettings
 from fprc.provenance import hash_of
 from fprc.studies.calibration.full_models import judge_fully, ratios_to_full
@@ -103,7 +102,7 @@ def fit_rig(
         free=free, workers=workers, version=version, ends=ends,
     )  # fmt: skip
     start = encode(on_rig.rig, free)
-    start_rig = replace(on_rig, rig=resolved(decode(start, on_rig.rig, free)))
+    start_rig = _rig_at(start, on_rig, free)
     done: list[Searched] = []
     for number, plan in enumerate(planned, start=1):
         changed = {**calibration, **plan}
@@ -189,8 +188,7 @@ def _searched(
     like = estimate(start_rig, seeds)
     # a search that ran out of time goes on if it is given more
     settings = {key: value for key, value in calibration.items() if key != "minutes"}
-    depends_on = [asdict(start_rig), judgement, settings, grids, tracking, aim, version]
-    key = hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest()
+    key = checkpoint_key([asdict(start_rig), judgement, settings, grids, tracking, aim, version])
     result = search(
         partial(judge_point, on_rig=start_rig, free=free, seeds=seeds, estimate=estimate, key=key),
         partial(corrections, on_rig=start_rig, free=free, judge=judge, workers=workers),

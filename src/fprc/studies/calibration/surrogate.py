@@ -113,23 +113,13 @@ def judge_by_surrogate(
             found = thinned.error(lowpassed, test, "fprc_lowpass")
             judged["substitutes"][f"{train}/fprc_lowpass"] = found
     if "epsilon" in measures:
-        judged["epsilon"] = [
-            thinned.error(
-                thinned.fit("sweep", "fprc", epsilon=value), "sweep", "fprc", epsilon=value
-            )
-            for value in grids["epsilon"]
-        ]
+        judged["epsilon"] = [thinned.training_error(epsilon=value) for value in grids["epsilon"]]
     if "n_c" in measures:
         judged["n_c"] = thinned.over_rules(grids["n_c"])
     if "taps" in measures:
         judged["taps"] = [
-            [
-                thinned.error(
-                    thinned.fit("sweep", "fprc", n_u=u, n_y=y), "sweep", "fprc", n_u=u, n_y=y
-                )
-                for y in grids["n_y"]
-            ]
-            for u in grids["n_u"]
+            [thinned.training_error(n_u=n_u, n_y=n_y) for n_y in grids["n_y"]]
+            for n_u in grids["n_u"]
         ]
     if not {*LOOPS, "control"}.isdisjoint(measures):
         model = build("fprc", models, seed)
@@ -197,6 +187,10 @@ class _FuzzyModels:
     def error(self, readout: TakagiSugenoReadout, log: str, name: str, **changed: Any) -> float:
         """Return the RMSE of a readout on a log, kPa."""
         return rmse(self.y[log], self.predict(readout, log, name, **changed))
+
+    def training_error(self, **changed: Any) -> float:
+        """Return the RMSE of FPRC on the sweep that trains it, kPa."""
+        return self.error(self.fit("sweep", "fprc", **changed), "sweep", "fprc", **changed)
 
     def over_rules(self, n_c: Sequence[float]) -> dict[str, dict[str, list[float]]]:
         """Return the errors of FPRC and Fuzzy-linear over n_c."""
