@@ -43,6 +43,9 @@ KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE")
 SAME = 1e-12
 OURS, FUZZY = "fprc", "scikit-fuzzy"
 
+#: What is compared takes so many turns.
+ROUNDS = 5
+
 
 def interleaved(work: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
     """Return the processor seconds of each piece of work in each round; the pieces take turns."""
@@ -179,12 +182,12 @@ def clusterings(rows: np.ndarray, clusters: int, starts: int) -> pd.DataFrame:
     return pd.DataFrame(table)
 
 
-def control(rounds: int, seed: int = 1) -> str:
+def control(rounds: int) -> str:
     """Return sentences on the time of a step of the FPRC, and of the simulated closed loop."""
-    X, y = load_hysteresis("sweep", seed=seed, return_X_y=True)
-    model = FPRC(random_state=seed).fit(X, y)
+    X, y = load_hysteresis("sweep", seed=1, return_X_y=True)
+    model = FPRC(random_state=1).fit(X, y)
     settings = from_files([]).model_dump(mode="json")
-    bench = Track(settings["tracking"], settings["control"], settings["rig"], seed)
+    bench = Track(settings["tracking"], settings["control"], settings["rig"], seed=1)
     reference = next(iter(settings["tracking"]["references"]))
     loop = partial(bench.follow, reference, "fprc_pd", model)
     steps = {"model": len(X), "loop": len(loop()["time_s"])}
@@ -206,22 +209,22 @@ def circumstances() -> str:
     )
 
 
-def report(samples: int, rounds: int, starts: int) -> str:
+def report() -> str:
     """Measure everything; return it in Markdown."""
     X, _ = load_hysteresis("sweep", return_X_y=True)
-    features = EchoStates(washout=0, random_state=1).fit(X[:, :1])
-    theta = X[:samples, :1]
+    theta = X[:, :1]
+    features = EchoStates(washout=0, random_state=1).fit(theta)
     fuzzy = FPRC(random_state=1)
     rows = fuzzy.make_features().fit(X).transform(X)
     parts = [
         circumstances(),
-        f"ESN with {features.r} states, float64, {len(theta)} samples, medians of {rounds} rounds "
+        f"ESN with {features.r} states, float64, {len(theta)} samples, medians of {ROUNDS} rounds "
         "in turn; in brackets the smallest and largest ratio of a round:",
-        _markdown(networks(features, theta, rounds)),
-        bandwidth(features, theta, rounds),
+        _markdown(networks(features, theta, ROUNDS)),
+        bandwidth(features, theta, ROUNDS),
         f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:",
-        _markdown(clusterings(rows, fuzzy.n_c, starts)),
-        control(rounds),
+        _markdown(clusterings(rows, fuzzy.n_c, starts=5)),
+        control(ROUNDS),
     ]
     return "\n\n".join(parts)
 
@@ -242,16 +245,13 @@ def main() -> None:
     """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--page", type=Path, help="write the tables there too")
-    parser.add_argument("--samples", type=int, default=24000, help="of the ESN's log")
-    parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--starts", type=int, default=5, help="of the clustering")
     given = parser.parse_args()
     if chosen := [name for name in KERNELS if name in os.environ]:
         raise SystemExit(f"{', '.join(chosen)} would slow BLAS down; unset it, as `make` does")
     if hasattr(os, "sched_setaffinity"):  # before JAX counts the cores
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     with threadpool_limits(1):
-        found = report(given.samples, given.rounds, given.starts)
+        found = report()
     print(found)
     if given.page:
         text = given.page.read_text(encoding="utf-8")
