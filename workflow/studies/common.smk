@@ -95,11 +95,6 @@ def judgement_spec(stem, words, judge, *models, **more):
     return long_spec(stem, words, made, **more, judge=judge, **of_stage | {"version": version})
 
 
-def one_per_thread(wildcards, threads):
-    """Return the number of processes of a job: one for each of its threads."""
-    return threads
-
-
 def family_of(wildcards):
     """Return the family of a job."""
     return family_named(wildcards.world)
@@ -119,12 +114,3 @@ def units_of_tuning(wildcards):
     """Return the seeds or rigs of a family on which settings are chosen; they judge nothing else."""
     first = units_of(wildcards)
     return list(range(first, first + BEYOND["tuning"]["units"]))
-
-
-def pictures_of_docs():
-    """Return the figure of the results that each picture of the documentation copies."""
-    figures = {}
-    for params, files in ((known.params, known.input) for known in workflow.rules):
-        if files.get("figures") and params.get("pictures"):
-            figures |= dict(zip(params.pictures, map(str, files.figures)))
-    return figures

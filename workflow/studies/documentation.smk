@@ -4,12 +4,18 @@
 #: The documentation shows the results of the paper's settings, in the checkout.
 SHOWN = RESULTS == "results" and IN_CHECKOUT
 OF_README = {"pages": PLAN.pages[1:], "ledger": PATHS.below("claims.json")}
-#: Figures of the paper in docs/idea.md, by their pictures.
+#: Figures in README.md and docs/idea.md, by their pictures.
 IN_DOCS = {
-    f"docs/images/fig{number:02}.png": PATHS.below(
-        BY_NAME[f"fig{number}"].files[0].replace(".pdf", ".png")
-    )
-    for number in (1, 2, 7)
+    **{
+        f"docs/images/moving.{kind}": PATHS.below(f"figures/moving.{kind}")
+        for kind in ("gif", "png")
+    },
+    **{
+        f"docs/images/fig{number:02}.png": PATHS.below(
+            BY_NAME[f"fig{number}"].files[0].replace(".pdf", ".png")
+        )
+        for number in (1, 2, 7)
+    },
 }
 
 if "readme" not in PLAN.unavailable:
@@ -33,10 +39,7 @@ if "readme" not in PLAN.unavailable:
     rule readme:
         input:
             **OF_README,
-            figures=[
-                *expand(PATHS.below("figures/moving.{kind}"), kind=("gif", "png")),
-                *IN_DOCS.values(),
-            ],
+            figures=list(IN_DOCS.values()),
             made_from=TARGETS["report"],
         log:
             PATHS.messages("readme"),
@@ -45,7 +48,7 @@ if "readme" not in PLAN.unavailable:
             **stage("studies.documents.update_readme"),
             readme="README.md",
             results="docs/results.md",
-            pictures=[*expand("docs/images/moving.{kind}", kind=("gif", "png")), *IN_DOCS],
+            pictures=list(IN_DOCS),
         message:
             "README.md and docs/results.md: numbers from the results; pictures of docs/"
         script:
@@ -113,6 +116,8 @@ for rule_name, shown in SHOWN_ON.items():
             "../scripts/stage.py"
 
 
+PICTURES = IN_DOCS | dict(pair for shown in SHOWN_ON.values() for pair in shown.figures.items())
+
 if "check" not in PLAN.unavailable:
 
     rule check:
@@ -125,7 +130,7 @@ if "check" not in PLAN.unavailable:
         params:
             **stage("studies.check.check_results"),
             results=lambda wildcards: RESULTS,
-            pictures=lambda wildcards: pictures_of_docs() if SHOWN else {},
+            pictures=lambda wildcards: PICTURES if SHOWN else {},
         message:
             "Check of the declared verdicts, of results, of pictures in docs, of README.md"
         script:

@@ -18,7 +18,7 @@ for rule_name, job in LONG_JOBS.items():
             runtime=job.runtime,
         params:
             **job.params,
-            workers=one_per_thread,
+            workers=lambda wildcards, threads: threads,
             checkpoint=with_prefix(PATHS.below(f"{job.stem}.partial.jsonl")),
         message:
             job.words
