@@ -17,22 +17,12 @@ def network():
     return EchoStates(r=20, washout=0, random_state=0).fit(X), X
 
 
-@pytest.mark.parametrize(
-    ("name", "needs"),
-    [
-        ("a loop in NumPy", "numpy"),
-        ("ReservoirPy", "reservoirpy"),
-        ("ReservoirPy in JAX", "jax"),
-        ("lax.scan in JAX", "jax"),
-        ("esnfed", "esnfed"),
-    ],
-)
-def test_states_and_steps_of_other_libraries_are_ours(network, name, needs):
-    pytest.importorskip(needs)
+@pytest.mark.parametrize(("package", "make"), PEERS.values(), ids=list(PEERS))
+def test_states_and_steps_of_other_libraries_are_ours(network, package, make):
+    pytest.importorskip(package)
     features, X = network
     expected = speed.ours(features).states(X)
     assert expected == pytest.approx(features.transform(np.vstack([X, X[:1]]))[1:, 5:], abs=1e-14)
-    _, make = PEERS[name]
     assert make(features).states(X) == pytest.approx(expected, abs=1e-12)
     if step := make(features).step:
         assert np.array([np.ravel(step(x)) for x in X]) == pytest.approx(expected, abs=1e-12)

@@ -81,16 +81,8 @@ def over_seeds(cells: Any) -> pd.DataFrame:
 
 def page(table: pd.DataFrame) -> pd.DataFrame:
     """Return a row per rig and model."""
-    cells = {(row["rig"], row["model"], row["number"]): row for row in table.to_dict("records")}
-    return pd.DataFrame(
-        {
-            "Rig": rig,
-            "Model": title_of(name),
-            **{
-                title: format_mean(cells[rig, name, number], "mean")
-                for number, title in _COLUMNS.items()
-            },
-        }
-        for rig in table["rig"].unique()
-        for name in MODELS
-    )
+    texts = [format_mean(row, "mean") for row in table.to_dict("records")]
+    numbers = table.assign(text=texts).set_index(["rig", "model", "number"])["text"]
+    wide = numbers.unstack(sort=False)[list(_COLUMNS)]
+    page = wide.rename(columns=_COLUMNS).reset_index(names=["Rig", "Model"])
+    return page.assign(Model=page["Model"].map(title_of))
