@@ -120,18 +120,27 @@ def test_markers_that_are_not_there_exactly_once_are_refused(text):
         replace_block(text, "a", "new")
 
 
-def test_tables_replace_the_blocks_that_are_named_after_folder_and_file(tmp_path):
+def test_tables_replace_the_blocks_of_their_names_on_the_pages_that_have_them(tmp_path):
+    """A block is named after folder and file of its table."""
     (tmp_path / "rigs").mkdir()
     tables = {name: tmp_path / f"rigs/{name}.md" for name in ("repeats", "spread")}
     for name, path in tables.items():
         path.write_text(f"Table of {name}.\n", encoding="utf-8")
-    page = tmp_path / "page.md"
-    text = "# Title\n\n{}\nBetween.\n{}\nEnd.\n"
-    old = [block(name, "old") for name in ("rigs_spread", "rigs_repeats")]
-    page.write_text(text.format(*old), encoding="utf-8")
-    update_tables([str(path) for path in tables.values()], pages=[str(page)])
-    new = [block(f"rigs_{name}", f"Table of {name}.") for name in ("spread", "repeats")]
-    assert page.read_text(encoding="utf-8") == text.format(*new)
+    text = "# Title\n\n{}\nEnd.\n"
+    pages = {name: tmp_path / f"{name}_page.md" for name in ("spread", "repeats")}
+    for name, page in pages.items():
+        page.write_text(text.format(block(f"rigs_{name}", "old")), encoding="utf-8")
+    (tmp_path / "figure.png").write_bytes(b"picture")
+    for _ in range(2):  # the blocks stay where they are
+        update_tables(
+            [str(path) for path in tables.values()], [str(tmp_path / "figure.png")],
+            pages=[str(page) for page in pages.values()],
+            pictures=[str(tmp_path / "picture.png")],
+        )  # fmt: skip
+    assert (tmp_path / "picture.png").read_bytes() == b"picture"
+    for name, page in pages.items():
+        new = block(f"rigs_{name}", f"Table of {name}.")
+        assert page.read_text(encoding="utf-8") == text.format(new)
 
 
 @pytest.mark.parametrize(

@@ -1,15 +1,11 @@
 import json
-import shutil
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from fprc.studies.stages.documents import update_tables
 from fprc.studies.stages.show_beyond import draw_settings, tabulate_beyond
-from fprc.tables.text import read_markdown
 
-DOCS = Path(__file__).parents[4] / "docs"
 CSV = ("models", "claims", "tracking", "offsets", "capacities", "lengths", "settings")
 PAGES = (*CSV[:-1], "worlds", "beside", "fitted", "details", "leaderboard")
 
@@ -66,32 +62,8 @@ def test_what_was_measured_beside_the_models_belongs_to_its_family(tabulated):
     families = {name: set(pd.read_csv(path)["world"]) for name, path in tables.items()}
     assert families["claims"] == families["models"] == {"dry", "viscous"}
     assert families["lengths"] == families["capacities"] == {"dry"}
-
-
-def test_page_and_leaderboard_have_the_numbers_of_the_tables(tabulated, tmp_path):
-    verdicts, tables = tabulated
-    page, details, board = (
-        shutil.copy(DOCS / name, tmp_path)
-        for name in ("beyond.md", "beyond-details.md", "benchmark.md")
-    )
-    (tmp_path / "figure.png").write_bytes(b"picture")
-    given = [str(Path(verdicts).with_name("beyond") / f"{name}.md") for name in PAGES]
-    for _ in range(2):  # the blocks stay where they are
-        update_tables(
-            given, [str(tmp_path / "figure.png")], pages=[page, board, details],
-            pictures=[str(tmp_path / "picture.png")],
-        )  # fmt: skip
-    assert (tmp_path / "picture.png").read_bytes() == b"picture"
-    text = Path(board).read_text(encoding="utf-8")
-    block = text.split("<!-- beyond_leaderboard: generated -->\n")[1]
-    _, leaders = read_markdown(block.split("<!-- beyond_leaderboard: end -->")[0])
-    table = pd.read_csv(tables["models"])
-    forward = table[(table["world"] == "dry") & (table["measure"] == "forward")]
-    best = forward[~forward["model"].str.endswith(("_oracle", "_matched"))]["mean"].min()
-    column = next(name for name in leaders if "Forward" in name)
-    assert leaders[column].iloc[0].startswith(f"{best:.3g}"[:3])
-    shown = [float(text.split()[0]) for text in leaders[column]]
-    assert shown == sorted(shown)
+    written = Path(verdicts).with_name("beyond").glob("*.md")
+    assert {path.stem for path in written} == set(PAGES)
 
 
 def test_ratio_over_a_setting_is_a_geometric_mean(tabulated, tmp_path):
