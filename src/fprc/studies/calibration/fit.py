@@ -111,7 +111,7 @@ def fit_rig(
         done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
     best, aim, judge, result = done[-1]
     log.info("judging the first and the fitted rig with the full models")
-    at_start, at_end = judge(start_rig, workers=workers), judge(best, workers=workers)
+    at_start, at_end = judge(start_rig, workers), judge(best, workers)
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
         "software": f"fprc {__version__}",
@@ -149,7 +149,7 @@ class Searched(NamedTuple):
 
     best: RigSettings
     aim: Aim
-    judge: Callable[..., Corrected]  #: of a rig, and ``workers``
+    judge: Callable[[RigSettings, int], Corrected]  #: of a rig, by so many processes
     result: SearchResult
 
 
@@ -176,15 +176,15 @@ def _searched(
         grids=_in_order(grids, calibration["taps"]),
         tracking=tracking,
     )
-    judge = partial(
-        _corrected,
-        estimate=estimate,
-        seeds=seeds,
-        full_seeds=calibration["full_seeds"],
-        judgement=judgement,
-        tracking=tracking,
-        measures=_measures(calibration),
-    )
+
+    def judge(on_rig: RigSettings, workers: int) -> Corrected:
+        full = judge_fully(
+            on_rig, calibration["full_seeds"], workers=workers,
+            judgement=judgement, tracking=tracking, measures=_measures(calibration),
+        )  # fmt: skip
+        estimated = estimate(on_rig, seeds)
+        return Corrected(full, estimated, ratios_to_full(full, estimated))
+
     like = estimate(start_rig, seeds)
     # a search that ran out of time goes on if it is given more
     settings = {key: value for key, value in calibration.items() if key != "minutes"}
@@ -208,27 +208,12 @@ def _rig_at(point: np.ndarray, on_rig: RigSettings, free: Sequence[Free]) -> Rig
     return replace(on_rig, rig=resolved(decode(point, on_rig.rig, free)))
 
 
-def _corrected(
-    on_rig: RigSettings,
-    *,
-    estimate: Callable[..., list[dict[str, Any]]],
-    seeds: Sequence[int],
-    full_seeds: Sequence[int],
-    workers: int,
-    **full: Any,
-) -> Corrected:
-    """Judge a rig by the full models, and by the surrogate that they correct."""
-    by_full = judge_fully(on_rig, full_seeds, workers=workers, **full)
-    estimated = estimate(on_rig, seeds)
-    return Corrected(by_full, estimated, ratios_to_full(by_full, estimated))
-
-
 def corrections(
     points: Sequence[np.ndarray],
     *,
     on_rig: RigSettings,
     free: Sequence[Free],
-    judge: Callable[..., Corrected],
+    judge: Callable[[RigSettings, int], Corrected],
     workers: int,
 ) -> list[list[list[float]] | None]:
     """Return the numbers of the surrogate at points, and what the full models add to them.
@@ -245,11 +230,11 @@ def corrections(
 
 
 def _correction(
-    on_rig: RigSettings, judge: Callable[..., Corrected], workers: int
+    on_rig: RigSettings, judge: Callable[[RigSettings, int], Corrected], workers: int
 ) -> list[list[float]] | None:
     try:
         Rig.model_validate(on_rig.rig)
-        _, estimated, ratios = judge(on_rig, workers=workers)
+        _, estimated, ratios = judge(on_rig, workers)
     except (FprcError, ValueError):
         return None
     numbers = numbers_of(estimated)
