@@ -92,16 +92,14 @@ def _updated(path: str, blocks: Mapping[str, str]) -> str:
 
 def _verdicts(judged: Mapping[str, Any]) -> str:
     """Return a table of the claims."""
-    rows = [
-        {
-            "Id": claim["id"],
-            "Claim": claim["claim"],
-            "Verdict": claim["verdict"],
-            "Fitted?": claim["rig"],
-            "Ours, 95 % interval": claim["ours"],
-            "Note": claim["note"],
-        }
-        for claim in judged["claims"]
-    ]
-    table = pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)
+    columns = {
+        "id": "Id",
+        "claim": "Claim",
+        "verdict": "Verdict",
+        "rig": "Fitted?",
+        "ours": "Ours, 95 % interval",
+        "note": "Note",
+    }
+    page = pd.DataFrame(judged["claims"])[list(columns)].rename(columns=columns)
+    table = page.to_markdown(index=False, disable_numparse=True)
     return f"{table}\n\n{judged['note']}"
