@@ -5,6 +5,7 @@ Every deviation is divided by a scale of its kind, so that deviations can be add
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -236,22 +237,19 @@ def _plausible(judged: Judged, aim: Aim) -> list[float]:
 
 
 def _c8(judged: Judged, aim: Aim) -> list[float]:
-    return [
-        _beyond(
-            _geometric_mean([seed["shares"]["p_o_over_theta_d"] for seed in judged]), 2.0, _WIDE
-        )
-    ]
+    ratios = [seed["shares"]["p_o_over_theta_d"] for seed in judged]
+    return [_beyond(math.exp(np.mean(np.log(ratios))), 2.0, _WIDE)]
 
 
 def _c9a(judged: Judged, aim: Aim) -> list[float]:
     """Training error over epsilon, which falls along the grid."""
     errors = _mean_of(judged, "epsilon")
-    return [_above(low / high, 1.0) for low, high in _neighbours(errors)]
+    return [_above(low / high, 1.0) for low, high in pairwise(errors)]
 
 
 def _c9b(judged: Judged, aim: Aim) -> list[float]:
     errors = _mean_of(judged, "n_c", "fprc", "train")
-    return [_above(high / low, 1.0) for low, high in _neighbours(errors)]
+    return [_above(high / low, 1.0) for low, high in pairwise(errors)]
 
 
 def _c11(judged: Judged, aim: Aim) -> list[float]:
@@ -328,10 +326,6 @@ def _mean_of(judged: Judged, *keys: str) -> np.ndarray:
     return np.asarray(np.mean(values, axis=0))
 
 
-def _geometric_mean(values: Sequence[float]) -> float:
-    return math.exp(np.mean(np.log(values)))
-
-
 def _far(deviation: float) -> float:
     """Return a deviation of which the part beyond ``_NEAR`` counts ``_FAR_WEIGHT`` times."""
     beyond = max(abs(deviation) - _NEAR, 0.0)
@@ -356,10 +350,6 @@ def _above(ratio: float, limit: float) -> float:
 def _beyond(ratio: float, factor: float, margin: float = _MARGIN) -> float:
     """Return by how much a ratio lies outside 1 / factor to factor, with the margin."""
     return max(abs(math.log(ratio)) - math.log(factor) + margin, 0.0) / _RATIO
-
-
-def _neighbours(values: np.ndarray) -> list[tuple[float, float]]:
-    return list(zip(values[:-1], values[1:], strict=True))
 
 
 def _correlation(rows: np.ndarray) -> float:
