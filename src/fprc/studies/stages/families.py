@@ -80,11 +80,11 @@ def compare_families(
     **chunks
         Results of ``judge_tables`` of each set.
 
-    Writes a list of families, each with ``name``, ``title``, ``description``, ``units``,
-    ``failed``; ``errors``, a row per printed number with its ``published``, ``middle``, ``low``
-    and ``high``; ``sums``, the same three of each of ``tables.SUMS``; ``rms``, the root mean
-    square of logarithms of errors over the printed ones; ``worth``, the same three of B1's ratio;
-    and ``claims``, with ``verdict``, or with ``holds``, see ``share_of``.
+    Writes a list of families, each with ``name``, ``title`` and ``description``; ``errors``, a row
+    per printed number with its ``published``, ``middle``, ``low`` and ``high``; ``sums``, the same
+    three of each of ``tables.SUMS``; ``rms``, the root mean square of logarithms of errors over the
+    printed ones; ``worth``, the same three of B1's ratio; and ``claims``, with ``verdict``, or with
+    ``holds``, see ``share_of``.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def compare_families(
         )
         rig, words = Results(of_models, of_grids, of_control, {}, {}), f"Rig {name}"
         judged = _judged(printed, named[name], [rig], words, words, one_rig=True)
-        families.append({"name": name, "failed": 0, **judged})
+        families.append({"name": name, **judged})
     for name, described in sets.items():
         rigs = [rig for path in chunks[name] for rig in read_json(path)["cells"]]
         good = [
@@ -109,13 +109,13 @@ def compare_families(
             if "failed" not in rig
         ]
         if not good:
-            first = rigs[0]["failed"] if rigs else "there are none"
             raise FprcError(
-                f"{name}: none of the {len(rigs)} rigs could be judged; the first: {first}"
+                f"{name}: none of the {len(rigs)} rigs could be judged; the first: "
+                f"{rigs[0]['failed']}"
             )
         words = f"{len(good)} {described['description']}"
         judged = _judged(printed, {"to": described["terms"]}, good, described["title"], words)
-        families.append({"name": name, "failed": len(rigs) - len(good), **judged})
+        families.append({"name": name, **judged})
     write_json(summary, {"source": "sim", "families": families})
 
 
@@ -137,13 +137,12 @@ def _judged(
     sums = pd.DataFrame([tables.sums_of(unit) for unit in units])
     held = pd.DataFrame({row["id"]: row["verdict"] == REPRODUCED for row in x} for x in ledgers)
     worth = [_worth(ledger) for ledger in ledgers]
-    every = [report for rig in rigs for report in rig.replicates]
     targets = printed_errors(printed)
-    off = [errors[key] / targets[key] for errors in map(errors_of, every) for key in targets]
+    every = [errors_of(report) for rig in rigs for report in rig.replicates]
+    off = [errors[key] / targets[key] for errors in every for key in targets]
     return {
         "title": title,
         "description": description,
-        "units": len(every),
         "errors": _rows(units),
         "sums": {key: _quantiles(sums[key]) for key in sums},
         "rms": rms(np.log(off)),
