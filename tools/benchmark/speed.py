@@ -201,11 +201,15 @@ def control(rounds: int) -> str:
 
 
 def circumstances() -> str:
-    """Return a sentence on the machine, the kernels of BLAS that run, and how busy it is."""
-    here = machine()
+    """Return a sentence on the machine, the kernels of BLAS that run, and how busy it is.
+
+    This process keeps one core busy itself.
+    """
+    here, load = machine(), os.getloadavg()[0]
+    busy = ": others used the machine, so compare ratios, not times" if load > 1.5 else ""
     return (
         f"Measured on {date.today().isoformat()} on one core of {os.cpu_count()} of {here['cpu']}, "
-        f"with the BLAS kernels {here['blas']}; {_load()}."
+        f"with the BLAS kernels {here['blas']}; load average {load:.1f}{busy}."
     )
 
 
@@ -216,29 +220,18 @@ def report() -> str:
     features = EchoStates(washout=0, random_state=1).fit(theta)
     fuzzy = FPRC(random_state=1)
     rows = fuzzy.make_features().fit(X).transform(X)
+    plain = {"index": False, "disable_numparse": True}
     parts = [
         circumstances(),
         f"ESN with {features.r} states, float64, {len(theta)} samples, medians of {ROUNDS} rounds "
         "in turn; in brackets the smallest and largest ratio of a round:",
-        _markdown(networks(features, theta, ROUNDS)),
+        networks(features, theta, ROUNDS).to_markdown(**plain),
         bandwidth(features, theta, ROUNDS),
         f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:",
-        _markdown(clusterings(rows, fuzzy.n_c, starts=5)),
+        clusterings(rows, fuzzy.n_c, starts=5).to_markdown(**plain),
         control(ROUNDS),
     ]
     return "\n\n".join(parts)
-
-
-def _load() -> str:
-    """Return how busy the machine is; this process keeps one core busy itself."""
-    now = os.getloadavg()[0]
-    busy = ": others used the machine, so compare ratios, not times" if now > 1.5 else ""
-    return f"load average {now:.1f}{busy}"
-
-
-def _markdown(table: pd.DataFrame) -> str:
-    text: str = table.to_markdown(index=False, disable_numparse=True)
-    return text
 
 
 def main() -> None:
