@@ -96,7 +96,7 @@ def errors_of(compared: Mapping[str, Any]) -> dict[str, float]:
     return errors
 
 
-def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
+def properties(sweep: Channels) -> dict[str, float]:
     """Return properties of a rig's loops in the sweep.
 
     Returns
@@ -107,14 +107,13 @@ def properties(logs: Mapping[str, Channels]) -> dict[str, float]:
         swing; and the factors by which loops widen from the first to the last quarter,
         ``loop_growth`` of the models' target, ``measured_loop_growth`` and ``p_o_loop_growth``.
     """
-    log = logs["sweep"]
-    time_s, theta, p_o = (log[name] for name in ("time_s", "theta_deg", "p_o_kpa"))
+    time_s, theta, p_o = (sweep[name] for name in ("time_s", "theta_deg", "p_o_kpa"))
     swing = float(np.ptp(p_o))
     return {
         "angle_deg": float(theta.max()),
-        "loop_kpa": width_at_middle(theta, log["p_target_kpa"]),
-        "loop_growth": loop_growth(time_s, theta, log["p_target_kpa"]),
-        "measured_loop_growth": loop_growth(time_s, theta, log["p_exp_kpa"]),
+        "loop_kpa": width_at_middle(theta, sweep["p_target_kpa"]),
+        "loop_growth": loop_growth(time_s, theta, sweep["p_target_kpa"]),
+        "measured_loop_growth": loop_growth(time_s, theta, sweep["p_exp_kpa"]),
         "p_o_swing_kpa": swing,
         "p_o_loop": width_at_middle(theta, p_o) / swing,
         "p_o_loop_growth": loop_growth(time_s, theta, p_o),

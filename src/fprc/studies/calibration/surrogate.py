@@ -93,7 +93,7 @@ def judge_by_surrogate(
         f"{train}/{name}/{'train' if log == train else 'test'}": rmse(thinned.y[log], values)
         for (train, name, log), values in predicted.items()
     }
-    judged: dict[str, Any] = {"errors": errors, "properties": properties(logs)}
+    judged: dict[str, Any] = {"errors": errors, "properties": properties(logs["sweep"])}
     if wanted := {SHARES, "bias"}.intersection(measures):
         shares = thinned.shares()
         judged |= {name: shares[name] for name in wanted}

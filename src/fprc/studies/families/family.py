@@ -118,7 +118,7 @@ def draw_rig(
         try:
             Rig.model_validate(rig)
             logs = simulate(replace(on_rig, rig=rig, signals=sweep), seed)
-            measured = properties({"sweep": logs["sweep"].channels})
+            measured = properties(logs["sweep"].channels)
         except (ValidationError, FprcError):
             continue
         if is_plausible(measured, drawn):

@@ -337,7 +337,7 @@ def ellipses(width_kpa, growth, p_o_width_kpa, p_o_growth, measured_growth=1.0):
     [(60.0, 1.0, 15.0, 1.0), (80.0, 1.25, 10.0, 0.8), (20.0, 0.5, 20.0, 2.0)],
 )
 def test_properties_of_loops_of_known_width(width, growth, p_o_width, p_o_growth):
-    found = properties({"sweep": ellipses(width, growth, p_o_width, p_o_growth, 1.5)})
+    found = properties(ellipses(width, growth, p_o_width, p_o_growth, 1.5))
     semi_axes = 25.0, 0.5 * p_o_width * max(p_o_growth, 1.0)
     swing = 2.0 * math.hypot(*semi_axes)
     assert found == pytest.approx(
@@ -356,7 +356,7 @@ def test_properties_of_loops_of_known_width(width, growth, p_o_width, p_o_growth
 
 def test_every_range_of_the_configuration_is_that_of_a_property():
     plausible = Settings().calibration.plausible.model_dump()
-    assert set(plausible) <= set(properties({"sweep": ellipses(60.0, 1.0, 15.0, 1.0)}))
+    assert set(plausible) <= set(properties(ellipses(60.0, 1.0, 15.0, 1.0)))
 
 
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
