@@ -1,6 +1,5 @@
 """Put the numbers of the results into the README and the pages of docs/."""
 
-import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,8 +8,6 @@ import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
 from fprc.studies import blocks as of_pages
-
-log = logging.getLogger(__name__)
 
 
 def update_readme(
@@ -68,7 +65,6 @@ def update_tables(
         text = _read(path)
         on_page = [name for name in blocks if f"<!-- {name}: " in text or path == pages[-1]]
         write_text(path, _updated(path, {name: blocks.pop(name) for name in on_page}))
-        log.info("updated %s", path)
     _copy(figures, pictures)
 
 
