@@ -264,13 +264,11 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
                 {
                     "unit": unit,
                     "seed": 601 + repeats * unit + repeat,
-                    "rig": unit if repeats > 1 else None,
                     "models": {model: _model(model, error) for model, error in errors.items()},
                 }
             )
     return {
         "name": name,
-        "title": f"{name} rig",
         "source": "sim",
         "unit": "rig" if repeats > 1 else "seed",
         "fitted": ["tables", "orders", "open_loop"],

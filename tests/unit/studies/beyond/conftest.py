@@ -9,7 +9,7 @@ from fprc.studies.beyond.claims import judge_family
 def families(make_family):
     """A full family, one of drawn rigs, one with the least that can be, and one that failed."""
     sparse = {"capacity": None, "training_length": None, "step_us": None}
-    failed = [{"unit": 0, "seed": 601, "rig": None, "failed": "no pressure"}]
+    failed = [{"unit": 0, "seed": 601, "failed": "no pressure"}]
     return [
         make_family("dry", fitted=["tables", "orders", "open_loop", "C8"]),
         make_family("drawn", units=9, repeats=2, spread=0.1, fitted=[]),

@@ -4,7 +4,7 @@ import pytest
 
 from fprc.studies.beyond.measurements import capacities, measured
 
-CELL = {"unit": 3, "seed": 601, "rig": None}
+CELL = {"unit": 3, "seed": 601}
 
 
 def values(**report):
