@@ -63,41 +63,20 @@ def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any
     return pd.DataFrame(rows)
 
 
-def samples(
-    replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any], trained_on: str
-) -> pd.DataFrame:
-    """Return the errors of Table II or III on each further seed, tidy.
-
-    Columns ``model``, ``metric``, ``replicate`` (number of the seed, from 0), ``value``,
-    ``published_mean`` (NaN if the paper prints none), both in kPa, and ``source``.
-    """
-    printed = published[PRINTED[trained_on]]
-    return pd.DataFrame(
-        {
-            "model": report["model"],
-            "metric": metric,
-            "replicate": number,
-            "value": np.mean(report[f"{metric}_kpa"]),
-            "published_mean": float(
-                np.atleast_1d(printed.get(report["model"], {}).get(f"{metric}_kpa", np.nan))[0]
-            ),
-            "source": replicate["source"],
-        }
-        for number, replicate in enumerate(replicates)
-        for report in replicate["models"]
-        if report["trained_on"] == trained_on
-        for metric in ERRORS
-    )
-
-
 def over_seeds(
     replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any], trained_on: str
 ) -> pd.DataFrame:
     """Tables II and III over further seeds: mean, standard deviation, range, tidy."""
-    errors = samples(replicates, published, trained_on)
-    table = means_of(errors, "model", "metric")
-    table.insert(2, "unit", "kPa")
+    reports = [
+        report
+        for replicate in replicates
+        for report in replicate["models"]
+        if report["trained_on"] == trained_on
+    ]
+    errors = comparison(reports, published)
+    table = means_of(errors.rename(columns={"mean": "value"}), "model", "metric")
     first = errors.drop_duplicates(["model", "metric"])
+    table.insert(2, "unit", first["unit"].to_numpy())
     return table.assign(**{key: first[key].to_numpy() for key in ("published_mean", "source")})
 
 

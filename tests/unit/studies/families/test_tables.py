@@ -19,6 +19,8 @@ def models(train, test):
             {
                 "model": "esn",
                 "trained_on": log,
+                "unit": "kPa",
+                "source": "sim",
                 "train_rmse_kpa": [train - 1.0, train + 1.0],
                 "validation_rmse_kpa": [train, train],
                 "test_rmse_kpa": test,

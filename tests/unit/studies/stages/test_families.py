@@ -26,7 +26,8 @@ def reports(error):
     return {
         "source": "sim",
         "models": [
-            {"model": name, "trained_on": log} | dict.fromkeys(METRICS, error)
+            {"model": name, "trained_on": log, "unit": "kPa", "source": "sim"}
+            | dict.fromkeys(METRICS, error)
             for log in ("sweep", "complex")
             for name in NAMES
         ],
