@@ -13,7 +13,7 @@ _COLOURS = SIGNALS | {"bias": "#cccccc"}
 _AVERAGES = {"mean_of_feature": "mean", "published_mean_of_feature": "paper"}
 
 
-def plot_shares(table: DataFrame, ax: Axes) -> Axes:
+def plot_shares(table: DataFrame, ax: Axes) -> None:
     """Draw stacked bars: bias, P_o and theta_d from the bottom, separated by red lines.
 
     Beside the rules: the mean over the rules, and the mean that the paper prints.
@@ -24,23 +24,12 @@ def plot_shares(table: DataFrame, ax: Axes) -> Axes:
         ``rule``, ``feature`` (bias, p_o, theta_d), ``lag``, ``share``, ``mean_of_feature``,
         ``published_mean_of_feature``.
     """
-    rules = sorted(table["rule"].unique())
-    bottom = dict.fromkeys(rules, 0.0)
-    for feature in _LABELS:
-        rows = table[table["feature"] == feature].sort_values(["rule", "lag"])
-        for lag, group in rows.groupby("lag"):
-            shares = group.set_index("rule")["share"]
-            ax.bar(
-                rules,
-                shares[rules],
-                bottom=[bottom[rule] for rule in rules],
-                width=0.8,
-                color=_COLOURS[feature],
-                alpha=_opacity(lag),
-                linewidth=0,
-            )
-            for rule in rules:
-                bottom[rule] += shares[rule]
+    shares = table.pivot(index="rule", columns=["feature", "lag"], values="share")[list(_LABELS)]
+    rules, bottom = list(shares.index), 0.0
+    for (feature, lag), share in shares.items():
+        ax.bar(rules, share, bottom=bottom, width=0.8, color=_COLOURS[feature],
+               alpha=_opacity(lag), linewidth=0)  # fmt: skip
+        bottom = bottom + share
     totals = table.groupby(["rule", "feature"])["share"].sum().unstack()
     for edge in (totals["bias"], totals["bias"] + totals["p_o"]):
         ax.hlines(edge, edge.index - 0.4, edge.index + 0.4, color=MARK, linewidth=1.3)
@@ -52,7 +41,6 @@ def plot_shares(table: DataFrame, ax: Axes) -> Axes:
     ax.set_xlim(rules[0] - 0.5, places[-1] + 0.8)
     ax.tick_params(axis="x", length=0)
     _add_key(table, ax)
-    return ax
 
 
 def _opacity(lag: int) -> float:
