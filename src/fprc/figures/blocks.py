@@ -1,4 +1,4 @@
-"""Drawings in inches: boxes, wires, names with leader lines."""
+"""Drawings in inches: boxes, wires, valves."""
 
 from typing import Any
 
@@ -110,16 +110,6 @@ def node(ax: Axes, centre: Point, sign: str = "+") -> Bbox:
     for dx, dy in ((arm, 0.0), (0.0, arm)) if sign == "+" else ((arm, arm), (arm, -arm)):
         ax.plot([x - dx, x + dx], [y - dy, y + dy], color="black", linewidth=0.7)
     return Bbox.from_bounds(x - radius, y - radius, 2 * radius, 2 * radius)
-
-
-def label(ax: Axes, text: str, at: Point, part: Point, **options: Any) -> None:
-    """Write a part's name, with a leader line to the part."""
-    ax.annotate(
-        text, part, at, va="center", linespacing=0.95,
-        arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1.0, "shrinkB": 0.0,
-                    "relpos": (0.0, 0.5)} | options.pop("line", {}), **options,
-    )  # fmt: skip
-    ax.plot(*part, "o", markersize=1.6, color="black", zorder=4)
 
 
 def hand_valve(ax: Axes, at: Point, handle: int = -1) -> None:

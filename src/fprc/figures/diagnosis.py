@@ -70,7 +70,7 @@ def draw_diagnosis(
 
 def plot_channel(
     time_s: np.ndarray, values: np.ndarray, name: str, diagnosis: Mapping[str, Any], ax: Axes
-) -> Axes:
+) -> None:
     """Draw one channel: gaps grey, frozen stretches yellow, extremes thick, steps as lines."""
     quantity = name.rpartition("_")[0].removesuffix("_command")
     colour = style.SIGNALS.get(quantity, style.SIGNALS["valve"])  # grey: it has none of its own
@@ -89,7 +89,6 @@ def plot_channel(
         for step in diagnosis["sealed"]["steps"]:
             ax.axvline(step["at_s"], color=_STEP, linewidth=0.6, linestyle=(0, (3, 2)),
                        label="re-fill or sudden loss")  # fmt: skip
-    return ax
 
 
 def _axis(name: str, units: Mapping[str, str]) -> str:

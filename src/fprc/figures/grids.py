@@ -1,4 +1,6 @@
-"""Figures 10 and 11: errors and times over the settings of the models."""
+"""Figures 10 and 11, and the value of the readout: errors and times over settings of models."""
+
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -7,7 +9,7 @@ from matplotlib.patches import Patch, Rectangle
 from pandas import DataFrame
 
 from fprc import escape
-from fprc.figures.style import MARK, MARK_PT, PHASES, line_of
+from fprc.figures.style import MARK, MARK_PT, PHASES, SIGNALS, line_of
 from fprc.registry import title_of
 
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
@@ -15,9 +17,16 @@ _PHASES = {"train": "training", "validation": "validation", "test": "test"}
 _CLIPPED = 0.9
 #: Colours of the frames of two cells, by what they frame.
 _FRAMES = {"lowest error": MARK, "setting of the paper": "white"}
+#: Label and look of each readout; its colour is that of the signal.
+_READOUTS: dict[str, tuple[str, dict[str, Any]]] = {
+    "none": ("none (Fuzzy-linear)", line_of("fuzzy_linear")),
+    "p_o": (r"$P_o$ (FPRC)", {"color": SIGNALS["p_o"]}),
+    "theta": (r"$\theta$: the filter alone", {"color": SIGNALS["theta"], "linestyle": "-."}),
+    "shifted": (r"$P_o$ shifted in time", {"color": SIGNALS["p_o"], "linestyle": ":"}),
+}
 
 
-def plot_errors_over(table: DataFrame, setting: str, ax: Axes) -> Axes:
+def plot_errors_over(table: DataFrame, setting: str, ax: Axes) -> None:
     """Draw training, validation and test RMSE over a setting.
 
     A line style is a model, a marker is a phase, a band is a standard deviation either way. If
@@ -30,10 +39,9 @@ def plot_errors_over(table: DataFrame, setting: str, ax: Axes) -> Axes:
     """
     _plot_over(table, setting, ax, bands=True)
     ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
-    return ax
 
 
-def plot_times_over(table: DataFrame, setting: str, ax: Axes) -> Axes:
+def plot_times_over(table: DataFrame, setting: str, ax: Axes) -> None:
     """Draw training and test times over a setting; ``table`` is as for ``plot_errors_over``.
 
     Deviations are bars: on a logarithmic axis, a band that reaches below zero would cover the rest.
@@ -42,7 +50,6 @@ def plot_times_over(table: DataFrame, setting: str, ax: Axes) -> Axes:
     ax.set_ylabel("Time [s]")
     ax.set_yscale("log")
     ax.set_ylim(table["mean"].min() / 2.0, 2.0 * table["mean"].max())
-    return ax
 
 
 def _plot_over(table: DataFrame, setting: str, ax: Axes, *, bands: bool) -> None:
@@ -66,7 +73,7 @@ def _plot_over(table: DataFrame, setting: str, ax: Axes, *, bands: bool) -> None
                         textcoords="offset points")  # fmt: skip
 
 
-def plot_grid(table: DataFrame, phase: str, ax: Axes, papers: tuple[int, int]) -> Axes:
+def plot_grid(table: DataFrame, phase: str, ax: Axes, papers: tuple[int, int]) -> None:
     """Draw the RMSE of one phase over n_u and n_y as a coloured grid.
 
     The lowest cell and that of the paper's setting are framed and have their numbers.
@@ -97,7 +104,6 @@ def plot_grid(table: DataFrame, phase: str, ax: Axes, papers: tuple[int, int]) -
     unit = escape.figure(table["unit"].iloc[0])
     ax.set_title(f"{_PHASES[phase].capitalize()} RMSE [{unit}]")
     ax.figure.colorbar(image, ax=ax, pad=0.02, extend="max", aspect=30)
-    return ax
 
 
 def explain_frames(fig: Figure) -> None:
@@ -105,3 +111,22 @@ def explain_frames(fig: Figure) -> None:
     frames = [Patch(fill=False, edgecolor=colour, linewidth=1.2) for colour in _FRAMES.values()]
     fig.legend(frames, _FRAMES, loc="outside upper right", ncols=2, frameon=True, facecolor="0.75",
                edgecolor="none", handlelength=0.9, handleheight=0.9)  # fmt: skip
+
+
+def plot_readouts(table: DataFrame, setting: str, error: str, ax: Axes) -> None:
+    """Draw one error over a setting, one line per readout; no readout is a horizontal line.
+
+    Parameters
+    ----------
+    table : DataFrame
+        ``readout``, the setting, the error, and its ``unit``.
+    """
+    for readout, (label, look) in _READOUTS.items():
+        rows = table[table["readout"] == readout].sort_values(setting)
+        if readout == "none":
+            ax.axhline(rows[error].iloc[0], **look, label=label)
+        else:
+            ax.plot(rows[setting], rows[error], **look, marker="d", markersize=3.0, label=label)
+    ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
+    ax.margins(y=0.1)
+    ax.set_ylim(bottom=0)

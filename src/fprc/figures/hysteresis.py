@@ -1,4 +1,4 @@
-"""Figures 4 and 5: commands and hysteresis loops of actuator and reservoir."""
+"""Figures 4 and 5: hysteresis loops of actuator and reservoir."""
 
 from collections.abc import Sequence
 
@@ -6,15 +6,6 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-
-
-def plot_command(
-    time_s: np.ndarray, p_exp_kpa: np.ndarray, ax: Axes, colour: str, label: str
-) -> Axes:
-    """Draw a pressure command over time."""
-    ax.plot(time_s, p_exp_kpa, color=colour, linewidth=0.5)
-    ax.set(xlabel="Time [s]", ylabel=label, xlim=(time_s[0], time_s[-1]))
-    return ax
 
 
 def plot_loop(
@@ -44,14 +35,9 @@ def plot_loop(
     return lines
 
 
-def plot_start(x: np.ndarray, y: np.ndarray, ax: Axes) -> None:
-    """Draw the part of a loop that begins at rest and is not repeated."""
-    ax.plot(x, y, color="black", linewidth=0.7, label="start", rasterized=True)
-
-
 def plot_quarters(
     time_s: np.ndarray, x: np.ndarray, y: np.ndarray, ax: Axes, labels: tuple[str, str]
-) -> Axes:
+) -> None:
     """Draw the loops of ``y`` over ``x`` in the first and in the last quarter of a sweep."""
     end = time_s[-1]
     for part, shade, name in (
@@ -61,7 +47,6 @@ def plot_quarters(
         ax.plot(x[part], y[part], color=colormaps["viridis"](shade), linewidth=0.5, label=name,
                 rasterized=True)  # fmt: skip
     ax.set(xlabel=labels[0], ylabel=labels[1])
-    return ax
 
 
 def add_frequency_bar(lines: LineCollection, axes: Sequence[Axes], panel: str) -> None:

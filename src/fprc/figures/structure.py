@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 
 from fprc.figures import soft_bodies as soft
-from fprc.figures.blocks import Point, box, dot, hand_valve, label, panel, wire, write
+from fprc.figures.blocks import Point, box, dot, hand_valve, panel, wire, write
 from fprc.figures.style import SIGNALS
 
 #: Length of a plate as drawn, inches.
@@ -179,10 +179,13 @@ def _plot_driven(ax: Axes, body: Body, fullness: float) -> None:
 
 
 def _name_parts(ax: Axes, body: Body, parts: dict[str, Point], x: float) -> None:
-    """Write names in a column, each at the height of its part (position along, beside)."""
+    """Write names in a column, each beside its part (along, beside), with a line to it."""
     for text, part in parts.items():
         tip = body.at(*part)
-        label(ax, text, (x, tip[1]), tip)
+        line = {"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1.0, "shrinkB": 0.0,
+                "relpos": (0.0, 0.5)}  # fmt: skip
+        ax.annotate(text, tip, (x, tip[1]), va="center", linespacing=0.95, arrowprops=line)
+        ax.plot(*tip, "o", markersize=1.6, color="black", zorder=4)
 
 
 def _air(ax: Axes, body: Body, quantity: str, *, into: bool) -> Point:

@@ -107,13 +107,11 @@ def letter(ax: Axes, text: str) -> None:
     ax.set_title(text, loc="left")
 
 
-def legend_above(*axes: Axes) -> None:
-    """Put the legend of the first axes, and of its twins, above its right edge."""
-    handles = [handle for ax in axes for handle in ax.get_legend_handles_labels()[0]]
-    labels = [label for ax in axes for label in ax.get_legend_handles_labels()[1]]
-    axes[0].legend(handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0),
-                   borderaxespad=0.1, ncols=len(labels), handlelength=1.4,
-                   columnspacing=1.0)  # fmt: skip
+def legend_above(ax: Axes) -> None:
+    """Put the legend of axes above their right edge."""
+    handles, labels = ax.get_legend_handles_labels()
+    ax.legend(handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1,
+              ncols=len(labels), handlelength=1.4, columnspacing=1.0)  # fmt: skip
 
 
 def share_legend(fig: Figure, ax: Axes) -> None:

@@ -14,14 +14,13 @@ def plot_fit(
     *,
     colours: tuple[str, str],
     unit: str = "kPa",
-) -> Axes:
+) -> None:
     """Draw P_exp and P_ff over time."""
     ax.plot(time_s, truth_kpa, color=colours[0], linewidth=1.8, label=r"$P_\mathrm{exp}$")
     ax.plot(time_s, model_kpa, color=colours[1], linewidth=0.6, label=r"$P_\mathrm{ff}$")
     other = rf"$P_\mathrm{{exp}}$ [{escape.figure(unit)}]"
     ax.set(xlabel="Time [s]", ylabel="Pressure [kPa]" if unit == "kPa" else other)
     ax.set_xlim(time_s[0], time_s[-1])
-    return ax
 
 
 def show_tenths(begin: Axes, end: Axes) -> None:

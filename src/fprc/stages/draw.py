@@ -10,15 +10,14 @@ from matplotlib.collections import LineCollection
 from fprc import escape
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
-from fprc.figures.grids import explain_frames, plot_errors_over, plot_grid, plot_times_over
-from fprc.figures.hysteresis import (
-    add_frequency_bar,
-    plot_command,
-    plot_loop,
-    plot_quarters,
-    plot_start,
+from fprc.figures.grids import (
+    explain_frames,
+    plot_errors_over,
+    plot_grid,
+    plot_readouts,
+    plot_times_over,
 )
-from fprc.figures.readout import plot_readouts
+from fprc.figures.hysteresis import add_frequency_bar, plot_loop, plot_quarters
 from fprc.figures.training import plot_fit, show_tenths
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns, read_raw
@@ -63,8 +62,10 @@ def _plot_loops(logs: Sequence[Columns], axes: Sequence[Axes], x: str, y: str) -
         f_hz = None if lines else swing_frequency(channels["time_s"], command)
         labels = _label(x, log), _label(y, log)
         lines.append(plot_loop(channels[x], channels[y], ax, labels, f_hz))
-        first = next(iter(turning_points(command)), 0)
-        plot_start(channels[x][:first], channels[y][:first], ax)
+        # begins at rest and is not repeated
+        start = slice(next(iter(turning_points(command)), 0))
+        ax.plot(channels[x][start], channels[y][start], color="black", linewidth=0.7,
+                label="start", rasterized=True)  # fmt: skip
     axes[1].legend(loc="upper left", handlelength=1.6)
     return lines[0]
 
@@ -77,8 +78,9 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
     titles = (("(a) Sweep", "(b) Loops of (a)"), ("(c) Complex", "(d) Loops of (c)"))
     for log, row, title in zip(logs, axes, titles, strict=True):
         time_s, command, _ = log.channels.values()
-        label = _label("p_target_kpa", log)
-        plot_command(time_s, command, row[0], style.SIGNALS["p_exp"], label)
+        row[0].plot(time_s, command, color=style.SIGNALS["p_exp"], linewidth=0.5)
+        row[0].set(xlabel="Time [s]", ylabel=_label("p_target_kpa", log))
+        row[0].set_xlim(time_s[0], time_s[-1])
         for ax, text in zip(row, title, strict=True):
             style.letter(ax, text)
     lines = _plot_loops(logs, axes[:, 1], "p_target_kpa", "theta_deg")

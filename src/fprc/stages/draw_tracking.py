@@ -7,21 +7,15 @@ import numpy as np
 
 from fprc.artifacts import write_csv
 from fprc.figures import style
-from fprc.figures.tracking import (
-    plot_effort,
-    plot_errors,
-    plot_following,
-    plot_over_cycle,
-    plot_reference_loops,
-    shade_disturbance,
-    shade_settling,
-)
+from fprc.figures.tracking import plot_errors, plot_following, plot_reference_loops
 from fprc.logs import Columns, read_run
 from fprc.logs.isolated import isolated_each
 from fprc.paper import LOOPS, REFERENCE_NAMES
 from fprc.signals import repeat_cycle, settled
 from fprc.tables.figure_data import deviations, error_summary
 
+#: Behind the time of settling or of pushes.
+_GREY = "0.92"
 #: Panels of the reservoir in Fig. 17.
 _RESERVOIR = {
     "p_i_kpa": "(b) Input $P_i$", "phi_deg": r"Bending $\phi$", "p_o_kpa": "Output $P_o$"
@@ -53,13 +47,15 @@ def draw_following(
     plot_errors(list(zip(labels, (opened.channels, closed.channels), strict=True)), axes[2],
                 limit=limit)  # fmt: skip
     for ax, name in zip(axes[3:], ("p_ff", "p_fb"), strict=True):
-        plot_effort(closed.channels, ax, name)
+        effort = closed.channels[f"{name}_kpa"]
+        ax.plot(closed.channels["time_s"], effort, color=style.SIGNALS[name], linewidth=0.7)
+        ax.set_ylabel(rf"$P_\mathrm{{{name[2:]}}}$ [kPa]")
     titles = (
         "(a) FPRC, open loop", "(b) FPRC+PD, closed loop", "(c)", "(d) Outputs in (b)", ""
     )  # fmt: skip
     for ax, title in zip(axes, titles, strict=True):
         style.letter(ax, title)
-        shade_settling(ax, closed.attributes["settle_s"])
+        ax.axvspan(0.0, closed.attributes["settle_s"], color=_GREY, linewidth=0, zorder=0)
         ax.margins(x=0)
     for ax in axes[[0, 2]]:
         style.legend_above(ax)
@@ -108,17 +104,20 @@ def draw_disturbance(
     plot_errors([("", channels)], axes[1], limit=1.05 * largest)
     axes[1].set_title(f"RMSE {rms.loc['theta_deg', 'rms']:.2f} deg", loc="right")
     for ax, (name, title) in zip(axes[2:], _RESERVOIR.items(), strict=True):
-        cycle = cycles[name]
+        cycle, (signal, unit) = cycles[name], name.rsplit("_", 1)
         style.letter(ax, title)
         if cycle is not None:
             cycle = np.where(time_s < settle_s, np.nan, cycle)
+            ax.plot(time_s, cycle, color=style.SIGNALS[signal], alpha=0.3, linewidth=2.5)
             errors = rms.loc[name]
             share = f"{errors['percent_of_swing']:.0f} % of its swing"
             off = f"{errors['rms']:.2g} {errors['unit']} rms from the band, {share}"
             ax.set_title(off, loc="right")
-        plot_over_cycle(time_s, channels[name], cycle, ax, name)
+        ax.plot(time_s, channels[name], color=style.SIGNALS[signal], linewidth=0.7)
+        ax.set_ylabel("Angle [deg]" if unit == "deg" else "Pressure [kPa]")
     for ax in axes:
-        shade_disturbance(ax, quiet_s, time_s[-1])
+        ax.axvspan(0.0, quiet_s, color="#fff8d6", linewidth=0, zorder=0)
+        ax.axvspan(quiet_s, time_s[-1], color=_GREY, linewidth=0, zorder=0)
         ax.margins(x=0)
     style.letter(axes[0], "(a) FPRC+PD")
     style.legend_above(axes[0])

@@ -31,7 +31,8 @@ def faulty():
 def drawn(faulty, name):
     time_s, channels, found = faulty
     _, ax = style.figure(1, 1, 3.5, 2.0)
-    return plot_channel(time_s, channels[name], name, found, ax)
+    plot_channel(time_s, channels[name], name, found, ax)
+    return ax
 
 
 def labels(ax):
