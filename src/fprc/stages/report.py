@@ -284,6 +284,7 @@ GLOSSARY = {
     "P_exp": "pressure of the actuator; its command is what the models learn",
     "P_ff": "pressure that the feedforward model asks for",
     "P_fb": "pressure that the PD controller adds",
+    "P_d": "desired pressure of the actuator, P_ff + P_fb",
     "P_i": "pressure in the driven chamber of the reservoir",
     "P_o": "pressure in the sealed chamber of the reservoir, its output",
     "K_in": "gain from the desired angle to the pressure that drives the reservoir",
@@ -298,19 +299,16 @@ GLOSSARY = {
     "rho": "spectral radius of the ESN",
 }
 _GREEK = {"theta": "θ", "epsilon": "ε", "gamma": "γ", "rho": "ρ", "sigma": "σ", "alpha": "α"}
-_SYMBOL = re.compile(
-    r"\b(P|K|n|f|theta)_(exp|ff|fb|input|in|i|o|d|c|u|y)\b|\b(" + "|".join(_GREEK) + r")\b"
-)
+_SYMBOL = re.compile(rf"\b({'|'.join(GLOSSARY)})\b")
 
 
 def symbols(text: object) -> Markup:
     """Return text as HTML with the paper's symbols typeset and explained: theta as θ."""
 
     def shown(match: re.Match[str]) -> str:
-        letter, index, greek = match.groups()
-        symbol = f"<i>{_GREEK.get(greek or letter, letter)}</i>"
+        letter, _, index = match[0].partition("_")
+        symbol = f"<i>{_GREEK.get(letter, letter)}</i>"
         symbol = f"{symbol}<sub>{index}</sub>" if index else symbol
-        meaning = GLOSSARY.get(match[0])
-        return f'<abbr title="{escape(meaning)}">{symbol}</abbr>' if meaning else symbol
+        return f'<abbr title="{escape(GLOSSARY[match[0]])}">{symbol}</abbr>'
 
     return Markup(_SYMBOL.sub(shown, str(escape(text))))
