@@ -73,9 +73,9 @@ class Statement(NamedTuple):
         return f"{self.text}: {mean:.3g} ({first:.3g} to {last:.3g})"
 
     def limits(self) -> str:
-        """Text and limits."""
+        """Limits in words."""
         if self.low == -math.inf:
-            return f"{self.text} below {self.high:.3g}"
+            return f"below {self.high:.3g}"
         if self.high == math.inf:
-            return f"{self.text} above {self.low:.3g}"
-        return f"{self.text} within {self.low:.3g} to {self.high:.3g}"
+            return f"above {self.low:.3g}"
+        return f"within {self.low:.3g} to {self.high:.3g}"

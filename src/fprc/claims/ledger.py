@@ -117,7 +117,7 @@ def judge_claims(
                     {
                         "text": statement.text,
                         **dict(zip(("mean", "first", "last"), statement.interval, strict=True)),
-                        "limits": statement.limits().removeprefix(f"{statement.text} "),
+                        "limits": statement.limits(),
                         "verdict": statement.verdict,
                     }
                     for statement in statements
@@ -140,9 +140,8 @@ def _limits(statements: Sequence[Statement]) -> str:
     """Return the limits; those that several statements share are given once."""
     by_limits: dict[str, list[str]] = {}
     for statement in statements:
-        limits = statement.limits().removeprefix(statement.text)
-        by_limits.setdefault(limits, []).append(statement.text)
-    return "; ".join(", ".join(texts) + limits for limits, texts in by_limits.items())
+        by_limits.setdefault(statement.limits(), []).append(statement.text)
+    return "; ".join(f"{', '.join(texts)} {limits}" for limits, texts in by_limits.items())
 
 
 def _basis(claim: Claim, results: Results, statements: Sequence[Statement]) -> str:

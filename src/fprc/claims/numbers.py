@@ -76,10 +76,8 @@ def seconds(report: Mapping[str, Any], model: str, phase: str, **which: Any) -> 
     """Return the execution times of a model, s, one per repeat."""
     short = {"training": "train"}.get(phase, phase)
     wanted = {"model": model, "phase": short, **which}
-    for entry in report["times"]:
-        if all(entry[key] == value for key, value in wanted.items()):
-            return np.array(entry["seconds"])
-    raise KeyError(f"no time of {wanted}")
+    (found,) = [entry for entry in report["times"] if wanted.items() <= entry.items()]
+    return np.array(found["seconds"])
 
 
 def rule_counts(results: Results) -> list[int]:
@@ -119,22 +117,19 @@ def halves(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return rows[:half] if half else rows, rows[half:]
 
 
-def taps(
-    cells: Sequence[Mapping[str, Any]], phase: str
-) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Return the tap sizes n_u and n_y, and the errors of all pairs, shape (n_u, n_y)."""
+def taps(cells: Sequence[Mapping[str, Any]], tap: str, phase: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sizes of one tap, and the errors with each, a column per size of the other."""
     found = {(cell["n_u"], cell["n_y"]): np.mean(cell[PHASES[phase]]) for cell in cells}
     n_u, n_y = (np.unique(sizes) for sizes in zip(*found, strict=True))
-    return {"n_u": n_u, "n_y": n_y}, np.array([[found[u, y] for y in n_y] for u in n_u])
+    errors = np.array([[found[u, y] for y in n_y] for u in n_u])
+    return (n_u, errors) if tap == "n_u" else (n_y, errors.T)
 
 
 def tap_trend(results: Results, tap: str, phase: str) -> np.ndarray:
     """Return the rank correlation of an error with one tap size, averaged over the other's."""
     trends = []
     for report in results.grids:
-        tap_sizes, errors = taps(report["taps"], phase)
-        columns = errors if tap == "n_u" else errors.T
-        ranks = rankdata(np.column_stack([tap_sizes[tap], columns]), axis=0)
+        ranks = rankdata(np.column_stack(taps(report["taps"], tap, phase)), axis=0)
         trends.append(np.corrcoef(ranks, rowvar=False)[0, 1:].mean())
     return np.array(trends)
 
@@ -146,9 +141,8 @@ def thirds_of_taps(results: Results, tap: str, phase: str) -> list[np.ndarray]:
     """
     rows = []
     for report in results.grids:
-        tap_sizes, errors = taps(report["taps"], phase)
-        third = np.digitize(tap_sizes[tap], [_MEDIUM, _MANY])
-        means = errors.mean(axis=1 if tap == "n_u" else 0)
+        tap_sizes, errors = taps(report["taps"], tap, phase)
+        third, means = np.digitize(tap_sizes, [_MEDIUM, _MANY]), errors.mean(axis=1)
         instead = (0, len(means) // 2, -1)
         rows.append(
             [

@@ -127,14 +127,12 @@ class Judged(NamedTuple):
     turned: str = ""  #: verdict that too few of the subsets give, if that made it undecided
 
 
-def judge_together(
-    claims: Sequence[Sequence[Part]], alpha: float = ALPHA, left_out: int = LEFT_OUT
-) -> list[Judged]:
-    """Judge several claims so that any verdict is wrong with probability ``alpha`` at most.
+def judge_together(claims: Sequence[Sequence[Part]], left_out: int = LEFT_OUT) -> list[Judged]:
+    """Judge several claims so that any verdict is wrong with probability ``ALPHA`` at most.
 
     Each claim has a lowest level that decides it: superior, equivalent or inferior, whichever
     comes first. Holm's step-down procedure takes the claims by these levels, lowest first: the
-    k-th of K claims is judged at alpha / (K + 1 - k), and the first that this does not decide
+    k-th of K claims is judged at ALPHA / (K + 1 - k), and the first that this does not decide
     leaves itself and all later ones undecided. K counts the claims that could not be judged.
 
     The parts of a claim are judged at equal shares of its level. Its verdict is the weakest:
@@ -160,7 +158,7 @@ def judge_together(
     p = np.array(
         [_least_level(parts) if ok else 1.0 for parts, ok in zip(claims, judged, strict=True)]
     )
-    adjusted, levels = holm(p, alpha)
+    adjusted, levels = holm(p)
     outcomes = []
     for parts, ok, adjusted_p, level in zip(claims, judged, adjusted, levels, strict=True):
         if not ok:
@@ -178,7 +176,7 @@ def judge_together(
     return outcomes
 
 
-def holm(p: np.ndarray, alpha: float = ALPHA) -> tuple[np.ndarray, np.ndarray]:
+def holm(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return Holm's adjusted p values, and the level at which each claim is judged.
 
     From the first claim that is not decided on, all are judged at that claim's level.
@@ -187,9 +185,9 @@ def holm(p: np.ndarray, alpha: float = ALPHA) -> tuple[np.ndarray, np.ndarray]:
     remaining = np.arange(len(p), 0, -1)
     adjusted, levels = np.empty(len(p)), np.empty(len(p))
     adjusted[order] = np.minimum(np.maximum.accumulate(remaining * p[order]), 1.0)
-    missed = np.flatnonzero(p[order] > alpha / remaining)
+    missed = np.flatnonzero(p[order] > ALPHA / remaining)
     last = missed[0] if missed.size else len(p) - 1
-    levels[order] = alpha / remaining[np.minimum(np.arange(len(p)), last)]
+    levels[order] = ALPHA / remaining[np.minimum(np.arange(len(p)), last)]
     return adjusted, levels
 
 

@@ -92,14 +92,12 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
         return (
             "**Yes**: with P_o the error is lower than without it, and than with low-passed theta."
         )
-    if INFERIOR in (alone, lowpass):
-        other = "without it" if alone == INFERIOR else "with low-passed theta, which costs nothing"
-        return f"**No**: with P_o the error is higher than {other}."
-    if EQUIVALENT in (alone, lowpass):
-        other = (
-            "without it" if alone == EQUIVALENT else "with low-passed theta, which costs nothing"
-        )
-        return f"**No**: with P_o the error is as low as {other}, within 5 %."
+    for against, words in ((INFERIOR, "higher than {}"), (EQUIVALENT, "as low as {}, within 5 %")):
+        if against in (alone, lowpass):
+            other = (
+                "without it" if alone == against else "with low-passed theta, which costs nothing"
+            )
+            return f"**No**: with P_o the error is {words.format(other)}."
     helps = (
         "P_o lowers the error, but so may low-passed theta"
         if alone == SUPERIOR
