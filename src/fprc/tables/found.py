@@ -82,7 +82,7 @@ def _errors(
     if "reference" in table and table[printed].notna().any():
         # only then are our range and the paper's over the same references
         table = table[table["reference"].isin(table.loc[table[printed].notna(), "reference"])]
-    unit = "deg" if who == "controller" else "kPa"
+    unit = "deg" if who == "controller" else table["unit"].iloc[0]
     title = controller_title if who == "controller" else title_of
     over = f", mean over {table['seeds'].max()} seeds," if "seeds" in table else ""
     parts: list[str] = []

@@ -40,11 +40,13 @@ def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any
     """Tables II and III without times: mean and spread over the folds, tidy.
 
     ``std`` is the sample standard deviation over folds; a test error is a single
-    number and has none.
+    number and has none. The printed numbers are in kPa: beside another unit there are none.
     """
     rows = []
     for report in reports:
         printed = published[PRINTED[report["trained_on"]]].get(report["model"], {})
+        if report["unit"] != "kPa":
+            printed = {}
         for metric in ERRORS:
             mean, std = mean_and_std(report[f"{metric}_kpa"])
             theirs = np.atleast_1d(printed.get(f"{metric}_kpa", np.nan))

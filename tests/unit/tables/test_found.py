@@ -21,6 +21,7 @@ TABLE_2 = pd.DataFrame(
     {
         "model": ["fprc", "fprc", "mine"],
         "metric": ["train_rmse", "test_rmse", "test_rmse"],
+        "unit": "kPa",
         "mean": [9.0, 11.26, 99.0],
         "published_mean": [8.0, 11.0, np.nan],
     }
@@ -72,3 +73,8 @@ def test_sentences_have_the_numbers_of_what_holds_and_what_does_not(
 ):
     sentences = found(claims, tables, simulated=simulated)
     assert [" ".join(re.findall(r"\d+(?:\.\d+)?", sentence)) for sentence in sentences] == numbers
+
+
+def test_errors_have_the_unit_of_their_table():
+    (sentence,) = found([], {"table2": TABLE_2.assign(unit="N")}, simulated=False)
+    assert re.findall(r" (\w+) for ", sentence) == ["N", "N"]

@@ -84,7 +84,9 @@ def test_page_of_table_2_shows_ours_beside_the_paper():
     for name, printed in PRINTED.items():
         assert page[f"{name}, paper"].tolist() == printed
     forces = comparison([content | {"unit": "N"} for content in REPORTS], PUBLISHED)
-    assert comparison_page(forces).columns[0] == "Performance [N]"
+    page = comparison_page(forces)
+    assert page.columns[0] == "Performance [N]"
+    assert page["FPRC, paper"].tolist() == ["-"] * 3  # its numbers are in kPa
 
 
 def test_model_that_is_not_there_has_a_column_that_says_so():
