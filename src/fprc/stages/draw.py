@@ -85,7 +85,7 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
             style.letter(ax, text)
     lines = _plot_loops(logs, axes[:, 1], "p_target_kpa", "theta_deg")
     add_frequency_bar(lines, axes.ravel(), "(b)")
-    return style.save(fig, _attributes_for_mark(logs), pdf, png)
+    return style.save(fig, logs[0].attributes, pdf, png)
 
 
 def draw_channels(sweep: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -119,7 +119,7 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> M
         ax.label_outer()
         style.letter(ax, title)
     add_frequency_bar(lines, axes, "(a)")
-    return style.save(fig, _attributes_for_mark(logs), pdf, png)
+    return style.save(fig, logs[0].attributes, pdf, png)
 
 
 def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -144,12 +144,7 @@ def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Ma
         parts[row.phase][-1].set_title(rmse, loc="right")
     show_tenths(begin, end)
     style.share_legend(fig, whole)
-    return style.save(fig, _attributes_for_mark([*logs.values()]), pdf, png)
-
-
-def _attributes_for_mark(logs: Sequence[Columns]) -> dict[str, Any]:
-    """Return the attributes of the first simulated log; if there is none, of the first log."""
-    return min(logs, key=lambda log: not log.attributes["source"].endswith("sim")).attributes
+    return style.save(fig, logs["train"].attributes, pdf, png)
 
 
 def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:

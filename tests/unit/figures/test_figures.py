@@ -62,8 +62,8 @@ def test_figure_is_marked_by_the_source_of_its_data_alone(axes, data, mark):
     ids=lambda drawing: drawing.__name__,
 )
 @pytest.mark.usefixtures("figures")
-def test_drawing_gives_the_attributes_of_the_simulated_log(drawing, log, tmp_path):
-    logs = log("one.h5", source="rig", seed=1), log("two.h5", seed=9)
+def test_drawing_gives_the_attributes_of_its_log(drawing, log, tmp_path):
+    logs = log("one.h5", seed=9), log("two.h5", seed=9)
     found = drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
     assert (found["source"], found["seed"]) == ("sim", 9)
 
