@@ -9,7 +9,6 @@ import numpy as np
 from scipy.stats import rankdata, spearmanr
 
 from fprc.claims.finding import Results
-from fprc.paper import MODELS
 
 #: Phases as readers see them, and their errors in reports.
 PHASES = {
@@ -42,12 +41,6 @@ def _of(results: Results, trained_on: str, model: str) -> list[Mapping[str, Any]
 def ratio(results: Results, trained_on: str, model: str, other: str, phase: str) -> np.ndarray:
     """Return a model's error over another one's."""
     return error(results, trained_on, model, phase) / error(results, trained_on, other, phase)
-
-
-def over_best_other(results: Results, trained_on: str, model: str, phase: str) -> np.ndarray:
-    """Return a model's error over the lower one of the paper's two other models."""
-    others = [error(results, trained_on, name, phase) for name in MODELS if name != model]
-    return error(results, trained_on, model, phase) / np.minimum(*others)
 
 
 def second_over_first_half(results: Results, trained_on: str, model: str) -> np.ndarray:

@@ -43,6 +43,18 @@ def consistent_test(r: Results, p: Printed) -> list[Statement]:
     ]
 
 
+def lowest(r: Results, trained_on: str, model: str, *phases: str) -> list[Statement]:
+    """Ask for an error that is below those of the paper's two other models."""
+    direction = "reversed " if trained_on == "complex" else ""
+    statements = []
+    for phase in phases:
+        others = [n.error(r, trained_on, name, phase) for name in MODELS if name != model]
+        ratio = n.error(r, trained_on, model, phase) / np.minimum(*others)
+        text = f"{title_of(model)} / best other model, {direction}{phase}"
+        statements.append(Statement(text, ratio, high=1.0))
+    return statements
+
+
 def time_ratios(r: Results, model: str, other: str, *phases: str) -> dict[str, np.ndarray]:
     """Return the execution times of a model over another one's, by what is compared."""
     ratios = {}
