@@ -221,13 +221,13 @@ CLAIMS = (
     ),
     Claim(
         "C12a", "fewer n_u help training and validation", "fewer n_u",
-        lambda r, p: s.fewer_or_more(r, "n_u", 1.0),
+        lambda r, p: s.fewer_or_more(r, "n_u", "few"),
         over="grids", note=f"{_TAPS}; {_BEST_N_U}",
         fitted_by=("C12",), shown_in=("fig11",),
     ),
     Claim(
         "C12b", "more n_y help training and validation", "more n_y",
-        lambda r, p: s.fewer_or_more(r, "n_y", -1.0),
+        lambda r, p: s.fewer_or_more(r, "n_y", "many"),
         over="grids", note=_TAPS,
         fitted_by=("C12",), shown_in=("fig11",),
     ),

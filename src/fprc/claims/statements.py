@@ -132,18 +132,16 @@ def not_monotonic(r: Results, p: Printed) -> list[Statement]:
     return statements
 
 
-def fewer_or_more(r: Results, tap: str, rise: float) -> list[Statement]:
-    """Return statements that an error falls with fewer (rise 1) or with more (rise -1) taps."""
+def fewer_or_more(r: Results, tap: str, best: str) -> list[Statement]:
+    """Ask for an error that falls with fewer (best "few") or with more (best "many") taps."""
+    low, high = (0.5, math.inf) if best == "few" else (-math.inf, -0.5)
     statements = []
     for phase in ("training", "validation"):
-        trend = n.tap_trend(r, tap, phase)
-        low, high = (0.5, math.inf) if rise > 0 else (-math.inf, -0.5)
         text = f"rank correlation of {phase} error with {tap}"
-        statements.append(Statement(text, trend, low, high, ratio=False))
+        statements.append(Statement(text, n.tap_trend(r, tap, phase), low, high, ratio=False))
         few, medium, many = n.thirds_of_taps(r, tap, phase)
-        best = few if rise > 0 else many
-        words = "few" if rise > 0 else "many"
-        statements.append(Statement(f"{phase}, {words} {tap} / medium", best / medium, high=1.0))
+        ratio = (few if best == "few" else many) / medium
+        statements.append(Statement(f"{phase}, {best} {tap} / medium", ratio, high=1.0))
     return statements
 
 
