@@ -115,7 +115,6 @@ class Project:
         self.missing = []
         self.tables, self.figures = [], []
         self.settings = SETTINGS
-        self.template = TEMPLATE
         self.beyond = None
 
     def add_table(self, note, name=None, **columns):
@@ -148,7 +147,7 @@ class Project:
         missing = pd.DataFrame(self.missing, columns=["name", "result", "reason"])
         missing.to_csv(self.folder / "missing.csv", index=False)
         write_report(
-            self.template, self.ledger, str(self.folder / "missing.csv"), self.tables,
+            TEMPLATE, self.ledger, str(self.folder / "missing.csv"), self.tables,
             self.figures, str(target), settings=self.settings,
             beyond=self.beyond,
         )  # fmt: skip

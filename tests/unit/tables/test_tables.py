@@ -121,7 +121,7 @@ def test_configuration_has_every_setting_of_table_1_with_the_published_value():
     models = copy.deepcopy(PUBLISHED["table_1_configuration"])
     models["fprc"]["n_c"] = 16
     models |= models.pop("shared")
-    table = configuration(configuration_of(models), PUBLISHED)
+    table = configuration(models, PUBLISHED)
     assert list(table.columns) == ["model", "parameter", "value", "published"]
     assert len(table) == 10
     differs = table[table["value"] != table["published"]]
@@ -341,7 +341,3 @@ def test_text_that_is_a_formula_is_none_in_a_csv(tmp_path):
 
 def by_metric(table, model):
     return table[table["model"] == model].set_index("metric")
-
-
-def configuration_of(models):
-    return models | {"shared": models}
