@@ -1,13 +1,25 @@
-"""Figures 12 to 17: the controllers' tracking of their references."""
+"""Figures 8 and 12 to 17: a model's output, and the controllers' tracking, over time."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from fprc import escape
 from fprc.figures.style import SIGNALS, line_of
 
 Run = Mapping[str, np.ndarray]
+
+
+def plot_fit(
+    time_s: np.ndarray, truth_kpa: np.ndarray, model_kpa: np.ndarray, ax: Axes, unit: str
+) -> None:
+    """Draw P_exp, in kPa or another unit, and P_ff over time."""
+    ax.plot(time_s, truth_kpa, color=SIGNALS["p_exp"], linewidth=1.8, label=r"$P_\mathrm{exp}$")
+    ax.plot(time_s, model_kpa, color=SIGNALS["p_ff"], linewidth=0.6, label=r"$P_\mathrm{ff}$")
+    other = rf"$P_\mathrm{{exp}}$ [{escape.figure(unit)}]"
+    ax.set(xlabel="Time [s]", ylabel="Pressure [kPa]" if unit == "kPa" else other)
+    ax.set_xlim(time_s[0], time_s[-1])
 
 
 def plot_following(run: Run, ax: Axes) -> None:

@@ -18,7 +18,7 @@ from fprc.figures.grids import (
     plot_times_over,
 )
 from fprc.figures.hysteresis import add_frequency_bar, plot_loop, plot_quarters
-from fprc.figures.training import plot_fit, show_tenths
+from fprc.figures.tracking import plot_fit
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns, read_raw
 from fprc.signals import loop_growth, swing_frequency, turning_points, width_at_middle
@@ -134,15 +134,19 @@ def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Ma
         ax.remove()
     begin, end = axes[0]
     parts = {"train": (begin, end), "test": (whole,)}
-    colours = style.SIGNALS["p_exp"], style.SIGNALS["p_ff"]
     for row in table.itertuples():
         time_s, p_exp, p_ff = logs[row.phase].channels.values()
         for ax in parts[row.phase]:
-            plot_fit(time_s, p_exp, p_ff, ax, colours=colours, unit=row.unit)
+            plot_fit(time_s, p_exp, p_ff, ax, row.unit)
         style.letter(parts[row.phase][0], _TITLES_OF_FITS[row.phase])
         rmse = f"RMSE {row.rmse:.1f} {escape.figure(row.unit)}"
         parts[row.phase][-1].set_title(rmse, loc="right")
-    show_tenths(begin, end)
+    # the whole of a sweep would be a smear: at its end a cycle is as wide as a line
+    first, last = begin.get_xlim()
+    tenth = 0.1 * (last - first)
+    begin.set_xlim(first, first + tenth)
+    end.set_xlim(last - tenth, last)
+    end.set_ylabel("")
     style.share_legend(fig, whole)
     return style.save(fig, logs["train"].attributes, pdf, png)
 

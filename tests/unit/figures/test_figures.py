@@ -9,7 +9,7 @@ from fprc.escape import figure
 from fprc.figures import style
 from fprc.figures.grids import plot_grid
 from fprc.figures.hysteresis import plot_loop
-from fprc.figures.training import plot_fit
+from fprc.figures.tracking import plot_fit
 from fprc.logs import Columns, write_columns
 from fprc.stages import draw
 
@@ -110,7 +110,7 @@ def test_symbols_of_the_paper_are_typeset(text, shown):
 def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     """A pair of dollars would be a formula, and a wrong one an error."""
     time = np.linspace(0.0, 4.0, 5)
-    plot_fit(time, time, time, axes, colours=("k", "k"), unit=unit)
+    plot_fit(time, time, time, axes, unit)
     axes.figure.canvas.draw()
     assert axes.get_ylabel() == rf"$P_\mathrm{{exp}}$ [{figure(unit)}]"
     log = Columns(Path("x.h5"), {}, {"p_target_unit": unit})
