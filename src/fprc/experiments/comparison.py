@@ -1,7 +1,7 @@
 """Tables II and III: cross-validation and test of the models (Sec. III-D)."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import chain
 from typing import Any
 
@@ -15,7 +15,7 @@ from fprc.experiments.grids import weight_shares
 from fprc.experiments.readout import judge_readout
 from fprc.experiments.settings import Judgement
 from fprc.models import SequenceModel, remembering
-from fprc.paper import DIRECTIONS
+from fprc.paper import DIRECTIONS, EXPERIMENTS
 from fprc.registry import build, entries
 
 log = logging.getLogger(__name__)
@@ -33,10 +33,7 @@ def compare_models(
     The results are the errors of Tables II and III, the weights of Fig. 9, and ``filter_alone``:
     the errors of FPRC with theta_d in place of P_o, trained on the sweep.
     """
-    judged = {
-        name: judge_directions(name, judgement, data, DIRECTIONS)
-        for name in entries(judgement.models)
-    }
+    judged = {name: judge_directions(name, judgement, data) for name in entries(judgement.models)}
     by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
     chosen = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
     filter_alone = {"readout": "theta", **chosen}
@@ -50,23 +47,18 @@ def compare_models(
     return compared, {name: validated.model for name, ((validated, *_), *_) in judged.items()}
 
 
-def judge_directions(
-    name: str, judgement: Judgement, logs: Mapping[str, Data], directions: Sequence[tuple[str, str]]
-) -> list[Judged]:
-    """Cross-validate and test one model for each direction (training log, test log).
+def judge_directions(name: str, judgement: Judgement, logs: Mapping[str, Data]) -> list[Judged]:
+    """Cross-validate and test one model for each of ``DIRECTIONS``.
 
-    The features of each log are computed once for all directions.
+    The features of each log are computed once for both; they are fitted to the sweep.
     """
-    for train, test in directions:
-        refuse_mixture(logs[train], logs[test])
-    # the features are fitted to the first log that trains
-    order = dict.fromkeys(key for direction in directions for key in direction)
-    samples = {key: logs[key].samples(name, judgement.models) for key in order}
+    refuse_mixture(*(logs[key] for key in EXPERIMENTS))
+    samples = {key: logs[key].samples(name, judgement.models) for key in EXPERIMENTS}
     lengths = [str(len(y)) for _, y, _ in samples.values()]
     log.info("%s: features of %s samples", name, in_words(lengths))
     prepared = prepare(build(name, judgement.models, judgement.seed), samples)
     results = []
-    for train, test in directions:
+    for train, test in DIRECTIONS:
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
         judged = prepared.cross_validated(train, judgement.split_rows(logs[train]))
         for fold, errors in enumerate(zip(judged.train_rmse, judged.validation_rmse, strict=True)):

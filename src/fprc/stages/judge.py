@@ -31,7 +31,7 @@ def judge(
     """
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
     outside = outside_class(name, judgement["models"])
-    judged = judge_directions(name, Judgement(**judgement), logs, DIRECTIONS)
+    judged = judge_directions(name, Judgement(**judgement), logs)
     for (train, test), (validated, report, tested), error, model, fit, prediction in zip(
         DIRECTIONS, judged, errors, fitted, fits, predictions, strict=True
     ):

@@ -11,7 +11,7 @@ from fprc.experiments.grids import weight_shares
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tracking import Track, rms_of, tracking_errors
-from fprc.paper import DIRECTIONS, MODELS
+from fprc.paper import MODELS
 from fprc.registry import build
 from fprc.studies.calibration.objective import errors_of
 from fprc.studies.calibration.surrogate import LOOPS, SHARES
@@ -58,11 +58,7 @@ def _judge_seed(
 ) -> dict[str, dict[str, float]]:
     data = simulate(on_rig, judgement.seed)
     reports = [
-        {"trained_on": train, "model": name, **report}
-        for name in MODELS
-        for (train, _), (_, report, _) in zip(
-            DIRECTIONS, judge_directions(name, judgement, data, DIRECTIONS), strict=True
-        )
+        report for name in MODELS for _, report, _ in judge_directions(name, judgement, data)
     ]
     judged = {"errors": errors_of({"models": reports})}
     if SHARES in measures:
