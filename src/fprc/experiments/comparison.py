@@ -105,12 +105,10 @@ def errors_over_starts(
         Errors by the log that trained, and by phase, ``train`` or ``test``; and the models that
         the sweep trained.
     """
-    prepared = prepare(
-        build("fprc", judgement.models, judgement.seed),
-        {key: data.samples("fprc", judgement.models) for key, data in logs.items()},
-    )
+    samples = {key: data.samples("fprc", judgement.models) for key, data in logs.items()}
+    prepared = prepare(build("fprc", judgement.models, judgement.seed), samples)
     seeds = np.random.SeedSequence(judgement.seed).generate_state(starts).tolist()
-    errors, models = {}, {}
+    errors, models = {}, []
     for train, test in DIRECTIONS:
         part, _ = judgement.split_rows(logs[train])[0]
         readouts = [prepared.readout(train, part, random_state=seed, restarts=1) for seed in seeds]
@@ -118,5 +116,7 @@ def errors_over_starts(
             "train": [prepared.error(readout, train, part) for readout in readouts],
             "test": [prepared.error(readout, test) for readout in readouts],
         }
-        models[train] = [prepared.fitted(readout) for readout in readouts]
-    return errors, models["sweep"]
+        if train == "sweep":
+            X, _, parts = samples[train]
+            models = [remembering(prepared.fitted(readout), X, parts) for readout in readouts]
+    return errors, models

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from fprc.errors import LogError
-from fprc.experiments.comparison import compare_models
+from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.data import Data, join, read_data
 from fprc.experiments.grids import judge_cell, judge_grids
 from fprc.experiments.settings import Judgement
 from fprc.logs import write_columns
+from fprc.models import Learning, Online
 
 MODELS = {
     "n_y": 2, "alpha": 1e-3, "others": {},
@@ -89,6 +90,12 @@ def test_tables_restart_features_at_each_recording(joined):
         error = (np.concatenate([model.predict(X[:60]), model.predict(X[60:])]) - y)[trains]
         expected = np.sqrt(np.mean(error**2))
         assert report["train_rmse_kpa"][report["best_fold"]] == pytest.approx(expected, abs=1e-9)
+
+
+def test_models_of_all_starts_can_learn_online(joined):
+    logs = {"sweep": joined, "complex": recording(110, experiment="complex")}
+    _, started = errors_over_starts(logs, replace(JUDGEMENT, split="blocked", purge_s=0.0), 2)
+    assert [Online(model, Learning(), 0.005).learned.any() for model in started] == [False] * 2
 
 
 def test_grids_agree_cell_by_cell_on_several_recordings(joined):
