@@ -7,7 +7,7 @@ import numpy as np
 from sklearn.utils import check_random_state
 
 from fprc.models.echo import echo_states, narrowed, update
-from fprc.models.features import FeatureMap, lagged, taps
+from fprc.models.features import FeatureMap, lagged, refuse_shorter, taps
 from fprc.models.kernels import shift
 from fprc.models.learned import Learned
 from fprc.models.limits import Limit, Seed, Whole
@@ -92,11 +92,7 @@ class EchoStates(FeatureMap):
         yield "W_r_", (self.r, self.r)
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
-        if len(X) < self.n_y:
-            raise ValueError(
-                f"n_samples = {len(X)} is less than the tap size n_y = {self.n_y}; "
-                "use fewer taps or a longer log"
-            )
+        refuse_shorter(X, self.n_y)
         references = np.hstack([taps(column, self.n_y) for column in X.T])
         free = references.shape[1]
         padded = np.concatenate([np.repeat(X[:1], self.washout, axis=0), X])

@@ -18,14 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.kernels import shift
 from fprc.models.learned import Learned
-from fprc.models.limits import (
-    LARGEST,
-    MOST_FEATURES,
-    Limit,
-    Whole,
-    check_limits,
-    check_samples,
-)
+from fprc.models.limits import LARGEST, MOST_FEATURES, Limit, Whole, check_limits
 
 
 def taps(x: np.ndarray, size: int) -> np.ndarray:
@@ -41,6 +34,15 @@ def taps(x: np.ndarray, size: int) -> np.ndarray:
     """
     padded = np.concatenate([np.full(size - 1, x[0]), x])
     return np.lib.stride_tricks.sliding_window_view(padded, size)[:, ::-1]
+
+
+def refuse_shorter(X: np.ndarray, size: int) -> None:
+    """Raise a ValueError if a log has fewer samples than its taps."""
+    if len(X) < size:
+        raise ValueError(
+            f"n_samples = {len(X)} is less than the {size} samples from the first to the last tap; "
+            "use fewer taps or a longer log"
+        )
 
 
 def lagged(columns: list[str], size: int) -> list[str]:
@@ -80,7 +82,12 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
 
     def _samples(self, X: ArrayLike, *, first: bool) -> np.ndarray:
         samples = validate_data(self, X, reset=first, dtype=np.float64)
-        check_samples(samples)
+        if max(samples.max(), -samples.min()) > LARGEST:  # a fault that ``step`` would refuse
+            k, j = np.argwhere(np.abs(samples) > LARGEST)[0]
+            raise ValueError(
+                f"X: column {j}, sample {k} is {samples[k, j]:g}; must be within {-LARGEST:g} and "
+                f"{LARGEST:g}, remove the fault from the log"
+            )
         return samples
 
     def get_feature_names_out(self, input_features: ArrayLike | None = None) -> np.ndarray:
@@ -159,10 +166,6 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
             )
         return x
 
-    def __sklearn_is_fitted__(self) -> bool:
-        """Tell scikit-learn whether ``fit`` was called."""
-        return hasattr(self, "n_features_in_")
-
     def _check_columns(self) -> None:
         """Check that the parameters suit the number of columns."""
 
@@ -232,12 +235,7 @@ class TapFeatures(FeatureMap):
         return sum(self.tap_sizes())
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
-        longest = max(self.n_y, self.n_u)
-        if len(X) < longest:
-            raise ValueError(
-                f"n_samples = {len(X)} is less than the longest tap size {longest}; "
-                "use fewer taps or a longer log"
-            )
+        refuse_shorter(X, max(self.n_y, self.n_u))
         split = self.count_references()
         references = [taps(column, self.n_y) for column in X.T[:split]]
         readouts = [taps(lowpass(column, self.epsilon), self.n_u) for column in X.T[split:]]

@@ -5,7 +5,7 @@
 
 from collections.abc import Mapping, Sequence
 from numbers import Integral, Real
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from sklearn.base import BaseEstimator
@@ -20,14 +20,6 @@ SMALLEST_SCALE = 1e-12
 
 #: Most features of a map, and most columns of its input.
 MOST_FEATURES = 100_000
-
-
-class Allows(Protocol):
-    """Tells whether a value is allowed; as text, what it must be."""
-
-    def allows(self, value: Any) -> bool:
-        """Return whether ``value`` is allowed; any type can be given."""
-        ...
 
 
 class Limit(NamedTuple):
@@ -113,6 +105,9 @@ class Seed(NamedTuple):
 
 _INTEGER_SEED = Whole(0, 2**32 - 1, or_none=True)
 
+#: What tells whether a value of any type is allowed; as text, what it must be.
+Allows = Limit | Whole | OneOf | Each | Seed
+
 
 def _is(value: Any, kind: type) -> bool:
     return isinstance(value, kind) and not isinstance(value, bool)
@@ -133,19 +128,3 @@ def check_limits(estimator: BaseEstimator, limits: Mapping[str, Allows]) -> None
     ]
     if problems:
         raise ValueError("\n".join(problems))
-
-
-def check_samples(X: np.ndarray) -> None:
-    """Check finite samples, one per row, for faults that ``step`` would refuse.
-
-    Raises
-    ------
-    ValueError
-        Names column and sample of the first that is beyond ``LARGEST``.
-    """
-    if X.size and max(X.max(), -X.min()) > LARGEST:
-        k, j = np.argwhere(np.abs(X) > LARGEST)[0]
-        raise ValueError(
-            f"X: column {j}, sample {k} is {X[k, j]:g}; must be within {-LARGEST:g} and "
-            f"{LARGEST:g}, remove the fault from the log"
-        )

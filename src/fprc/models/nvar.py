@@ -6,7 +6,7 @@ from math import comb
 
 import numpy as np
 
-from fprc.models.features import FeatureMap, taps
+from fprc.models.features import FeatureMap, refuse_shorter, taps
 from fprc.models.learned import Learned
 from fprc.models.limits import LARGEST, SMALLEST_SCALE, Limit, Whole
 
@@ -78,11 +78,7 @@ class NVAR(FeatureMap):
         return np.array(list(combinations_with_replacement(linear, self.degree)))
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
-        if len(X) < self._span():
-            raise ValueError(
-                f"n_samples = {len(X)} is less than the {self._span()} samples from the first to "
-                "the last tap; use fewer taps, a shorter spacing or a longer log"
-            )
+        refuse_shorter(X, self._span())
         scaled = (X - self.mean_) / self.scale_
         linear = np.hstack([taps(column, self._span())[:, :: self.spacing] for column in scaled.T])
         factors = self._factors().T
