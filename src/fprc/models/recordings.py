@@ -1,6 +1,6 @@
 """Several recordings at once: models restart at the first sample of each recording."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any
@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator
-
-#: Checks a recording, given its inputs, its output or None, and whether it is the first.
-Check = Callable[[ArrayLike, ArrayLike | None, bool], tuple[np.ndarray, np.ndarray | None]]
+from sklearn.utils.validation import validate_data
 
 
 def are_several(X: Any) -> bool:
@@ -19,16 +17,20 @@ def are_several(X: Any) -> bool:
 
 
 def join_recordings(
-    X: Any, y: Any, lengths: ArrayLike | None, check: Check
+    model: BaseEstimator, X: Any, y: Any, lengths: ArrayLike | None, *, first: bool = False
 ) -> tuple[np.ndarray, np.ndarray | None, list[int]]:
     """Return checked inputs and output, one recording after the other, and their lengths.
 
     Parameters
     ----------
+    model : estimator
+        Has the number and the names of the columns.
     X : array-like of shape (n_samples, n_inputs), or list of them
     y : array-like of shape (n_samples,), list of them, or None
     lengths : array-like of int, or None
         Number of samples of each recording in ``X``, if ``X`` is not a list.
+    first : bool, default=False
+        Whether the model is trained anew: it learns the columns, and ``y`` must be given.
 
     Raises
     ------
@@ -36,7 +38,7 @@ def join_recordings(
         A recording is wrong, which the message names, or ``lengths`` are wrong.
     """
     if not are_several(X):
-        X, y = check(X, y, True)
+        X, y = _checked(model, X, y, first)
         return X, y, checked_lengths(lengths, len(X))
     if lengths is not None:
         raise ValueError("X is a list of recordings, so lengths must be left out")
@@ -46,10 +48,18 @@ def join_recordings(
     pairs = []
     for i in range(len(X)):
         with naming(i, len(X)):
-            pairs.append(check(X[i], outputs[i], i == 0))
+            pairs.append(_checked(model, X[i], outputs[i], first and i == 0))
     inputs, targets = zip(*pairs, strict=True)
     whole = None if y is None else np.concatenate(targets)
     return np.concatenate(inputs), whole, [len(recording) for recording in inputs]
+
+
+def _checked(
+    model: BaseEstimator, X: ArrayLike, y: ArrayLike | None, first: bool
+) -> tuple[np.ndarray, np.ndarray | None]:
+    if y is None and not first:
+        return validate_data(model, X, reset=False, dtype=np.float64), None
+    return validate_data(model, X, y, reset=first, y_numeric=True, dtype=np.float64)
 
 
 def checked_lengths(lengths: ArrayLike | None, samples: int) -> list[int]:

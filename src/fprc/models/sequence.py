@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.metrics import r2_score
-from sklearn.utils.validation import check_is_fitted, validate_data
+from sklearn.utils.validation import check_is_fitted
 
 from fprc.models.learned import Learned, LearnedPart, features_of
 from fprc.models.recordings import are_several, join_recordings, split_recordings, transform_each
@@ -64,7 +64,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
             ``X`` or ``y`` is not finite, a recording is shorter than the taps, or ``lengths`` do
             not add up to the samples.
         """
-        X, y, lengths = join_recordings(X, y, lengths, self._check)
+        X, y, lengths = join_recordings(self, X, y, lengths, first=True)
         self.features_ = self.make_features().fit(X)
         self.readout_ = self.make_readout().fit(transform_each(self.features_, X, lengths), y)
         return self
@@ -83,7 +83,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
             A list if ``X`` is one.
         """
         check_is_fitted(self)
-        rows, _, parts = join_recordings(X, None, lengths, self._check_known)
+        rows, _, parts = join_recordings(self, X, None, lengths)
         output = self.readout_.predict(transform_each(self.features_, rows, parts))
         return split_recordings(output, parts) if are_several(X) else output
 
@@ -108,7 +108,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
                 f"{type(self).__name__} cannot learn on: that needs a readout of this package with "
                 f"at most {MOST_WEIGHTS} weights"
             )
-        rows, _, parts = join_recordings(X, None, lengths, self._check_known)
+        rows, _, parts = join_recordings(self, X, None, lengths)
         phi = self.readout_.regressors(transform_each(self.features_, rows, parts))
         self.information_ = phi.T @ phi
         return self
@@ -133,7 +133,7 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         if not hasattr(self, "readout_"):
             return self.fit(X, y, lengths).remember(X, lengths)
 
-        rows, targets, parts = join_recordings(X, y, lengths, self._check_known)
+        rows, targets, parts = join_recordings(self, X, y, lengths)
         if not hasattr(self, "information_"):
             self.remember(X, lengths)
         phi = self.readout_.regressors(transform_each(self.features_, rows, parts))
@@ -164,18 +164,6 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         if are_several(X):
             y, output = np.concatenate(y), np.concatenate(output)
         return r2_score(y, output, sample_weight=sample_weight)
-
-    def _check(
-        self, X: ArrayLike, y: ArrayLike | None, first: bool
-    ) -> tuple[np.ndarray, np.ndarray | None]:
-        return validate_data(self, X, y, reset=first, y_numeric=True, dtype=np.float64)
-
-    def _check_known(
-        self, X: ArrayLike, y: ArrayLike | None, first: bool
-    ) -> tuple[np.ndarray, np.ndarray | None]:
-        if y is not None:
-            return self._check(X, y, False)
-        return validate_data(self, X, reset=False, dtype=np.float64), None
 
     def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> Self:
         """Return a fitted copy of this model made of fitted parts, with a separate stream."""
