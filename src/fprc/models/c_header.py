@@ -79,7 +79,10 @@ def c_header(
         raise FprcError("a model learns in double only; export it without --float")
     readout = _readout(model.readout_, name, len(rows or ()), single, online)
     if rows is None or readout is None:
-        raise FprcError(_refusal(model))
+        raise FprcError(
+            f"{type(model).__name__} cannot be exported; C code exists only for taps, low-passes "
+            "and plays, alone or side by side, with a ridge or a fuzzy readout"
+        )
     columns, kinds, numbers = zip(*rows, strict=True)
     parameters = ", ".join(f"{key}={value}" for key, value in model.get_params(deep=False).items())
     return c_templates.HEADER.substitute(
@@ -192,20 +195,6 @@ def _learning(online: Online) -> dict[str, str]:
         "prior": _literals(prior, "prior", False),
         **{key: repr(float(value)) for key, value in numbers.items()},
     }
-
-
-def _refusal(model: SequenceModel) -> str:
-    parts = [*vars(model.features_).items(), *vars(model.readout_).items()]
-    arrays = [array for key, array in parts if key.endswith("_") and isinstance(array, np.ndarray)]
-    count = sum(array.size for array in arrays)
-    size = (
-        f"; its {count} learned numbers take {count * 4 / 1e6:.2g} MB in float, "
-        f"{count * 8 / 1e6:.2g} MB in double"
-    )
-    return (
-        f"{type(model).__name__} cannot be exported{size if count else ''}; C code exists only for "
-        "taps, low-passes and plays, alone or side by side, with a ridge or a fuzzy readout"
-    )
 
 
 def _describe_inputs(model: SequenceModel) -> list[str]:
