@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Settings = Mapping[str, Any]
 
 #: The models' first input. They learn on the measured theta, which stands for theta_d, and run on
-#: theta_d (Sec. III-A); see ``running_inputs``.
+#: theta_d (Sec. III-A).
 ANGLE = "theta_deg"
 
 
@@ -154,7 +154,6 @@ def entries(models: Settings | None = None) -> dict[str, Entry]:
             tuple(other["inputs"]),
             (f"others.{name}",),
             title_of(name),
-            _OUTSIDE,
         )
         for name, other in (models or {}).get("others", {}).items()
     }
@@ -277,11 +276,6 @@ def class_module(name: str, models: Settings | None = None) -> str:
 def outside_class(name: str, models: Settings) -> list[type]:
     """Return the class of a model of ``models.others``, for ``load_model``; else an empty list."""
     return [load_class(name, models)] if name in models.get("others", {}) else []
-
-
-def running_inputs(theta_d_deg: Any, p_o_kpa: Any) -> dict[str, Any]:
-    """Return the input channels of a model that runs: theta_d in the place of theta."""
-    return {ANGLE: theta_d_deg, "p_o_kpa": p_o_kpa}
 
 
 def controllers(models: Settings) -> list[str]:

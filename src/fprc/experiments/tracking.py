@@ -30,7 +30,7 @@ from fprc.experiments.measures import (
 from fprc.models import Learning, Online, SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256
-from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback, running_inputs
+from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback
 from fprc.signals import random_pushes, reference_angle, rms, settled
 
 log = logging.getLogger(__name__)
@@ -152,7 +152,7 @@ class Track(NamedTuple):
         """
         theta_d = self.reference(reference)
         at_rest = self.simulate(reference, np.zeros(len(theta_d)), pushes, feedback=False)
-        return np.column_stack(list(running_inputs(theta_d, at_rest["p_o_kpa"]).values()))
+        return np.column_stack([theta_d, at_rest["p_o_kpa"]])
 
     def precompute(self, model: SequenceModel, inputs: np.ndarray) -> "Precomputed":
         """Return P_ff of a model for a whole reference, and the model that learns, if it does."""
