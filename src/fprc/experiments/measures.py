@@ -89,12 +89,9 @@ def _sweep(run: Channels) -> dict[str, float]:
 
 
 def _loop(run: Channels) -> dict[str, float]:
-    """Return width / span of the loop of theta over theta_d, and its span / theta_d's span."""
-    span = float(np.ptp(run["theta_deg"]))
-    return {
-        "width_over_span": width_at_middle(run["theta_d_deg"], run["theta_deg"]) / max(span, 1e-9),
-        "span_over_reference": span / float(np.ptp(run["theta_d_deg"])),
-    }
+    """Return width / span of the loop of theta over theta_d."""
+    width, span = width_at_middle(run["theta_d_deg"], run["theta_deg"]), np.ptp(run["theta_deg"])
+    return {"width_over_span": width / max(float(span), 1e-9)}
 
 
 def _disturbance(run: Channels, unpushed: Channels, quiet_s: float) -> dict[str, float]:

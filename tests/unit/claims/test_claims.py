@@ -98,7 +98,7 @@ def measures(scale):
             "last_third_deg": 2.2,
         },
         "loops": {
-            f"{name}/{controller}": {"width_over_span": width, "span_over_reference": 0.9}
+            f"{name}/{controller}": {"width_over_span": width}
             for name in LOOPS
             for controller, width in (("pd", 0.4), ("fprc_pd", 0.05))
         },
