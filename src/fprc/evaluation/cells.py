@@ -43,7 +43,6 @@ def judged_cells(
     version: str,
     settings: Any,
     files: Sequence[str] = (),
-    progress: Callable[[int, int], None] = log_progress,
 ) -> Iterator[list[dict[str, Any]]]:
     """Judge every cell as ``judging`` does; the ``with`` block then saves the results.
 
@@ -54,7 +53,7 @@ def judged_cells(
         used only if all are the same.
     """
     key = checkpoint_key([settings, version], files)
-    with judging(workers=workers, checkpoint=checkpoint, key=key, progress=progress) as run:
+    with judging(workers=workers, checkpoint=checkpoint, key=key) as run:
         yield run(judge, cells)
 
 
@@ -64,7 +63,6 @@ def judging(
     workers: int,
     checkpoint: Path | str,
     key: str,
-    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Iterator[Callable[..., list[dict[str, Any]]]]:
     """Yield a function that judges cells in a pool of processes, each on one thread.
 
@@ -101,7 +99,7 @@ def judging(
                 for done, (cell, result) in enumerate(results, before + 1):
                     append({"cell": cell, "result": result})
                     finished[_name(cell)] = result
-                    progress(done, len(cells))
+                    log_progress(done, len(cells))
             return [{**cell, **finished[name]} for cell, name in zip(cells, names, strict=True)]
 
         yield run

@@ -27,17 +27,19 @@ def make_judge(folder, fails_at=()):
 
 
 @pytest.fixture
-def sweep(tmp_path):
+def sweep(tmp_path, monkeypatch):
     """Run cells and return what was found, and which n_c were judged; the checkpoint stays."""
 
-    def go(asked=CELLS, *, key="k", workers=1, fails_at=(), **options):
+    def go(asked=CELLS, *, key="k", workers=1, fails_at=(), progress=None):
+        if progress:
+            monkeypatch.setattr(cells, "log_progress", progress)
         trace = tmp_path / uuid.uuid4().hex
         trace.mkdir()
         go.trace = trace
         judge = make_judge(str(trace), fails_at)
         with (
             suppress(InterruptedError),
-            judging(workers=workers, checkpoint=go.checkpoint, key=key, **options) as run,
+            judging(workers=workers, checkpoint=go.checkpoint, key=key) as run,
         ):
             found = run(judge, asked)
             raise InterruptedError
@@ -164,13 +166,13 @@ def test_judge_that_raises_leaves_finished_cells_in_the_checkpoint(sweep, worker
     assert judged == sorted({1, 2, 3, 4} - kept)
 
 
-def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path):
+def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path, monkeypatch):
     checkpoint, file, counted = tmp_path / "partial.jsonl", tmp_path / "log.h5", []
     file.write_bytes(b"log")
     options = {"settings": {"alpha": 0.1}, "files": [str(file)], "version": "v"}
+    monkeypatch.setattr(cells, "log_progress", lambda *counts: counted.append(counts))
 
     def judged(judge):
-        options["progress"] = lambda *counts: counted.append(counts)
         return judged_cells(judge, CELLS, workers=1, checkpoint=checkpoint, **options)
 
     def disk_full():
