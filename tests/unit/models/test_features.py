@@ -8,7 +8,18 @@ from numpy.testing import assert_allclose
 from sklearn import config_context
 from sklearn.base import clone
 
-from fprc.models import ESN, FPRC, EchoStates, FuzzyLinear, TapFeatures, kernels
+from fprc.models import (
+    ESN,
+    FPRC,
+    NVAR,
+    EchoStates,
+    FuzzyLinear,
+    LowpassBank,
+    PlayOperators,
+    SideBySide,
+    TapFeatures,
+    kernels,
+)
 
 epsilons = st.floats(1e-4, 1.0)
 
@@ -38,11 +49,6 @@ def test_tap_features_put_references_before_filtered_readouts():
     ]
 
 
-def test_more_references_than_columns_are_refused():
-    with pytest.raises(ValueError, match="n_references"):
-        TapFeatures(n_references=2).fit(np.ones((10, 1)))
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_largest_absolute_eigenvalue_of_the_network_is_rho(seed):
     W_r = EchoStates(r=30, rho=0.7, random_state=seed).fit(log(9)).W_r_
@@ -60,14 +66,11 @@ def test_weights_of_the_network_are_dense_and_normally_distributed():
         assert np.all(weights != 0.0)
 
 
-MAPS = pytest.mark.parametrize(
+@pytest.mark.parametrize(
     "features",
     [TapFeatures(n_y=3, n_u=2), EchoStates(r=8, n_y=3, random_state=0)],
     ids=["taps", "network"],
 )
-
-
-@MAPS
 def test_rows_of_any_layout_compile_nothing_anew(features):
     X = log(20)
     features.fit(X)
@@ -78,18 +81,6 @@ def test_rows_of_any_layout_compile_nothing_anew(features):
     for rows in (fixed, X[:, ::-1], np.asfortranarray(X), X.astype(np.float32), X.tolist()):
         features.step(rows[1])
     assert [list(function.signatures) for function in (kernels.shift, kernels.excite)] == compiled
-
-
-@MAPS
-@pytest.mark.parametrize("x", [[31.0], [31.0, 100.0, 1.0], 31.0], ids=["short", "long", "scalar"])
-@pytest.mark.parametrize("begun", [False, True], ids=["first sample", "later sample"])
-def test_sample_of_another_size_is_refused_in_a_stream(features, x, begun):
-    X = log(20)
-    features.fit(X)
-    if begun:
-        features.step(X[0])
-    with pytest.raises(ValueError, match=r"shape|feature|2"):
-        features.step(x)
 
 
 @pytest.mark.parametrize("r", [1, 2, 3, 4, 5, 7, 8, 31])
@@ -126,6 +117,30 @@ def test_columns_hold_what_their_names_say():
     expected = {f"theta_lag{lag}": X["theta"].shift(lag).bfill() for lag in range(3)}
     expected |= {f"p_o_lowpass_lag{lag}": smooth.shift(lag).bfill() for lag in range(2)}
     pd.testing.assert_frame_equal(found, pd.DataFrame(expected))
+
+
+@pytest.mark.parametrize(
+    ("features", "names"),
+    [
+        (LowpassBank((1.0, 0.003)), "theta_lowpass1, theta_lowpass0.003"),
+        (PlayOperators(n_plays=2), "theta_play0, theta_play1"),
+        (
+            NVAR(n_taps=2, spacing=5),
+            "theta_lag0, theta_lag5, "
+            "theta_lag0 theta_lag0, theta_lag0 theta_lag5, theta_lag5 theta_lag5",
+        ),
+    ],
+)
+def test_names_say_column_and_factor_or_number_or_lags_in_samples(features, names):
+    features.fit(table()[["theta"]])
+    assert list(features.get_feature_names_out()) == names.split(", ")
+
+
+def test_names_of_several_maps_begin_with_that_of_the_map():
+    maps = [("bank", LowpassBank((0.5,)), [1, 0]), ("plays", PlayOperators(n_plays=1), [0])]
+    assert list(SideBySide(maps).fit(table()).get_feature_names_out()) == [
+        "bank__p_o_lowpass0.5", "bank__theta_lowpass0.5", "plays__theta_play0"
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(

@@ -30,8 +30,3 @@ def test_steps_have_every_digit_of_the_whole_log():
     X = np.cumsum(np.random.default_rng(0).normal(size=(200, 2)), axis=0)
     features = LowpassBank((0.03, 0.7)).fit(X)
     assert np.array_equal([features.step(x) for x in X], features.transform(X))
-
-
-def test_names_say_column_and_factor():
-    names = LowpassBank((1.0, 0.003)).fit(np.ones((2, 1))).get_feature_names_out(["p_o_kpa"])
-    assert names.tolist() == ["p_o_kpa_lowpass1", "p_o_kpa_lowpass0.003"]

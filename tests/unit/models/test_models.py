@@ -114,14 +114,23 @@ def test_sample_that_is_a_fault_is_refused_by_column_and_number(call, bad, fitte
         fitted.predict(X) if call == "predict" else clone(fitted).fit(X, pressure(len(X)))
 
 
-@pytest.mark.parametrize("bad", [np.nan, -np.inf, 1.01e9])
-def test_step_ignores_a_sample_that_is_a_fault(bad, fitted):
+@pytest.mark.parametrize(
+    "spoiled",
+    [
+        *(lambda x, bad=bad: [*x[:-1], bad] for bad in (np.nan, -np.inf, 1.01e9)),
+        lambda x: x[:-1],
+        lambda x: [*x, 31.0],
+        lambda x: x[0],
+    ],
+    ids=["NaN", "infinite", "too large", "short", "long", "scalar"],
+)
+def test_step_ignores_a_sample_that_is_a_fault_or_of_another_size(spoiled, fitted):
     X = other_inputs(fitted)
     got = []
     for k, x in enumerate(X):
         if k in (0, 30):
             with pytest.raises(ValueError, match=r"must be . numbers within .*is ignored"):
-                fitted.step([*x[:-1], bad])
+                fitted.step(spoiled(x))
         got.append(fitted.step(x))
     assert_allclose(got, fitted.predict(X), rtol=0, atol=1e-9)
 
@@ -179,6 +188,7 @@ def test_defaults_are_those_of_the_paper():
         (TapFeatures(n_y=0), "n_y"),
         (TapFeatures(epsilon=1.5), "epsilon"),
         (TapFeatures(n_y=True), "n_y"),
+        (TapFeatures(n_references=2), "n_references"),
         (PlayOperators(n_plays=0), "n_plays"),
         *(
             (LowpassBank(wrong), "epsilons")

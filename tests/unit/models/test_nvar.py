@@ -28,17 +28,6 @@ def test_features_are_those_of_literal_loops(n_taps, spacing, degree, columns, d
     assert_allclose([features.step(x) for x in X], expected, rtol=1e-10, atol=1e-12)
 
 
-def test_names_say_lags_in_samples_and_factors():
-    names = NVAR(n_taps=2, spacing=5).fit(log()).get_feature_names_out(["theta"])
-    assert names.tolist() == [
-        "theta_lag0",
-        "theta_lag5",
-        "theta_lag0 theta_lag0",
-        "theta_lag0 theta_lag5",
-        "theta_lag5 theta_lag5",
-    ]
-
-
 @pytest.mark.parametrize("value", [42.0, 5e-324])
 def test_column_that_is_constant_but_for_rounding_gives_zeros(value):
     features = NVAR(2, 3).fit(value * (1.0 + 1e-15 * np.arange(10.0))[:, None])

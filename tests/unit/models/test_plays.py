@@ -22,9 +22,3 @@ def test_plays_are_those_of_a_loop_over_samples_and_columns(first, second):
                 expected[k, 3 * i + j] = p
     assert np.array_equal(features.transform(X), expected)
     assert np.array_equal([features.step(x) for x in X], expected)
-
-
-def test_names_number_the_plays_of_each_column():
-    plays = PlayOperators(n_plays=2).fit([[-30.0], [30.0]])
-    names = plays.get_feature_names_out(["theta_deg"])
-    assert names.tolist() == ["theta_deg_play0", "theta_deg_play1"]

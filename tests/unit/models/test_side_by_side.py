@@ -1,7 +1,6 @@
 import re
 
 import numpy as np
-import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 from sklearn.base import clone
@@ -42,17 +41,6 @@ def test_features_are_those_of_each_map_side_by_side():
     features = SideBySide(PARTS).fit(X)
     assert np.array_equal(features.transform(other), expected)
     assert_allclose([features.step(x) for x in other], expected, rtol=1e-10, atol=1e-12)
-
-
-def test_names_begin_with_that_of_the_map():
-    table = pd.DataFrame(log(), columns=["a", "b", "c"])
-    features = SideBySide([("bank", LowpassBank((0.5,)), [2, 0]), PARTS[0]]).fit(table)
-    assert features.get_feature_names_out().tolist() == [
-        "bank__c_lowpass0.5",
-        "bank__a_lowpass0.5",
-        "taps__a_lag0",
-        "taps__a_lag1",
-    ]
 
 
 @pytest.mark.parametrize(
