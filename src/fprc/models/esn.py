@@ -58,9 +58,8 @@ class ESN(SequenceModel):
 
     def make_features(self) -> EchoStates:
         """Return the unfitted network."""
-        names = ("r", "f_input", "gamma", "rho", "n_y", "washout", "random_state")
-        return self._part(EchoStates, *names).set_output(transform="default")
+        return self._part(EchoStates).set_output(transform="default")
 
     def make_readout(self) -> RidgeReadout:
         """Return the unfitted readout."""
-        return self._part(RidgeReadout, "alpha")
+        return self._part(RidgeReadout)

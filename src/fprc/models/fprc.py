@@ -8,9 +8,6 @@ from fprc.models.features import TapFeatures
 from fprc.models.sequence import SequenceModel
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
-#: Parameters of the models that are those of their readout.
-_READOUT = ("n_c", "sigma", "alpha", "random_state", "clustering", "restarts")
-
 
 @dataclass(eq=False, repr=False)
 class FPRC(SequenceModel):
@@ -65,12 +62,11 @@ class FPRC(SequenceModel):
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps and filter."""
-        taps = self._part(TapFeatures, "n_y", "n_u", "epsilon")
-        return taps.set_output(transform="default")
+        return self._part(TapFeatures).set_output(transform="default")
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
-        return self._part(TakagiSugenoReadout, *_READOUT)
+        return self._part(TakagiSugenoReadout)
 
 
 @dataclass(eq=False, repr=False)
@@ -121,9 +117,9 @@ class FuzzyLinear(SequenceModel):
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps."""
-        taps = self._part(TapFeatures, "n_y", n_references=None, n_u=1)
+        taps = self._part(TapFeatures, n_references=None, n_u=1)
         return taps.set_output(transform="default")
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
-        return self._part(TakagiSugenoReadout, *_READOUT)
+        return self._part(TakagiSugenoReadout)

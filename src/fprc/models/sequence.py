@@ -39,9 +39,11 @@ class SequenceModel(RegressorMixin, BaseEstimator):
     def make_readout(self) -> BaseEstimator:
         """Return the unfitted readout."""
 
-    def _part(self, cls: type[Part], *shared: str, **settings: Any) -> Part:
-        """Return an unfitted part with the model's values of the named parameters, and settings."""
-        return cls(**settings, **{name: getattr(self, name) for name in shared})
+    def _part(self, cls: type[Part], **settings: Any) -> Part:
+        """Return an unfitted part with the model's values of all parameters but the settings."""
+        part, own = cls(**settings), self.get_params(deep=False)
+        shared = part.get_params(deep=False).keys() & own.keys() - settings.keys()
+        return part.set_params(**{name: own[name] for name in shared})
 
     def fit(self, X: Recordings, y: Recordings, lengths: ArrayLike | None = None) -> Self:
         """Train on one recording or on several.
