@@ -78,10 +78,8 @@ class SideBySide(FeatureMap):
     def learned(self) -> Iterator[tuple[str, Learned]]:
         """Check the parameters, and yield the maps, see ``fprc.models.learned``."""
         self._check_columns()
-        n = self.n_features_in_
-        sizes = [n if columns is None else len(columns) for _, _, columns in self.maps]
-        maps = [part for _, part, _ in self.maps]
-        yield "maps_", list(map(LearnedPart, maps, sizes))
+        pairs = zip(self.maps, self._columns(), strict=True)
+        yield "maps_", [LearnedPart(part, len(columns)) for (_, part, _), columns in pairs]
         self._check_size()
 
     def _prepare(self, X: np.ndarray) -> None:
@@ -99,20 +97,13 @@ class SideBySide(FeatureMap):
                 f"SideBySide: maps = {self.maps!r:.60}; must be a list of (name, map, columns)"
             ) from error
         problems = [] if names else ["there are no maps"]
-        problems += [
-            f"{name!r} is {type(part).__name__}; must be a FeatureMap"
-            for name, part, _ in self.maps
-            if not isinstance(part, FeatureMap)
-        ]
-        problems += [
-            f"{name!r} is repeated" for name in sorted({n for n in names if names.count(n) > 1})
-        ]
-        problems += [
-            f"{name!r} must not contain __ or be 'maps'"
-            for name in names
-            if "__" in name or name == "maps"
-        ]
-        for name, _, columns in self.maps:
+        for name, part, columns in self.maps:
+            if not isinstance(part, FeatureMap):
+                problems.append(f"{name!r} is {type(part).__name__}; must be a FeatureMap")
+            if names.count(str(name)) > 1:
+                problems.append(f"{name!r} is repeated")
+            if "__" in str(name) or name == "maps":
+                problems.append(f"{name!r} must not contain __ or be 'maps'")
             if columns is None:
                 continue
             if not _are_whole(columns):
