@@ -4,7 +4,6 @@ import logging
 import platform
 import time
 from collections.abc import Callable, Hashable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -56,15 +55,16 @@ def time_models(
         logs = {
             name: train if phase == "train" else test for name, (_, train, test) in fitted.items()
         }
-        seconds: dict[Name, list[float]] = {name: [] for name in fitted}
-        for _ in range(repeats):
-            for name, (X, y) in logs.items():
-                timed = partial(run, fitted[name][0])
-                timed(X[:WARM_UP], y[:WARM_UP])
-                seconds[name].append(_seconds(partial(timed, X, y)))
         for name, (X, _) in logs.items():
             described = {"phase": phase, "mode": mode, "samples": len(X)}
-            results[name].append({**described, "seconds": seconds[name]})
+            results[name].append({**described, "seconds": []})
+        for _ in range(repeats):
+            for name, (X, y) in logs.items():
+                model = fitted[name][0]
+                run(model, X[:WARM_UP], y[:WARM_UP])
+                start = time.perf_counter()
+                run(model, X, y)
+                results[name][-1]["seconds"].append(time.perf_counter() - start)
     return results
 
 
@@ -94,12 +94,6 @@ def machine() -> dict[str, Any]:
     return {"cpu": _cpu_name(), "threads": threads, "blas": ", ".join(sorted(blas))}
 
 
-def _seconds(run: Callable[[], object]) -> float:
-    start = time.perf_counter()
-    run()
-    return time.perf_counter() - start
-
-
 def _train_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object:
     features = model.features_
     features.reset()
@@ -109,18 +103,17 @@ def _train_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object
     return model.make_readout().fit(rows, y)
 
 
-def stepped(model: SequenceModel, X: np.ndarray) -> np.ndarray:
-    """Return the output of a model for a log, computed sample by sample."""
+def _test_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object:
     model.reset()
     return np.array([model.step(x) for x in X])
 
 
-_WORK = {
+_WORK: dict[tuple[str, str], Callable[[SequenceModel, np.ndarray, np.ndarray], object]] = {
     ("train", "sequential"): _train_by_step,
     ("train", "batch"): lambda model, X, y: model.make_readout().fit(
         model.features_.transform(X), y
     ),
-    ("test", "sequential"): lambda model, X, y: stepped(model, X),
+    ("test", "sequential"): _test_by_step,
     ("test", "batch"): lambda model, X, y: model.predict(X),
 }
 
