@@ -11,8 +11,7 @@ from fprc.escape import in_words
 from fprc.evaluation import CrossValidated, rmse
 from fprc.evaluation.crossval import prepare
 from fprc.experiments.data import Data, refuse_mixture
-from fprc.experiments.grids import weight_shares
-from fprc.experiments.readout import judge_readout
+from fprc.experiments.grids import judge_cell, weight_shares
 from fprc.experiments.settings import Judgement
 from fprc.models import SequenceModel, remembering
 from fprc.paper import DIRECTIONS, EXPERIMENTS
@@ -35,14 +34,11 @@ def compare_models(
     """
     judged = {name: judge_directions(name, judgement, data) for name in entries(judgement.models)}
     by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
-    chosen = {key: judgement.models["fprc"][key] for key in ("epsilon", "n_u")}
-    filter_alone = {"readout": "theta", **chosen}
+    how: Any = {"train": data["sweep"], "test": data["complex"], "judgement": judgement}
     compared = {
         "models": [report for _, report, _ in by_direction],
         "weights": weight_shares(data["sweep"], judgement),
-        "filter_alone": judge_readout(
-            filter_alone, train=data["sweep"], test=data["complex"], judgement=judgement
-        ),
+        "filter_alone": judge_cell({"model": "fprc_lowpass"}, **how),
     }
     return compared, {name: validated.model for name, ((validated, *_), *_) in judged.items()}
 

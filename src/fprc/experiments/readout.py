@@ -43,13 +43,12 @@ def readout_cells(
 def judge_readout(
     cell: Mapping[str, Any], *, train: Data, test: Data, judgement: Judgement
 ) -> dict[str, Any]:
-    """Return the errors of one cell, by its own split if it has one."""
+    """Return the errors of one cell, by its own split."""
     seed, readout = judgement.seed, cell["readout"]
-    judgement = replace(judgement, split=cell.get("split", judgement.split))
     name = READOUTS[readout]
     settings = {key: cell[key] for key in ("epsilon", "n_u") if readout != "none"}
     model = build(name, judgement.models, seed, **settings)
-    folds = judgement.split_rows(train)
+    folds = replace(judgement, split=cell["split"]).split_rows(train)
     if readout == "shifted":
         train, test = shifted(train, seed), shifted(test, seed + 1)
     return evaluate(model, folds, train.samples(name), test.samples(name))
