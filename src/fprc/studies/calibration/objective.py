@@ -24,7 +24,7 @@ _TABLES, _OPEN, _CLOSED, _RATIO, _CORRELATION = 0.03, 0.06, 0.15, 0.025, 0.1
 
 #: Beyond this an error's logarithm counts more: that of an open loop so many times, and the square
 #: of a table's is added, so many times.
-_NEAR, _FAR_WEIGHT, _SQUARE_WEIGHT = 0.1, 3.0, 2.0
+_NEAR, _FAR_WEIGHT, _SQUARE_WEIGHT = 0.12, 3.0, 2.0
 
 #: How often an error of a table counts: the validation errors, which are no targets, are close to
 #: the training errors.
