@@ -68,7 +68,7 @@ NOTHING = [
     ("cli.py", "import sys", "import sys\n\nUNUSED = 1"),
 ]
 OF_THE_ESN = [
-    ("models/esn.py", "(EchoStates, *names)", "(EchoStates, *names[:])"),
+    ("models/esn.py", "_part(RidgeReadout)", "_part(RidgeReadout, **{})"),
     ("models/echo_features.py", "self.w_in_ = ", "self.w_in_ = 1.0 * "),
     ("models/echo.py", "LANES = ", "LANES = 1 * "),
     ("models/ridge_readout.py", "return X @ self", "return 1.0 * X @ self"),
