@@ -71,7 +71,8 @@ def fit_rig(
     rig. The search for all of ``calibration.fit`` follows from its best point, on all seeds. Both
     use cheap surrogates of the models. Where a round begins, the full models judge the rig, in the
     first search on its seed, then on ``calibration.full_seeds``, since few seeds are no fair
-    sample; the surrogate's errors of the round are multiplied by the ratios of theirs to its own.
+    sample; the surrogate's errors of the round, and its shares of the weights, are multiplied by
+    the ratios of theirs to its own.
     At the end the full models judge the fitted rig on these seeds.
 
     Parameters
