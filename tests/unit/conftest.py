@@ -231,9 +231,9 @@ def changed(channels):
 RATIOS = {
     "fprc": 1.0, "fprc_lowpass": 1.3, "fuzzy_linear": 1.25, "esn": 1.2, "ridge_p_o": 1.15,
     "bank_p_o": 1.05, "bank": 1.1, "bank_fuzzy": 1.12, "plays": 1.18, "plays_fuzzy": 1.1,
-    "nvar": 1.4, "trees": 1.6, "mlp": 1.5, "fprc_tuned": 0.95, "esn_tuned": 1.1,
-    "bank_tuned": 1.0, "plays_tuned": 1.1, "esn_matched": 1.25, "fprc_oracle": 0.9,
-    "esn_oracle": 1.0, "bank_oracle": 0.92, "plays_oracle": 1.0,
+    "nvar": 1.4, "trees": 1.6, "mlp": 1.5, "fprc_tuned": 0.95, "fprc_lowpass_tuned": 1.2,
+    "esn_tuned": 1.1, "bank_tuned": 1.0, "plays_tuned": 1.1, "esn_matched": 1.25,
+    "fprc_oracle": 0.9, "esn_oracle": 1.0, "bank_oracle": 0.92, "plays_oracle": 1.0,
 }  # fmt: skip
 OFFSETS = (-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0)
 

@@ -157,9 +157,10 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
     return rows
 
 
-#: Ratios of forward test errors beside B1, which no verdict rests on: a stronger substitute for
-#: P_o, and both models with tuned settings.
+#: Ratios of forward test errors beside B1, which no verdict rests on: with settings tuned alike,
+#: and with another substitute for P_o.
 BESIDE = (
+    ("FPRC / FPRC on low-passed theta_d, both tuned alike", "fprc_tuned", "fprc_lowpass_tuned"),
     ("FPRC / ridge on low-passes of theta_d", "fprc", "bank"),
     ("the same, both tuned alike", "fprc_tuned", "bank_tuned"),
 )

@@ -21,6 +21,7 @@ from fprc.registry import COMPETITORS, build, entry_of, parameters_of
 #: Models judged on every rig: those that a claim compares, and one competitor of every other kind.
 BRIEF = (
     "fprc", "fprc_lowpass", "fuzzy_linear", "ridge_p_o", "bank_p_o", "bank", "plays", "fprc_tuned",
+    "fprc_lowpass_tuned",
 )  # fmt: skip
 #: Models that take long, so they are judged on fewer rigs or seeds.
 SLOW = ("esn", "esn_oracle", "trees", "mlp")
@@ -29,7 +30,7 @@ FORWARD_ONLY = ("esn_tuned", "esn_matched", "esn_oracle")
 #: All models; ``registry.CHOICES`` explains the suffixes.
 ALL = (
     *COMPETITORS,
-    "fprc_tuned", "esn_tuned", "bank_tuned", "plays_tuned", "esn_matched",
+    "fprc_tuned", "fprc_lowpass_tuned", "esn_tuned", "bank_tuned", "plays_tuned", "esn_matched",
     "fprc_oracle", "esn_oracle", "bank_oracle", "plays_oracle",
 )  # fmt: skip
 

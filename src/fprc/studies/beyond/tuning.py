@@ -24,17 +24,19 @@ _BANK = {
     "slowest": loguniform(0.001, 0.01),
     "filters": randint(2, 7),
 }
+_FPRC = {
+    "epsilon": loguniform(0.002, 1.0),
+    "n_c": randint(2, 17),
+    "n_u": randint(1, 11),
+    "n_y": randint(1, 11),
+    "sigma": loguniform(0.5, 8.0),
+    "alpha": _ALPHA,
+}
 #: Distributions of the settings of each tuned model; other settings keep their defaults. The upper
 #: end of ``randint`` is excluded.
 SPACES: dict[str, dict[str, Any]] = {
-    "fprc": {
-        "epsilon": loguniform(0.002, 1.0),
-        "n_c": randint(2, 17),
-        "n_u": randint(1, 11),
-        "n_y": randint(1, 11),
-        "sigma": loguniform(0.5, 8.0),
-        "alpha": _ALPHA,
-    },
+    "fprc": _FPRC,
+    "fprc_lowpass": _FPRC,
     "esn": {
         "r": [100, 200, 400, 800],
         "f_input": loguniform(0.002, 0.1),
