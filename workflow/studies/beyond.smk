@@ -76,6 +76,9 @@ LONG_JOBS["beyond_capacity"] = judgement_spec(
     },
 )
 
+#: Between values of Fig. 10, where one of them decides what P_o is worth.
+EPSILONS_BETWEEN = [0.03, 0.003]
+
 LONG_JOBS["beyond_settings"] = judgement_spec(
     "beyond/settings",
     "Beyond the paper: FPRC with and without P_o over epsilon and n_c",
@@ -84,7 +87,13 @@ LONG_JOBS["beyond_settings"] = judgement_spec(
     given={"tuned": TUNED},
     families=families_of_one_rig,
     units=list(range(BEYOND["training"]["seeds"])),
-    how={"contest": CONTEST, "grids": pick(SETTINGS["grids"], "epsilon", "n_c")},
+    how={
+        "contest": CONTEST,
+        "grids": {
+            "epsilon": SETTINGS["grids"]["epsilon"] + EPSILONS_BETWEEN,
+            "n_c": SETTINGS["grids"]["n_c"],
+        },
+    },
 )
 
 
