@@ -51,8 +51,9 @@ def status_of(claim: Claim, fitted: Fit) -> str:
 
 def fit_in_words(fitted: Fit) -> str:
     """Return what a rig was fitted to, and where its fit began, as a part of a sentence."""
-    words = _in_words(fitted.get("to", ())) or "nothing"
-    start = _in_words(fitted.get("start", ()))
+    to = fitted.get("to", ())
+    words = _in_words(to) or "nothing"
+    start = _in_words([term for term in fitted.get("start", ()) if term not in to])
     return words + (f", beginning at a rig that was searched for {start}" if start else "")
 
 

@@ -641,7 +641,7 @@ def test_what_a_rig_may_have_been_searched_for_has_words_or_is_a_claim():
     known = {*get_args(SearchedFor)} - {"plausible"}
     assert named == known & named
     assert known <= named | set(BY_ID)
-    words = fit_in_words({"to": ["C8", "tables"], "start": ["closed_errors", "C15"]})
+    words = fit_in_words({"to": ["C8", "tables"], "start": ["tables", "closed_errors", "C15"]})
     assert words == (
         "C8 and Tables II and III, beginning at a rig that was searched for closed-loop Table IV "
         "and C15"
