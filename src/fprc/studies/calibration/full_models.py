@@ -12,7 +12,6 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tracking import Track, rms_of, tracking_errors
 from fprc.paper import MODELS
-from fprc.registry import build
 from fprc.studies.calibration.objective import errors_of
 from fprc.studies.calibration.surrogate import LOOPS, SHARES
 
@@ -57,17 +56,16 @@ def _judge_seed(
     measures: Collection[str],
 ) -> dict[str, dict[str, float]]:
     data = simulate(on_rig, judgement.seed)
-    reports = [
-        report for name in MODELS for _, report, _ in judge_directions(name, judgement, data)
-    ]
+    of_models = {name: judge_directions(name, judgement, data) for name in MODELS}
+    reports = [report for directions in of_models.values() for _, report, _ in directions]
     judged = {"errors": errors_of({"models": reports})}
     if SHARES in measures:
         shares = weight_shares(data["sweep"], judgement)["mean_share"]
         judged[SHARES] = {"p_o_over_theta_d": shares["p_o"] / shares["theta_d"]}
     if loops := {name: feedback for name, feedback in LOOPS.items() if name in measures}:
-        fprc = build("fprc", judgement.models, judgement.seed).fit(*data["sweep"].pair("fprc"))
+        (trained_on_sweep, *_), _ = of_models["fprc"]
         bench = Track(tracking, on_rig.control, on_rig.rig, judgement.seed)
-        judged |= rms_of(tracking_errors(bench, fprc, loops))
+        judged |= rms_of(tracking_errors(bench, trained_on_sweep.model, loops))
     return judged
 
 

@@ -16,7 +16,6 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.provenance import hash_of
-from fprc.registry import build
 from fprc.studies.calibration import fit as stage
 from fprc.studies.calibration.full_models import judge_fully
 from fprc.studies.calibration.objective import TERMS, aim_of, deviations, printed_errors
@@ -307,25 +306,18 @@ def test_surrogate_is_corrected_by_its_ratios_on_the_fitted_rig(
         assert report["surrogate_ratios"][measure] == pytest.approx(expected, rel=1e-9)
 
 
-def test_share_of_the_full_models_is_the_one_that_c8_judges(settings, on_rig):
-    (judged,) = judge_fully(on_rig, [41], 1, settings["judgement"], {}, {"shares"})
-    judgement = Judgement(**settings["judgement"], seed=41)
-    data = simulate(on_rig, 41)
-    mean_share = compare_models(data, judgement)[0]["weights"]["mean_share"]
+def test_share_and_loops_of_the_full_models_are_those_of_the_workflow(settings, on_rig):
+    """C8a judges this share, and Table IV has these errors: FPRC of its best fold."""
+    judgement, tracking = settings["judgement"], settings["tracking"]
+    (judged,) = judge_fully(on_rig, [41], 1, judgement, tracking, {"shares", *LOOPS})
+    compared, models = compare_models(simulate(on_rig, 41), Judgement(**judgement, seed=41))
+    mean_share = compared["weights"]["mean_share"]
     expected = mean_share["p_o"] / mean_share["theta_d"]
     assert judged["shares"]["p_o_over_theta_d"] == pytest.approx(expected, rel=1e-9)
-
-
-def test_full_models_follow_with_what_the_surrogate_would_be_without_shortcuts(settings, on_rig):
-    """FPRC on every row with the full ridge parameter, one start: its loops are the full ones."""
-    judgement = settings["judgement"]
-    (found,) = judge_fully(on_rig, [21], 1, judgement, settings["tracking"], LOOPS)
-    sweep = simulate(on_rig, 21)["sweep"]
-    fprc = build("fprc", judgement["models"], 21).fit(*sweep.pair("fprc"))
-    bench = Track(settings["tracking"], on_rig.control, on_rig.rig, 21)
-    run = bench.follow("sweep", "fprc_pd", fprc)
-    settle_s = settings["tracking"]["references"]["sweep"]["settle_s"]
-    assert found["closed_loop"]["sweep"] == pytest.approx(tracking_rmse(run, settle_s), rel=1e-6)
+    bench = Track(tracking, on_rig.control, on_rig.rig, 41)
+    run = bench.follow("sweep", "fprc_pd", models["fprc"])
+    settle_s = tracking["references"]["sweep"]["settle_s"]
+    assert judged["closed_loop"]["sweep"] == pytest.approx(tracking_rmse(run, settle_s), rel=1e-6)
 
 
 @pytest.fixture
