@@ -232,9 +232,9 @@ BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/res
         *(
             (
                 page,
-                r"Table III, ESN, Test RMSE: (\S+) against (\S+) kPa",
+                r"Table III, Fuzzy-linear, Test RMSE: (\S+) against (\S+) kPa",
                 "table3_seeds",
-                [("Test RMSE", "ESN, ours"), ("Test RMSE", "ESN, paper")],
+                [("Test RMSE", "Fuzzy-linear, ours"), ("Test RMSE", "Fuzzy-linear, paper")],
             )
             for page in ("README.md", RESULTS)
         ),
