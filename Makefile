@@ -108,7 +108,7 @@ endef
 test-slurm: slurm  ## the smoke run through Slurm; `make test` runs one job of each kind
 	SLURM_TARGETS=all pytest tests/workflow/test_slurm.py
 
-recordings: .venv/.ready  ## evaluate the recordings of docs/own-data.md: DATASETS=folder with the public ones
+recordings: .venv/.ready  ## evaluate the recordings of docs/chamber.md: DATASETS=folder with the public ones
 	python tools/recordings.py $(DATASETS)
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/

@@ -189,6 +189,16 @@ BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/res
         ),
         (
             BEYOND,
+            r"tuned alike it is (\S+) times on the default rig, (\S+) on Bouc-Wen, (\S+) on \*dry\*, "
+            r"(\S+) on viscous, (\S+) on near print and (\S+) on drawn rigs",
+            "beyond_beside",
+            [
+                ("FPRC / FPRC on low-passed theta_d, both tuned alike", rig)
+                for rig in ("paper", "Bouc-Wen", "dry", "viscous", "near print", "drawn")
+            ],
+        ),
+        (
+            BEYOND,
             r"there B1 had (\S+), B4 (\S+) instead of (\S+), and B3 was superior",
             "beyond_claims",
             [("B1", "dry"), ("B4", "dry"), ("B4", "paper")],
@@ -323,7 +333,9 @@ def test_readme_has_what_p_o_is_worth_on_every_rig():
         verdict, mean = worth[rig].rsplit(" ", 1)
         is_decided = verdict.rstrip("†‡") in ("superior", "inferior")
         assert f"{mean} on *{rig}*" in (decided if is_decided else uncertain)
-    beside = rows_of("beyond_beside")[0]
-    means = in_words([beside[rig].split()[0] for rig in rigs])
-    named = in_words([f"*{rig}*" for rig in rigs])
-    assert f"on low-passes of θ<sub>d</sub>: {means} on {named}." in text
+    tuned, ridge = (
+        in_words([beside[rig].split()[0] for rig in rigs])
+        for beside in rows_of("beyond_beside")[:2]
+    )
+    assert f"With both tuned alike: {tuned} on {in_words([f'*{rig}*' for rig in rigs])}." in text
+    assert f"on low-passes of θ<sub>d</sub>: {ridge}." in text
