@@ -177,25 +177,21 @@ BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/res
             "beyond_claims",
             [("B1", "paper"), ("B1", "Bouc-Wen")],
         ),
-        (
-            BEYOND,
-            r"its error is (\S+) times on the default rig, (\S+) on Bouc-Wen, (\S+) on \*dry\*, "
-            r"(\S+) on viscous, (\S+) on near print and (\S+) on drawn rigs",
-            "beyond_beside",
-            [
-                ("FPRC / ridge on low-passes of theta_d", rig)
-                for rig in ("paper", "Bouc-Wen", "dry", "viscous", "near print", "drawn")
-            ],
-        ),
-        (
-            BEYOND,
-            r"tuned alike it is (\S+) times on the default rig, (\S+) on Bouc-Wen, (\S+) on \*dry\*, "
-            r"(\S+) on viscous, (\S+) on near print and (\S+) on drawn rigs",
-            "beyond_beside",
-            [
-                ("FPRC / FPRC on low-passed theta_d, both tuned alike", rig)
-                for rig in ("paper", "Bouc-Wen", "dry", "viscous", "near print", "drawn")
-            ],
+        *(
+            (
+                BEYOND,
+                words + r" (\S+) times on the default rig, (\S+) on Bouc-Wen, (\S+) on \*dry\*, "
+                r"(\S+) on viscous, (\S+) on near print and (\S+) on drawn rigs",
+                "beyond_beside",
+                [
+                    (ratio, rig)
+                    for rig in ("paper", "Bouc-Wen", "dry", "viscous", "near print", "drawn")
+                ],
+            )
+            for words, ratio in (
+                ("tuned alike it is", "FPRC / FPRC on low-passed theta_d, both tuned alike"),
+                ("its error is", "FPRC / ridge on low-passes of theta_d"),
+            )
         ),
         (
             BEYOND,
