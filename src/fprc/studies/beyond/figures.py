@@ -145,7 +145,6 @@ def plot_settings(table: DataFrame, ax: Axes) -> Axes:
     ax.set_xticks(values, [f"{value:g}" for value in values])
     ratios = [0.5, 0.7, 1, 1.5, 2, 3, 4]
     ax.set_yticks(ratios, [f"{value:g}" for value in ratios])
-    ax.set_ylim(max(table["low"].min() / 1.05, 0.4), min(table["high"].max() * 1.05, 4.0))
     ax.minorticks_off()
     return ax
 

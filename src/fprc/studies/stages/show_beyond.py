@@ -126,6 +126,7 @@ def draw_settings(settings: str, pdf: str, png: str) -> Mapping[str, Any]:
     for ax, (_, of_setting) in zip(axes, table.groupby("setting", sort=False), strict=True):
         figures.plot_settings(of_setting, ax)
         ax.label_outer()
+    axes[0].set_ylim(table["low"].min() / 1.05, table["high"].max() * 1.05)
     style.share_legend(fig, axes[0])
     return style.save(fig, _SIMULATED, pdf, png)
 
