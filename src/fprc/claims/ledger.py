@@ -28,6 +28,7 @@ _TERMS = {
     "open_loop": "open-loop Table IV",
     "closed_loop": "feedback that cuts errors by a fifth",
     "closed_sweep": "the closed-loop error of the sweep",
+    "margin": "feedback that helps with gains half again as large",
     "closed_errors": "closed-loop Table IV",
 }
 

@@ -292,7 +292,7 @@ def columns_for(name: str, inputs: np.ndarray) -> np.ndarray:
 
 
 def tracking_errors(
-    bench: Track, model: SequenceModel, loops: Mapping[str, bool]
+    bench: Track, model: SequenceModel, loops: Mapping[str, float]
 ) -> dict[str, dict[str, np.ndarray]]:
     """Return the errors over time with P_ff of one model, for the references of Table IV, deg.
 
@@ -301,15 +301,18 @@ def tracking_errors(
     Parameters
     ----------
     loops : Mapping
-        Whether there is feedback, by the name under which the errors are returned.
+        By the name under which the errors are returned: 0 without feedback, else what multiplies
+        its gains.
     """
     errors: dict[str, dict[str, np.ndarray]] = {name: {} for name in loops}
     for reference in REFERENCES:
         inputs = bench.inputs(reference)
         settle_s = bench.tracking["references"][reference]["settle_s"]
-        for name, feedback in loops.items():
-            precomputed = bench.precompute(model, inputs)
-            run = settled(bench.simulate(reference, precomputed, feedback=feedback), settle_s)
+        for name, gains in loops.items():
+            pd = {gain: gains * value for gain, value in bench.control["pd"].items()}
+            loop = bench._replace(control={**bench.control, "pd": pd})
+            precomputed = loop.precompute(model, inputs)
+            run = settled(loop.simulate(reference, precomputed, feedback=gains > 0.0), settle_s)
             errors[name][reference] = run["theta_deg"] - run["theta_d_deg"]
     return errors
 

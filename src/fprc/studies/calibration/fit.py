@@ -44,7 +44,7 @@ log = logging.getLogger(__name__)
 _NEEDS = {
     "C8": "shares", "C9a": "epsilon", "C9b": "n_c", "C11": "n_c", "C12": "taps",
     "open_loop": "open_loop", "closed_loop": "closed_loop",
-    "closed_sweep": "closed_loop",
+    "closed_sweep": "closed_loop", "margin": "firm_loop",
 }  # fmt: skip
 
 #: Measures over grids, which take as long as all others together and vary little between seeds.
@@ -357,6 +357,7 @@ def relative(
             for key, printed in aim.printed[measure].items()
         }
         for measure in full[0]
+        if measure in aim.printed
     }
 
 

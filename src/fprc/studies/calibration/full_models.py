@@ -62,7 +62,7 @@ def _judge_seed(
     if SHARES in measures:
         shares = weight_shares(data["sweep"], judgement)["mean_share"]
         judged[SHARES] = {"p_o_over_theta_d": shares["p_o"] / shares["theta_d"]}
-    if loops := {name: feedback for name, feedback in LOOPS.items() if name in measures}:
+    if loops := {name: gains for name, gains in LOOPS.items() if name in measures}:
         (trained_on_sweep, *_), _ = of_models["fprc"]
         bench = Track(tracking, on_rig.control, on_rig.rig, judgement.seed)
         judged |= rms_of(tracking_errors(bench, trained_on_sweep.model, loops))

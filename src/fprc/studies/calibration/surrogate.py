@@ -33,11 +33,11 @@ _BLOCK_S = 0.25
 SHARES = "shares"
 
 #: Optional measures, of the fit and further ones; each takes time of its own.
-MEASURES = (SHARES, "epsilon", "n_c", "taps", "open_loop", "closed_loop")
+MEASURES = (SHARES, "epsilon", "n_c", "taps", "open_loop", "closed_loop", "firm_loop")
 FURTHER = ("bias", "halves", "substitutes", "control")
 
-#: Whether a loop has feedback.
-LOOPS = {"open_loop": False, "closed_loop": True}
+#: Gains of the feedback over the printed ones.
+LOOPS = {"open_loop": 0.0, "closed_loop": 1.0, "firm_loop": 1.5}
 
 
 def judge_by_surrogate(
@@ -74,9 +74,9 @@ def judge_by_surrogate(
         the ``bias``; ``halves``, the error in the second half of the sweep over that in the first,
         by model; test errors of ``substitutes`` for P_o or for the rules, by "trained on/model";
         training errors over ``epsilon``; errors over ``n_c`` by model and phase; training errors
-        over ``taps``, of shape (n_u, n_y); RMSE by reference in ``open_loop`` and
-        ``closed_loop``, deg; with ``open_loop``, ``courses`` by reference, see
-        ``objective.numbers_of``; and in ``control`` what ``measure_control`` returns for FPRC.
+        over ``taps``, of shape (n_u, n_y); RMSE by reference in the loops of ``LOOPS``, deg;
+        with ``open_loop``, ``courses`` by reference, see ``objective.numbers_of``; and in
+        ``control`` what ``measure_control`` returns for FPRC.
     """
     simulated = simulate(on_rig, seed)
     logs = {name: data.channels for name, data in simulated.items()}
@@ -126,7 +126,7 @@ def judge_by_surrogate(
         features = model.make_features().fit(np.zeros((100, 2)))
         model = model.assembled(features, fuzzy["sweep", "fprc"])
         bench = Track(tracking, on_rig.control, on_rig.rig, seed)
-        loops = {name: feedback for name, feedback in LOOPS.items() if name in measures}
+        loops = {name: gains for name, gains in LOOPS.items() if name in measures}
         tracked = tracking_errors(bench, model, loops) if loops else {}
         judged |= rms_of(tracked)
         if "open_loop" in loops:

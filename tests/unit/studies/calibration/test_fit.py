@@ -298,7 +298,7 @@ def test_surrogate_is_corrected_by_its_ratios_on_the_fitted_rig(
     fitted, report, settings, full, on_rig
 ):
     models, on_rig = settings["judgement"]["models"], replace(on_rig, rig=written(fitted))
-    measures = {"shares", "open_loop", "closed_loop"}
+    measures = {"shares", *LOOPS}
     cheap = judge_by_surrogate(on_rig, 21, models, SURROGATE, {}, settings["tracking"], measures)
     assert set(report["surrogate_ratios"]) == {"errors", *measures}
     for measure, errors in full(on_rig).items():
