@@ -39,16 +39,6 @@ def defaults() -> None:
     print(pages.defaults(), end="")
 
 
-def schema() -> None:
-    """Print config/schema.json.
-
-    Examples
-    --------
-    fprc config schema
-    """
-    print(pages.schema(), end="")
-
-
 def reference() -> None:
     """Print docs/configuration.md.
 

@@ -38,7 +38,6 @@ COMMANDS = {
     "readout": "readout.report_readout",
     "config check": "configuration.check",
     "config defaults": "configuration.defaults",
-    "config schema": "configuration.schema",
     "config reference": "configuration.reference",
     "config rig": "configuration.rig",
     "config published": "configuration.published",

@@ -1,4 +1,4 @@
-"""Typed settings, from which defaults, limits, schema and reference page follow."""
+"""Typed settings, from which defaults, limits and reference page follow."""
 
 from fprc.config.load import PUBLISHED, check, from_files, local_files, rig_file, rig_files
 from fprc.config.settings import Settings

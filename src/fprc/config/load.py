@@ -23,6 +23,9 @@ PUBLISHED = Path(__file__).with_name("published.yaml")
 #: Folders of the rigs that ``rig`` can name: this package's, and the user's.
 _RIGS = (Path(__file__).with_name("rigs"), Path("config/rigs"))
 
+#: Page that lists the keys.
+_PAGE = "docs/configuration.md"
+
 #: Configuration of the current folder.
 _LOCAL = Path("config/config.yaml")
 
@@ -81,7 +84,7 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
             break
         except ValidationError as error:
             items = [item for item in error.errors() if item["loc"] not in restored]
-            problems |= dict.fromkeys(map(_explained, items))
+            problems |= dict.fromkeys(explained(item, Settings, _PAGE) for item in items)
             # checks across several keys run only once each key is valid by itself
             single = [item["loc"] for item in items if _restore_default(merged, item)]
             restored.update(single)
@@ -156,31 +159,3 @@ def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
             _merge(into[key], value)
         else:
             into[key] = value
-
-
-#: Keys and values of earlier versions, and what became of them.
-_OLD = {
-    "sweeps": "is now called grids; rename it",
-    "grids.chunks": "was removed: each grid is one job; delete it",
-    "grids.replicate_taps": "is now called grids.readout_taps; rename it",
-    "source = hardware": "hardware is now called rig; rename it",
-    "ensemble": "is now called drawn; rename it",
-    "posterior": "is now called near_print; rename it",
-    "calibration.step": "was removed: the search draws no rigs; delete it",
-    "calibration.population": "was removed: the search draws no rigs; delete it",
-    "calibration.margin": "was removed: the term orders has a fixed margin; delete it",
-    "calibration.ratio": "was removed: the term orders has a fixed ratio; delete it",
-    "calibration.check_seeds": "is now called full_seeds; rename it",
-    "calibration.generations": "is now called rounds, each some eight times as long; rename it",
-    "calibration.first.generations": "is now called rounds; rename it",
-    "tracking.printed_gains": "is now called control.pd; rename it",
-    "evaluation.verdict_seeds": "was removed: verdicts are those of all replicate_seeds; delete it",
-    "tracking.candidate_kp_kpa_per_deg": "was removed: the gains are the printed ones, control.pd, "
-    "and are not searched for; the law is control.feedback; delete it",
-}
-
-
-def _explained(item: Mapping[str, Any]) -> str:
-    key = ".".join(map(str, item["loc"]))
-    old = _OLD.get(key) or _OLD.get(f"{key} = {item['input']}")
-    return f"{key}: {old}" if old else explained(item, Settings, "docs/configuration.md")

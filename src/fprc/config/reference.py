@@ -1,4 +1,4 @@
-"""Files generated from the typed settings: defaults, schema, reference page."""
+"""Files generated from the typed settings: defaults, reference page."""
 
 import inspect
 import json
@@ -41,11 +41,6 @@ def defaults() -> str:
     values = Settings().model_dump(mode="json", exclude={"rig", "fitted", "armed"})
     values = {"source": values.pop("source"), "rig": RIG} | values
     return _HEAD + yaml.safe_dump(values, sort_keys=False, default_flow_style=None)
-
-
-def schema() -> str:
-    """Return config/schema.json, for editors that check YAML."""
-    return json.dumps(Settings.model_json_schema(), indent=2) + "\n"
 
 
 def reference() -> str:

@@ -264,31 +264,6 @@ def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
     assert settings.rig != Settings().rig
 
 
-@pytest.mark.parametrize(
-    ("old", "key", "now"),
-    [
-        ({"sweeps": {"n_c": [2, 4]}}, "sweeps", "grids"),
-        ({"source": "hardware"}, "source", "rig"),
-        ({"ensemble": {"rigs": 5}}, "ensemble", "is now called drawn"),
-        ({"posterior": {"rigs": 50}}, "posterior", "is now called near_print"),
-        ({"calibration": {"population": 50}}, "calibration.population", "draws no rigs"),
-        ({"calibration": {"margin": 0.1}}, "calibration.margin", "fixed margin"),
-        ({"calibration": {"ratio": 2}}, "calibration.ratio", "fixed ratio"),
-        ({"calibration": {"check_seeds": [41]}}, "calibration.check_seeds", "called full_seeds"),
-        ({"tracking": {"printed_gains": {}}}, "tracking.printed_gains", "control.pd"),
-        (
-            {"tracking": {"candidate_kp_kpa_per_deg": [0.5]}},
-            "tracking.candidate_kp_kpa_per_deg",
-            "control.pd",
-        ),
-    ],
-)
-def test_what_was_renamed_or_removed_is_answered_by_what_there_is_now(old, key, now):
-    text = message(old)
-    assert keys_of(text) == [key]
-    assert now in text
-
-
 def test_rig_bouc_wen_is_the_dry_rig_with_another_friction_law():
     dry, other = (from_files([], {"rig": name}) for name in ("dry", "bouc_wen"))
     assert dry.rig.friction_law == "maxwell_slip"

@@ -13,7 +13,6 @@ ROOT = Path(__file__).parents[3]
     ("page", "file"),
     [
         (reference.defaults, "config/config.yaml"),
-        (reference.schema, "config/schema.json"),
         (reference.reference, "docs/configuration.md"),
     ],
 )
