@@ -17,7 +17,6 @@ STUDIES = (
     "sensitivity",
     "targets",
     "families",
-    "near_print",
     "beyond",
     "tuned",
     "online",

@@ -1,6 +1,6 @@
 # Names that several rules of the studies share.
 
-#: Rigs near print; the target `near_print` made them.
+#: Rigs near print; decision 16 says how they were found.
 NEAR_PRINT = file_of_workflow("../../config/rigs/near_print.json")
 # an unrelated folder may have docs/images too
 IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(

@@ -133,23 +133,7 @@ STUDY_RESULTS["families_figure"] = figure_spec(
 )
 
 
-LONG_JOBS["find_near_print"] = long_spec(
-    "near_print/rigs",
-    "Search for rigs near Tables II and III",
-    {"rigs": PATHS.below("near_print/rigs.json")},
-    {"published": PUBLISHED},
-    runtime=480,
-    **stage("studies.near_print.find_near_print", *MODELS, key="version"),
-    **EVERY_SEED,
-    near_print=SETTINGS["near_print"],
-    drawn=pick(DRAWN, "angle_deg", "p_o_swing_kpa", "seed"),
-    free=FREE,
-    surrogate=SURROGATE,
-)
-
-
 STUDY_TARGETS |= {
-    "near_print": PATHS.below("near_print/rigs.json"),
     "families": [
         *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
         PATHS.below("families/figure.pdf"),

@@ -197,20 +197,3 @@ class Drawn(Section):
     sensitivity_steps: int = quantity(
         5, (2, 100), "values over each parameter's range in the sensitivity table"
     )
-
-
-class NearPrint(Section):
-    """How rigs with errors near those of Tables II and III are found, beginning with drawn ones."""
-
-    rigs: int = quantity(
-        600, (10, 1_000_000), "rigs drawn at the beginning; implausible ones drop out"
-    )
-    keep: int = quantity(43, (1, 100000), "rigs that are written")
-    seed: int = quantity(5000, (2, 2**31 - 2**24), "seed of the draws; each rig has its own noise")
-    tolerance: float = quantity(
-        0.1, (0.01, 1), "standard deviation of an error's logarithm around the printed one"
-    )
-    assimilations: int = quantity(5, (0, 100), "steps of the smoother")
-    sweeps: int = quantity(
-        20, (0, 100000), "sweeps of the sampler, with one proposal per rig; 0: none"
-    )

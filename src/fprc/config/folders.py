@@ -15,7 +15,7 @@ PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "tool
 RESULT_FOLDERS = frozenset(
     {
         "beyond", "calibration", "crossval", "data", "families", "figures", "grids", "online",
-        "logs", "models", "near_print", "predictions", "quality", "readout", "replicates",
+        "logs", "models", "predictions", "quality", "readout", "replicates",
         "reservoir", "rigs", "tables", "timing", "weights",
     }
 )  # fmt: skip

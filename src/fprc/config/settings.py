@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from fprc.config.beyond import Beyond, OnlineStudy
-from fprc.config.calibration import Calibration, Drawn, Fitted, NearPrint
+from fprc.config.calibration import Calibration, Drawn, Fitted
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.models import Evaluation, Grids, Models
@@ -153,7 +153,6 @@ class Settings(Section):
     tracking: Tracking = Tracking()
     calibration: Calibration = Calibration()
     drawn: Drawn = Drawn()
-    near_print: NearPrint = NearPrint()
     beyond: Beyond = Beyond()
     online: OnlineStudy = OnlineStudy()
     hardware: Hardware = Hardware()

@@ -44,65 +44,39 @@ def judged_cells(
     settings: Any,
     files: Sequence[str] = (),
 ) -> Iterator[list[dict[str, Any]]]:
-    """Judge every cell as ``judging`` does; the ``with`` block then saves the results.
-
-    Parameters
-    ----------
-    version, settings, files
-        Fingerprint of the code, and everything else that the results depend on: a checkpoint is
-        used only if all are the same.
-    """
-    key = checkpoint_key([settings, version], files)
-    with judging(workers=workers, checkpoint=checkpoint, key=key) as run:
-        yield run(judge, cells)
-
-
-@contextmanager
-def judging(
-    *,
-    workers: int,
-    checkpoint: Path | str,
-    key: str,
-) -> Iterator[Callable[..., list[dict[str, Any]]]]:
-    """Yield a function that judges cells in a pool of processes, each on one thread.
+    """Judge cells in a pool of processes, each on one thread; the ``with`` block saves the results.
 
     Each finished cell is written to the checkpoint at once; after a kill only the cells that are
     missing there are computed. After the block the checkpoint is deleted, unless the block failed.
 
     Parameters
     ----------
+    judge : callable
+        Takes a cell and returns a JSON mapping; picklable.
     checkpoint : path
-        See ``artifacts.resuming``; the head is ``key``, the entries are cells with their results.
-    key : str
-        Identifies everything else that the results depend on; see ``checkpoint_key``.
+        See ``artifacts.resuming``; the entries are cells with their results.
+    version, settings, files
+        Fingerprint of the code, and everything else that the results depend on: a checkpoint is
+        used only if all are the same.
 
     Yields
     ------
-    callable
-        Its first argument takes a cell and returns a JSON mapping, and is picklable; the second
-        are the cells. It returns one dict per cell, cell and result merged, in the order of cells.
+    list of dict
+        One per cell, cell and result merged, in the order of cells.
     """
+    key = checkpoint_key([settings, version], files)
+    names = [_name(cell) for cell in cells]
     with resuming(checkpoint, {"key": key}) as (kept, append):
         finished = {_name(entry["cell"]): entry["result"] for entry in kept}
-
-        def run(
-            judge: Callable[[Cell], Mapping[str, Any]], cells: Sequence[Cell]
-        ) -> list[dict[str, Any]]:
-            names = [_name(cell) for cell in cells]
-            pending = [
-                cell for cell, name in zip(cells, names, strict=True) if name not in finished
-            ]
-            before = len(cells) - len(pending)
-            with parallel_config("loky", inner_max_num_threads=1):
-                pool = Parallel(n_jobs=workers, return_as="generator_unordered")
-                results = pool(delayed(_judged)(judge, cell) for cell in pending)
-                for done, (cell, result) in enumerate(results, before + 1):
-                    append({"cell": cell, "result": result})
-                    finished[_name(cell)] = result
-                    log_progress(done, len(cells))
-            return [{**cell, **finished[name]} for cell, name in zip(cells, names, strict=True)]
-
-        yield run
+        pending = [cell for cell, name in zip(cells, names, strict=True) if name not in finished]
+        with parallel_config("loky", inner_max_num_threads=1):
+            pool = Parallel(n_jobs=workers, return_as="generator_unordered")
+            results = pool(delayed(_judged)(judge, cell) for cell in pending)
+            for done, (cell, result) in enumerate(results, len(cells) - len(pending) + 1):
+                append({"cell": cell, "result": result})
+                finished[_name(cell)] = result
+                log_progress(done, len(cells))
+        yield [{**cell, **finished[name]} for cell, name in zip(cells, names, strict=True)]
         Path(checkpoint).unlink()
 
 

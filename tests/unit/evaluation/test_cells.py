@@ -6,7 +6,7 @@ import pytest
 
 from fprc.errors import OutputError
 from fprc.evaluation import cells
-from fprc.evaluation.cells import judged_cells, judging
+from fprc.evaluation.cells import checkpoint_key, judged_cells
 
 CELLS = [{"model": "fprc", "n_c": n_c} for n_c in (4, 1, 3, 2)]
 
@@ -39,14 +39,22 @@ def sweep(tmp_path, monkeypatch):
         judge = make_judge(str(trace), fails_at)
         with (
             suppress(InterruptedError),
-            judging(workers=workers, checkpoint=go.checkpoint, key=key) as run,
+            judged_cells(judge, asked, checkpoint=go.checkpoint, **how(key, workers)) as found,
         ):
-            found = run(judge, asked)
             raise InterruptedError
         return found, sorted(int(path.name.split("-")[0]) for path in trace.iterdir())
 
     go.checkpoint = tmp_path / "sub" / "sweep.jsonl"
     return go
+
+
+def how(key="k", workers=1):
+    return {"settings": key, "version": "v", "workers": workers}
+
+
+def head(key="k"):
+    """The first line of a checkpoint."""
+    return {"key": checkpoint_key([key, "v"])}
 
 
 def lines(path):
@@ -134,7 +142,7 @@ def test_file_without_the_key_is_begun_anew(sweep, text):
 def test_another_key_forgets_what_was_finished(sweep):
     sweep(key="a")
     assert sweep(key="b")[1] == [1, 2, 3, 4]
-    assert entries(sweep.checkpoint)[0] == {"key": "b"}
+    assert entries(sweep.checkpoint)[0] == head("b")
     assert sweep(key="a")[1] == [1, 2, 3, 4]
 
 
@@ -149,8 +157,9 @@ def test_cell_is_known_by_its_content_not_by_its_place(sweep):
 def test_work_of_the_checkpoint_is_in_proportion_to_the_cells(tmp_path, monkeypatch):
     named, name = [], cells._name
     monkeypatch.setattr(cells, "_name", lambda cell: named.append(cell) or name(cell))
-    with judging(workers=1, checkpoint=tmp_path / "sweep.jsonl", key="k") as run:
-        run(lambda cell: {}, [{"n_c": n_c} for n_c in range(50)])
+    asked = [{"n_c": n_c} for n_c in range(50)]
+    with judged_cells(lambda cell: {}, asked, checkpoint=tmp_path / "sweep.jsonl", **how()):
+        pass
     assert len(named) <= 3 * 50
 
 
@@ -169,11 +178,11 @@ def test_judge_that_raises_leaves_finished_cells_in_the_checkpoint(sweep, worker
 def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path, monkeypatch):
     checkpoint, file, counted = tmp_path / "partial.jsonl", tmp_path / "log.h5", []
     file.write_bytes(b"log")
-    options = {"settings": {"alpha": 0.1}, "files": [str(file)], "version": "v"}
+    options = how({"alpha": 0.1}) | {"files": [str(file)]}
     monkeypatch.setattr(cells, "log_progress", lambda *counts: counted.append(counts))
 
     def judged(judge):
-        return judged_cells(judge, CELLS, workers=1, checkpoint=checkpoint, **options)
+        return judged_cells(judge, CELLS, checkpoint=checkpoint, **options)
 
     def disk_full():
         with judged(lambda cell: {"rmse": 0.1 * cell["n_c"]}):
@@ -189,12 +198,15 @@ def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path, monkey
 
 
 def test_result_that_is_not_a_number_is_refused_and_not_kept(sweep):
+    def judge(cell):
+        return {"rmse": float("nan")}
+
     with (
         pytest.raises(ValueError, match="JSON"),
-        judging(workers=1, checkpoint=sweep.checkpoint, key="k") as run,
+        judged_cells(judge, CELLS[:1], checkpoint=sweep.checkpoint, **how()),
     ):
-        run(lambda cell: {"rmse": float("nan")}, CELLS[:1])
-    assert entries(sweep.checkpoint) == [{"key": "k"}]
+        pass
+    assert entries(sweep.checkpoint) == [head()]
 
 
 def test_progress_counts_the_cells_of_this_sweep_that_the_checkpoint_holds(sweep):

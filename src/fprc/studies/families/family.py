@@ -56,7 +56,7 @@ def unit_of(number: int, family: Mapping[str, Any], near_print: str = "") -> Uni
     elif family["rigs"] == "drawn":
         drawn = family["drawn"]
         free = free_parameters(**family["free"])
-        on_rig, _ = draw_rig(drawn["seed"] + number, drawn, free, on_rig)
+        on_rig = draw_rig(drawn["seed"] + number, drawn, free, on_rig)
     first = family["first_seed"] + number * family["seeds_per_rig"]
     seeds = range(first, first + family["seeds_per_rig"])
     return Unit(number, family, [(on_rig, seed) for seed in seeds])
@@ -93,16 +93,11 @@ def judge_tables(
 
 def draw_rig(
     seed: int, drawn: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
-) -> tuple[RigSettings, np.ndarray]:
-    """Draw rigs until one bends and squeezes plausibly.
+) -> RigSettings:
+    """Draw rigs until one bends and squeezes plausibly; return ``on_rig`` with that rig.
 
     Free parameters are uniform over their ranges, or log-uniform where a range
     spans a decade; all others are as in ``on_rig``.
-
-    Returns
-    -------
-    RigSettings, ndarray
-        ``on_rig`` with the drawn rig, and its parameters as shares of their ranges.
 
     Raises
     ------
@@ -113,25 +108,17 @@ def draw_rig(
     rng = np.random.default_rng([seed, _PARAMETERS])
     sweep = {"sweep": on_rig.signals["sweep"]}
     for _ in range(_MOST_DRAWS):
-        shares = rng.uniform(size=len(free))
-        rig = decode(shares, on_rig.rig, free)
+        rig = decode(rng.uniform(size=len(free)), on_rig.rig, free)
         try:
             Rig.model_validate(rig)
             logs = simulate(replace(on_rig, rig=rig, signals=sweep), seed)
             measured = properties(logs["sweep"].channels)
         except (ValidationError, FprcError):
             continue
-        if is_plausible(measured, drawn):
-            return replace(on_rig, rig=rig), shares
+        limits = {name: drawn[name] for name in ("angle_deg", "p_o_swing_kpa")}
+        if all(low <= measured[name] <= high for name, (low, high) in limits.items()):
+            return replace(on_rig, rig=rig)
     raise EvaluationError(
         f"none of {_MOST_DRAWS} rigs bends by {drawn['angle_deg']} deg and swings P_o by "
         f"{drawn['p_o_swing_kpa']} kPa; widen drawn.angle_deg or drawn.p_o_swing_kpa"
-    )
-
-
-def is_plausible(properties: Mapping[str, float], drawn: Mapping[str, Any]) -> bool:
-    """Return whether a rig's largest angle and swing of P_o are within the limits of ``drawn``."""
-    return all(
-        drawn[name][0] <= properties[name] <= drawn[name][1]
-        for name in ("angle_deg", "p_o_swing_kpa")
     )
