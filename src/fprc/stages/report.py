@@ -23,7 +23,6 @@ from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables.against_paper import against_paper
-from fprc.tables.found import found
 from fprc.tables.text import read_markdown, three_digits
 
 log = logging.getLogger(__name__)
@@ -75,7 +74,6 @@ def write_report(
     drawn_from = {figure["source"] for figure in shown} - {"none"}
     kinds = in_words(SOURCES[source] for source in sorted(drawn_from))
     simulated = "sim" in drawn_from
-    claims = _claims(ledger, folder, names)
     page = (
         _environment(Path(template[0]).parent)
         .get_template(Path(template[0]).name)
@@ -83,7 +81,6 @@ def write_report(
             banner=banner(drawn_from),
             kinds=kinds,
             simulated=simulated,
-            found=found(claims["claims"] or (), frames, simulated=simulated),
             missing=pd.read_csv(missing).drop(columns="name"),
             pages=pages.values(),
             figures=shown,
@@ -97,7 +94,7 @@ def write_report(
             versions=versions(),
             names=names,
             beyond=beyond,
-            **claims,
+            **_claims(ledger, folder, names),
         )
     )
     write_text(html, page)

@@ -502,7 +502,7 @@ def test_every_link_within_the_page_has_its_target(project):
     page = project.page()
     targets = {element["id"] for element in page.elements if "id" in element}
     links = [link["href"] for link in page.all("a") if link["href"].startswith("#")]
-    sections = {"content", "found", "claims", "tables", "figures", "symbols", "settings"}
+    sections = {"content", "claims", "tables", "figures", "symbols", "settings"}
     shown = {"0", "1", "fig4", "fig6", "fig12"}
     assert {link[1:] for link in links} == sections | shown
     assert {link[1:] for link in links} <= targets
