@@ -23,7 +23,7 @@ from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables.against_paper import against_paper
-from fprc.tables.text import read_markdown, three_digits
+from fprc.tables.text import read_markdown
 
 log = logging.getLogger(__name__)
 
@@ -37,7 +37,6 @@ def write_report(
     html: str,
     *,
     settings: Mapping[str, Any],
-    beyond: Mapping[str, Any] | None = None,
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
@@ -53,8 +52,6 @@ def write_report(
         Of each table, the Markdown page and the CSV.
     figures : sequence of str
         Of each figure, PNG, sidecar and caption.
-    beyond : Mapping, optional
-        ``worlds``, and ``ledgers``: of each family, the rows of ``judge_family``.
     """
     folder = Path(html).parent
     fitted = settings["fitted"]
@@ -93,7 +90,6 @@ def write_report(
             commit=_commit(*checkout()),
             versions=versions(),
             names=names,
-            beyond=beyond,
             **_claims(ledger, folder, names),
         )
     )
@@ -108,7 +104,7 @@ def _environment(templates: Path) -> jinja2.Environment:
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
     )
-    environment.filters |= {"symbols": symbols, "digits": three_digits}
+    environment.filters["symbols"] = symbols
     environment.globals["zip"] = zip
     return environment
 
