@@ -1,5 +1,6 @@
 # `snakemake --cores 2 all` makes everything of the paper. The workflow is in workflow/, from where
 # other workflows import it; the studies behind the paper are in workflow/studies.
+from snakemake.logging import logger
 
 
 include: "workflow/Snakefile"

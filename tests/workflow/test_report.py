@@ -1,4 +1,4 @@
-"""The report page in a browser, and Snakemake's own report."""
+"""The report page in a browser."""
 
 import fcntl
 import importlib.util
@@ -8,7 +8,6 @@ import re
 import select
 import shutil
 import subprocess
-import zipfile
 from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import unquote
@@ -282,21 +281,3 @@ def test_links_to_files_lead_to_files(smoked):
     assert {"claims.json", "tables/table2.csv", "figures/fig08_training.pdf"} <= set(links)
     assert [link for link in links if not (results / unquote(link)).is_file()] == []
     assert len(text) < 8e6
-
-
-def test_snakemakes_own_report_has_every_figure_with_caption_and_category(smoked_copy):
-    # as docs/running.md has it, without a word on cores
-    done = smoked_copy.smoke("all", "--report", "report.zip", cores=())
-    assert done.returncode == 0, done.stdout
-    with zipfile.ZipFile(smoked_copy.folder / "report.zip") as archive:
-        names = archive.namelist()
-        texts = [
-            archive.read(n).decode(errors="replace") for n in names if n.endswith((".html", ".js"))
-        ]
-    for number in range(1, 18):
-        assert any(re.search(rf"fig{number:02}_\w+\.png$", name) for name in names), number
-        assert any(f"Fig. {number}" in text for text in texts), number
-    for category in ("II Pneumatic bending actuators", "IV Experimental results"):
-        assert any(category in text for text in texts)
-    assert any("simulated rig, not hardware" in text for text in texts)
-    assert any("in both experiments" in text for text in texts)  # caption of Fig. 5

@@ -31,6 +31,10 @@ def test_smoke_makes_every_promised_output(smoked):
     assert [name for name in CONTRACT if (results / name).stat().st_size <= 100] == []
 
 
+def test_smoke_says_where_the_report_is(smoked):
+    assert "Job 0: Target all: open results/smoke/report.html" in smoked[1]
+
+
 def test_smoke_writes_whole_files_below_results_smoke_and_nowhere_else(smoked):
     files = smoked[0].files("results", "data")
     assert files

@@ -53,13 +53,6 @@ def memory_of(wildcards, threads):
     return 1000 * (1 + threads)
 
 
-def figure_files(stem, statistics=False, **report_of):
-    """Return the files of a figure: two pictures, their provenance, and the numbers in it."""
-    png = report(f"{stem}.png", **report_of) if report_of else f"{stem}.png"
-    files = {"pdf": f"{stem}.pdf", "png": png, "sidecar": f"{stem}.json"}
-    return files | ({"csv": f"{stem}.csv"} if statistics else {})
-
-
 def result_spec(stem, kind, words, given, made, priority=0, **params):
     """Return what is peculiar to a table or a figure; ``stem`` are its files without suffix."""
     return SimpleNamespace(
@@ -78,22 +71,18 @@ def table_spec(stem, words, given, **params):
     return result_spec(stem, "table", words, given, PATHS.table(stem), **params)
 
 
-def figure_spec(stem, words, given, statistics=False, report_of={}, **params):
+def figure_spec(stem, words, given, statistics=False, **params):
     """Return what is peculiar to a figure. With ``statistics`` its numbers are a file too."""
-    made = figure_files(PATHS.below(stem), statistics, **report_of)
+    path = PATHS.below(stem)
+    made = {"pdf": f"{path}.pdf", "png": f"{path}.png", "sidecar": f"{path}.json"}
+    made |= {"csv": f"{path}.csv"} if statistics else {}
     return result_spec(stem, "figure", words, given, made, **params)
 
 
 def paper_figure_spec(number, words, given={}, **more):
-    """Return what is peculiar to one of the paper's figures, which are in Snakemake's report."""
-    result = BY_NAME[f"fig{number}"]
-    report_of = {
-        "caption": f"../report/fig{number:02}.rst",
-        "category": result.chapter,
-        "labels": {"figure": result.title, "data": PLAN.origin},
-    }
-    stem = result.files[0].removesuffix(".pdf")
-    return figure_spec(stem, f"Fig. {number}: {words}", given, report_of=report_of, **more)
+    """Return what is peculiar to one of the paper's figures."""
+    stem = BY_NAME[f"fig{number}"].files[0].removesuffix(".pdf")
+    return figure_spec(stem, f"Fig. {number}: {words}", given, **more)
 
 
 def refused(why):
@@ -103,13 +92,3 @@ def refused(why):
         raise WorkflowError(why)
 
     return input_of
-
-
-def beyond_paper():
-    """Return the verdicts on B1-B8, or nothing if the target ``beyond`` has not been made.
-
-    They are no input of the report, which would cause them to be made.
-    """
-    path = with_prefix(PATHS.below("beyond/claims.json"))
-    refuse_changed(RESULTS, [path])
-    return read_json(path) if Path(path).is_file() else {}

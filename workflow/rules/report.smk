@@ -32,18 +32,12 @@ rule report_page:
             )
         ],
     output:
-        html=report(
-            PATHS.below("report.html"),
-            caption="../report/page.rst",
-            category="The whole reproduction",
-            labels={"page": "report", "data": PLAN.origin},
-        ),
+        html=PATHS.below("report.html"),
     log:
         PATHS.messages("report_page"),
     params:
         **stage("report.write_report"),
         settings=SETTINGS,
-        beyond=lambda wildcards: beyond_paper(),
     message:
         "Report: claims, tables, figures and settings on one page"
     script:

@@ -5,12 +5,6 @@ from typing import Any, NamedTuple
 from fprc.channels import RESERVOIR
 from fprc.paper import EXPERIMENTS, LOOPS, REFERENCES, run_log
 
-_CHAPTERS = (
-    "II Pneumatic bending actuators",
-    "III Feedforward hysteresis compensation",
-    "IV Experimental results",
-)
-
 
 class Result(NamedTuple):
     """A result, which is also a target of the workflow; or a part of a result."""
@@ -29,7 +23,6 @@ class Result(NamedTuple):
     #: shows them under that name.
     literal: tuple[str, ...] = ()
     on_rigs: str = ""  #: why it needs a simulated rig, if it does
-    chapter: str = ""  #: section of the paper with the figure
     part_of: str = ""  #: target that this is a part of; a part is not a target itself
 
 
@@ -44,10 +37,9 @@ def _judged(experiment: str) -> tuple[str, ...]:
 
 
 def _figure(number: int, stem: str, *made_of: str, **needs: Any) -> Result:
-    """Return a figure of the paper; its number gives its section, II, III or IV."""
-    chapter = _CHAPTERS[(number > 5) + (number > 11)]
+    """Return a figure of the paper."""
     file = f"figures/fig{number:02}_{stem}.pdf"
-    return Result(f"fig{number}", f"Fig. {number}", (file,), made_of, chapter=chapter, **needs)
+    return Result(f"fig{number}", f"Fig. {number}", (file,), made_of, **needs)
 
 
 _TIMES, _OVER_N_C = "timing/times.json", "timing/times_over_n_c.json"
@@ -120,4 +112,4 @@ BY_NAME = {result.name: result for result in (*RESULTS, *CHORES)}
 def figure_number(result: Result) -> int:
     """Return the number of the figure; 0 if the result is not a figure."""
     number = result.name.removeprefix("fig")
-    return int(number) if result.chapter and number.isdigit() else 0
+    return int(number) if number.isdigit() else 0

@@ -23,8 +23,7 @@ from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables.against_paper import against_paper
-from fprc.tables.found import found
-from fprc.tables.text import read_markdown, three_digits
+from fprc.tables.text import read_markdown
 
 log = logging.getLogger(__name__)
 
@@ -38,7 +37,6 @@ def write_report(
     html: str,
     *,
     settings: Mapping[str, Any],
-    beyond: Mapping[str, Any] | None = None,
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
@@ -54,8 +52,6 @@ def write_report(
         Of each table, the Markdown page and the CSV.
     figures : sequence of str
         Of each figure, PNG, sidecar and caption.
-    beyond : Mapping, optional
-        ``worlds``, and ``ledgers``: of each family, the rows of ``judge_family``.
     """
     folder = Path(html).parent
     fitted = settings["fitted"]
@@ -75,7 +71,6 @@ def write_report(
     drawn_from = {figure["source"] for figure in shown} - {"none"}
     kinds = in_words(SOURCES[source] for source in sorted(drawn_from))
     simulated = "sim" in drawn_from
-    claims = _claims(ledger, folder, names)
     page = (
         _environment(Path(template[0]).parent)
         .get_template(Path(template[0]).name)
@@ -83,7 +78,6 @@ def write_report(
             banner=banner(drawn_from),
             kinds=kinds,
             simulated=simulated,
-            found=found(claims["claims"] or (), frames, simulated=simulated),
             missing=pd.read_csv(missing).drop(columns="name"),
             pages=pages.values(),
             figures=shown,
@@ -96,8 +90,7 @@ def write_report(
             commit=_commit(*checkout()),
             versions=versions(),
             names=names,
-            beyond=beyond,
-            **claims,
+            **_claims(ledger, folder, names),
         )
     )
     write_text(html, page)
@@ -111,7 +104,7 @@ def _environment(templates: Path) -> jinja2.Environment:
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
     )
-    environment.filters |= {"symbols": symbols, "digits": three_digits}
+    environment.filters["symbols"] = symbols
     environment.globals["zip"] = zip
     return environment
 

@@ -19,8 +19,6 @@ from fprc.config import Settings
 from fprc.provenance import hash_of
 from fprc.stages import report
 from fprc.stages.report import GLOSSARY, symbols, write_report
-from fprc.studies.beyond.claims import judge_family
-from fprc.studies.beyond.tables import families_page
 from fprc.tables.text import markdown
 
 TEMPLATE = [
@@ -115,7 +113,6 @@ class Project:
         self.missing = []
         self.tables, self.figures = [], []
         self.settings = SETTINGS
-        self.beyond = None
 
     def add_table(self, note, name=None, **columns):
         path = self.folder / f"{name or len(self.tables) // 2}.md"
@@ -149,7 +146,6 @@ class Project:
         write_report(
             TEMPLATE, self.ledger, str(self.folder / "missing.csv"), self.tables,
             self.figures, str(target), settings=self.settings,
-            beyond=self.beyond,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -369,30 +365,6 @@ def test_rows_of_a_half_fitted_table_say_what_was_fitted(project, fitted, kinds)
     assert page.texts("small") == ["half fitted"]
 
 
-def test_worth_of_the_reservoir_is_shown_if_it_was_judged(project, make_family):
-    assert 'id="beyond"' not in project.write()
-    families = [make_family(), make_family("sparse", units=3, capacity=None)]
-    ledgers = [judge_family(family) for family in families]
-    described = families_page(families).to_dict("records")
-    described[0]["What it is"] = "<b>shipped"
-    project.beyond = {"worlds": described, "ledgers": ledgers}
-    page = project.page()
-    rows = [row for row in page.all("tr") if str(row.get("id", "")).startswith("B")]
-    assert [row["id"] for row in rows] == [f"B{n}" for n in range(1, 9)]
-    chips = [chip.get("class", "").split() for chip in page.all("span")]
-    chips = [kinds[1] for kinds in chips if kinds[:1] == ["chip"]]
-    shown = [row["words"].replace(" ", "-") for rows in zip(*ledgers, strict=True) for row in rows]
-    assert chips[-len(shown) :] == shown
-    assert "dry" in page.texts("th")
-    assert "dry: <b>shipped (12 seeds)." in page.text()
-    assert any(
-        "100 % of subsets agree. Fitted: FPRC's forward error" in text
-        for text in page.texts("details")
-    )
-    assert "fitted for FPRC" in page.texts("div")
-    assert "&lt;b&gt;" in project.write()
-
-
 def test_claim_shows_its_statements_and_links_to_what_shows_them(project):
     project.claims[1]["shown_in"] = ["fig4", "fig5"]
     page = project.page()
@@ -502,7 +474,7 @@ def test_every_link_within_the_page_has_its_target(project):
     page = project.page()
     targets = {element["id"] for element in page.elements if "id" in element}
     links = [link["href"] for link in page.all("a") if link["href"].startswith("#")]
-    sections = {"content", "found", "claims", "tables", "figures", "symbols", "settings"}
+    sections = {"content", "claims", "tables", "figures", "symbols", "settings"}
     shown = {"0", "1", "fig4", "fig6", "fig12"}
     assert {link[1:] for link in links} == sections | shown
     assert {link[1:] for link in links} <= targets
