@@ -1,6 +1,6 @@
 """The hysteresis experiments as a dataset, in the form of scikit-learn's loaders."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,24 @@ from fprc.experiments.data import select_channels
 from fprc.experiments.hysteresis import RUNS, acquire
 from fprc.logs import Columns, read_raw
 from fprc.logs.quality import noted_unit, notes_of
+from fprc.paper import SOURCES
+
+_DESCRIPTION = """\
+Hysteresis of a soft bending actuator: {experiment}
+
+Data: {source}.
+{samples} samples at {rate_hz:g} per second, in the order of time.
+
+Task: predict P_exp from the present and earlier samples of the inputs.
+Inputs (data): {inputs}
+Output (target): {target}
+Channels: {channels}
+
+The models of the paper are trained on the sweep and tested on the complex signal, and the other
+way round, with the error RMSE.
+
+Source: Shen, Miyazaki, Kawashima, IEEE RA-L 2024, 10.1109/LRA.2024.3523229, Secs. II-B and III-D.
+"""
 
 
 def load_hysteresis(
@@ -65,6 +83,8 @@ def load_hysteresis(
             Samples per second.
         ``source`` : str
             ``sim``, ``rig`` or ``import``, as in the raw log.
+        ``DESCR`` : str
+            Description.
 
     Raises
     ------
@@ -99,6 +119,7 @@ def load_hysteresis(
         units=units,
         sample_rate_hz=float(log.attributes["sample_rate_hz"]),
         source=log.attributes["source"],
+        DESCR=_describe(log, inputs, output, units),
     )
 
 
@@ -129,3 +150,23 @@ def _simulate(experiment: str, seed: int, rig: str | Mapping[str, Any]) -> Colum
         "rig_name": name,
     }
     return Columns(Path(f"{experiment} on the rig {name}"), channels, attributes)
+
+
+def _describe(log: Columns, inputs: Sequence[str], output: str, units: Mapping[str, str]) -> str:
+    def named(names: Sequence[str]) -> str:
+        return ", ".join(f"{name} [{units[name]}]" for name in names)
+
+    source = SOURCES[log.attributes["source"]]
+    if "rig_name" in log.attributes:
+        source += f" ({log.attributes['rig_name']}), seed {log.attributes['seed']}"
+    else:
+        source += f", {log.path.name}"
+    return _DESCRIPTION.format(
+        experiment=log.attributes["experiment"],
+        source=source,
+        samples=len(log.channels["time_s"]),
+        rate_hz=log.attributes["sample_rate_hz"],
+        inputs=named(inputs),
+        target=named([output]),
+        channels=named(list(log.channels)),
+    )
