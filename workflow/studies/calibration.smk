@@ -2,13 +2,11 @@
 
 DRAWN, BEYOND = SETTINGS["drawn"], SETTINGS["beyond"]
 TARGET_NAMES = ["command", "measured"]
-SURROGATE = pick(SETTINGS["calibration"], "stride", "esn_nodes", "restarts")
 #: The rig, and how the paper's models are judged on it, with any seed.
 EVERY_SEED = {
     "on_rig": on_rig(SETTINGS),
     "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
 }
-FREE = {"paths": SETTINGS["calibration"]["free"], "ranges": SETTINGS["calibration"]["ranges"]}
 
 
 LONG_JOBS["fit_rig"] = long_spec(
@@ -41,7 +39,7 @@ LONG_JOBS["measure_sensitivity"] = long_spec(
     how={
         "models": paper_models(SETTINGS),
         "tracking": SETTINGS["tracking"],
-        "surrogate": SURROGATE,
+        "surrogate": pick(SETTINGS["calibration"], "stride", "esn_nodes", "restarts"),
         "grids": {
             "epsilon": sorted(SETTINGS["grids"]["epsilon"], reverse=True),
             "n_c": sorted(SETTINGS["grids"]["n_c"]),

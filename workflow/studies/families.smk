@@ -25,7 +25,10 @@ SETS = {
         "family": {
             "seeds_per_rig": BEYOND["seeds_per_rig"],
             "drawn": pick(DRAWN, "seed", "angle_deg", "p_o_swing_kpa"),
-            "free": FREE,
+            "free": {
+                "paths": SETTINGS["calibration"]["free"],
+                "ranges": SETTINGS["calibration"]["ranges"],
+            },
         },
     },
 }

@@ -47,7 +47,7 @@ def judge_by_surrogate(
     surrogate: Mapping[str, int],
     grids: Mapping[str, Sequence[float]],
     tracking: Mapping[str, Any],
-    measures: Collection[str] = (),
+    measures: Collection[str],
     centers: dict[str, np.ndarray] | None = None,
 ) -> dict[str, Any]:
     """Return what the objective needs of a rig, for one seed.

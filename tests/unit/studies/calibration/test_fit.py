@@ -314,10 +314,13 @@ def test_share_and_loops_of_the_full_models_are_those_of_the_workflow(settings, 
     mean_share = compared["weights"]["mean_share"]
     expected = mean_share["p_o"] / mean_share["theta_d"]
     assert judged["shares"]["p_o_over_theta_d"] == pytest.approx(expected, rel=1e-9)
-    bench = Track(tracking, on_rig.control, on_rig.rig, 41)
-    run = bench.follow("sweep", "fprc_pd", models["fprc"])
     settle_s = tracking["references"]["sweep"]["settle_s"]
-    assert judged["closed_loop"]["sweep"] == pytest.approx(tracking_rmse(run, settle_s), rel=1e-6)
+    for loop, gains in (("closed_loop", 1.0), ("firm_loop", 1.5)):
+        pd = {name: gains * value for name, value in on_rig.control["pd"].items()}
+        bench = Track(tracking, {**on_rig.control, "pd": pd}, on_rig.rig, 41)
+        run = bench.follow("sweep", "fprc_pd", models["fprc"])
+        assert judged[loop]["sweep"] == pytest.approx(tracking_rmse(run, settle_s), rel=1e-6)
+    assert judged["firm_loop"]["sweep"] != judged["closed_loop"]["sweep"]
 
 
 @pytest.fixture
