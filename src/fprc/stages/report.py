@@ -169,7 +169,7 @@ def _deviations(
     rows = []
     for row in numbers.to_dict("records"):
         kinds = _kinds(row["table"].split("_")[0], fitted)
-        kind = kinds["FPRC+PD" if row["closed_loop"] else "FPRC"]
+        kind = kinds.get(row["what"], kinds["FPRC+PD" if row["closed_loop"] else "FPRC"])
         ends = None if math.isnan(row["low"]) else (position(row["low"]), position(row["high"]))
         rows.append(row | {"at": position(row["ratio"]), "ends": ends, "kind": kind})
     off = (numbers["ratio"] - 1.0).abs().groupby(numbers["number"], sort=False).median()
@@ -182,16 +182,17 @@ def _deviations(
 
 
 def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
-    """Return whether the rig was fitted to a table's numbers, open loop and with feedback."""
+    """Return whether the rig was fitted to a table's rows, and to numbers unlike their row."""
     to, start = set(fitted["to"]), set(fitted.get("start", ()))
     if table in ("table2", "table3"):
         return dict.fromkeys(("FPRC", "FPRC+PD"), "fitted" if "tables" in to else "predicted")
     if table == "table4":
         closed = {"closed_sweep", "closed_errors"} & (to | start)
-        return {
+        kinds = {
             "FPRC": "fitted" if "open_loop" in to else "predicted",
             "FPRC+PD": "half fitted" if closed else "predicted",
         }
+        return kinds | ({"FPRC+PD, Sweep": "fitted"} if "closed_sweep" in to else {})
     return {}
 
 
