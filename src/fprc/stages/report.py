@@ -281,6 +281,8 @@ GLOSSARY = {
     "P_d": "desired pressure of the actuator, P_ff + P_fb",
     "P_i": "pressure in the driven chamber of the reservoir",
     "P_o": "pressure in the sealed chamber of the reservoir, its output",
+    "F_r": "mapping of the reservoir from P_i to P_o",
+    "phi": "bending angle of the reservoir",
     "K_in": "gain from the desired angle to the pressure that drives the reservoir",
     "epsilon": "filter factor of P_o",
     "n_c": "number of fuzzy rules",
@@ -291,8 +293,13 @@ GLOSSARY = {
     "f_input": "input scaling factor of the ESN",
     "gamma": "leaky rate of the ESN",
     "rho": "spectral radius of the ESN",
+    "w_in": "input weights of the ESN",
+    "W_r": "weights of the ESN's network",
+    "w_out": "output weights of the ESN",
 }
-_GREEK = {"theta": "θ", "epsilon": "ε", "gamma": "γ", "rho": "ρ", "sigma": "σ", "alpha": "α"}
+_GREEK = {
+    "theta": "θ", "epsilon": "ε", "gamma": "γ", "rho": "ρ", "sigma": "σ", "alpha": "α", "phi": "φ",
+}  # fmt: skip
 _SYMBOL = re.compile(rf"\b({'|'.join(GLOSSARY)})\b")
 
 
