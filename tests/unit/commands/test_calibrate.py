@@ -108,3 +108,11 @@ def test_report_that_no_fit_wrote_is_kept(run, tmp_path, capsys):
     assert run(out="mine.yaml") == (1, [])
     assert "mine.json: exists and was not made by this command" in capsys.readouterr().err
     assert (tmp_path / "mine.json").read_text() == "{}"
+
+
+def test_models_that_learn_while_they_run_are_not_fitted_to_print(tmp_path, capsys):
+    (tmp_path / "mine.yaml").write_text("control: {feedforward: {adapt: true}}\n")
+    out = tmp_path / "fitted.yaml"
+    assert main(["calibrate", *FILES, str(tmp_path / "mine.yaml"), "--out", str(out)]) == 1
+    assert "control.feedforward.adapt" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.yaml"]

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json, write_text
+from fprc.errors import ConfigError
 from fprc.experiments.settings import RigSettings
 from fprc.studies.calibration.fit import fit_rig
 from fprc.studies.calibration.rig_file import parameter_file
@@ -27,8 +28,14 @@ def calibrate(
 
     Writes the fitted rig (``fitted``, YAML, a file of config/rigs) and a summary of the fit
     (``report``, JSON). ``began`` is what that rig was fitted to, the section ``fitted`` of the
-    configuration; ``how`` are the other arguments of ``fit_rig``.
+    configuration; ``how`` are the other arguments of ``fit_rig``. Raises ConfigError if the models
+    of ``on_rig`` learn while they run: the printed ones did not.
     """
+    if on_rig["control"]["feedforward"]["adapt"]:
+        raise ConfigError(
+            "control.feedforward.adapt: a fit compares with the paper, whose models do not learn "
+            "while they run; set it to false"
+        )
     best, summary = fit_rig(read_yaml(published), RigSettings(**on_rig), **how)
     write_json(report, summary)
     start = list(dict.fromkeys([*began["to"], *began["start"]]))
