@@ -21,6 +21,8 @@ extensions = [
 ]
 exclude_patterns = ["_build", "examples/README.rst", "images"]
 html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 html_title = f"fprc {version}"
 
 myst_enable_extensions = ["html_image"]
