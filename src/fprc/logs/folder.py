@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 from fprc.errors import LogError
 from fprc.logs.columns import read_columns
 from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import other_quantity
 
 
 class Header(NamedTuple):
@@ -27,12 +26,6 @@ class Header(NamedTuple):
         notes = self.attributes.get("notes", {})
         kept = {name: note for name, note in notes.items() if name not in names}
         return self._replace(channels=self.channels | {*names}, attributes={"notes": kept})
-
-    def substitute(self, name: str) -> str | None:
-        """Return the quantity that a channel holds instead of the one in its name, or None."""
-        begins = other_quantity(name)
-        note = self.attributes.get("notes", {}).get(name, "")
-        return note.removeprefix(begins) if note.startswith(begins) else None
 
 
 def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from fprc.channels import unit_of
 from fprc.escape import in_words, terminal
 from fprc.logs import Header
+from fprc.logs.quality import substitute
 from fprc.paper import run_log
 from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
 
@@ -52,10 +53,11 @@ def why_not(need: Result, logs: Mapping[str, Header], folder: str) -> str | None
         verb = "does" if len(files) == 1 else "do"
         reasons.append(f"{in_words(channels)}, which {in_words(files)} {verb} not have")
     for name in need.literal:
+        others = {log: substitute(name, logs[log].attributes) for log in need.logs}
         reasons += [
-            f"{name} in {unit_of(name)}; in {log}.h5 it is {logs[log].substitute(name)}"
-            for log in need.logs
-            if logs[log].substitute(name) is not None
+            f"{name} in {unit_of(name)}; in {log}.h5 it is {other}"
+            for log, other in others.items()
+            if other is not None
         ]
     return "needs " + "; and ".join(reasons) if reasons else None
 
