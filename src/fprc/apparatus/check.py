@@ -112,7 +112,7 @@ def _with_check_limits(hardware: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def describe(
-    channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases: Sequence[Phase] = PHASES
+    channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases: Sequence[Phase]
 ) -> tuple[list[str], list[str]]:
     """Return a table of the sensors in each phase, as lines, and the problems.
 
