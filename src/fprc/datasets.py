@@ -15,7 +15,7 @@ from fprc.escape import in_words
 from fprc.experiments.data import select_channels
 from fprc.experiments.hysteresis import RUNS, acquire
 from fprc.logs import Columns, read_raw
-from fprc.logs.quality import noted_unit, notes_of
+from fprc.logs.quality import noted_unit
 from fprc.paper import SOURCES
 
 _DESCRIPTION = """\
@@ -109,7 +109,7 @@ def load_hysteresis(
     data = np.column_stack([log.channels[name] for name in inputs])
     if return_X_y:
         return data, log.channels[output]
-    units = {name: noted_unit(name, notes_of(log)) for name in log.channels}
+    units = {name: noted_unit(name, log.attributes) for name in log.channels}
     return Bunch(
         data=data,
         target=log.channels[output],

@@ -35,6 +35,14 @@ PHASES: tuple[Phase, ...] = (
 #: Least pressure rise of a chamber that is filled, and most of one that is not, kPa.
 _FILLED_KPA = 0.5 * TEST_KPA
 _UNFILLED_KPA = 0.2 * TEST_KPA
+#: What a sensor reads at rest, by how much it may differ, and the remedy if it differs by more.
+_AT_REST = (
+    ("p_exp_kpa", 0.0, 15.0,
+     "vent the actuator, check the channel of its sensor and hardware.p_exp"),
+    ("p_i_kpa", 0.0, 15.0, "vent the PAM A, check the channel of its sensor and hardware.p_i"),
+    ("p_o_kpa", 100.0, 40.0, "fill PAM B to 100 kPa and close its hand valve"),
+    ("theta_deg", 0.0, 5.0, "correct hardware.theta.offset_deg"),
+)  # fmt: skip
 
 
 def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str]) -> int:
@@ -112,7 +120,7 @@ def _with_check_limits(hardware: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def describe(
-    channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases: Sequence[Phase] = PHASES
+    channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases: Sequence[Phase]
 ) -> tuple[list[str], list[str]]:
     """Return a table of the sensors in each phase, as lines, and the problems.
 
@@ -142,24 +150,11 @@ def describe(
 
 
 def _problems_at_rest(rest: Mapping[str, float]) -> list[str]:
-    problems = []
-    for name, what in (("p_exp_kpa", "actuator"), ("p_i_kpa", "PAM A")):
-        if abs(rest.get(name, 0.0)) > 15.0:
-            problems.append(
-                f"{name} = {rest[name]:.1f} at rest, must be near 0; vent the {what}, check the "
-                f"channel of its sensor and hardware.{name.removesuffix('_kpa')}"
-            )
-    if not 60.0 <= rest.get("p_o_kpa", 100.0) <= 140.0:
-        problems.append(
-            f"p_o_kpa = {rest['p_o_kpa']:.1f} at rest, must be near 100; fill PAM B to 100 kPa and "
-            "close its hand valve"
-        )
-    if abs(rest.get("theta_deg", 0.0)) > 5.0:
-        problems.append(
-            f"theta_deg = {rest['theta_deg']:.1f} at rest, must be near 0; correct "
-            "hardware.theta.offset_deg"
-        )
-    return problems
+    return [
+        f"{name} = {rest[name]:.1f} at rest, must be near {near:g}; {remedy}"
+        for name, near, most, remedy in _AT_REST
+        if not abs(rest.get(name, near) - near) <= most
+    ]
 
 
 def _problems_of_filling(settled: Mapping[str, Mapping[str, float]]) -> list[str]:

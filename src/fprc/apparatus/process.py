@@ -8,7 +8,6 @@ released and readings show it vented.
 
 import json
 import logging
-import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
@@ -36,7 +35,9 @@ _READ_ONLY = 0o444
 def main() -> int:
     """Carry out the request; return the exit code."""
     logging.basicConfig(level=logging.INFO, format="[rig] %(message)s")
-    request = json.loads(_line())
+    # unbuffered, because the bytes after the line are heartbeats
+    with open(0, "rb", buffering=0, closefd=False) as unbuffered:
+        request = json.loads(unbuffered.readline())
     reserve_pipes()
     stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
     try:
@@ -47,14 +48,6 @@ def main() -> int:
         log.error("error: %s", error)
         return 1
     return 0
-
-
-def _line() -> bytes:
-    """Read one line from standard input, unbuffered: the bytes after it are heartbeats."""
-    line = b""
-    while not line.endswith(b"\n") and (byte := os.read(0, 1)):
-        line += byte
-    return line
 
 
 def record(

@@ -21,7 +21,7 @@ from fprc.logs.gather import gather, read_source
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import other_quantity
 from fprc.logs.resample import rate_of, resample
-from fprc.logs.variables import Source, columns_of
+from fprc.logs.source import Source
 from fprc.provenance import sha256
 
 #: Channels of a draft even if no column's name identifies them: what training FPRC needs.
@@ -219,7 +219,7 @@ def _is_imported(old: Path) -> bool:
 
 def list_columns(content: Source) -> str:
     """Describe the columns of a foreign file: samples, range, share of new values, guessed rate."""
-    columns = {visible(name): v for name, v in columns_of(content).items()}
+    columns = {visible(name): v for name, v in content.columns.items()}
     width = max(map(len, [*columns, "column"]))
     lines = [
         visible(f"{content.path}: {content.kind}, {len(columns)} columns"),
@@ -249,7 +249,7 @@ def draft_map(content: Source) -> str:
     A channel that the workflow needs and no column's name identifies has the column ``?``, and
     a unit that no name gives is marked: the user completes them.
     """
-    columns = columns_of(content)
+    columns = content.columns
     guesses = {name: _guess_rate(values) for name, values in columns.items()}
     clock = next((name for name, guess in guesses.items() if guess), None)
     found: dict[str, str] = {}

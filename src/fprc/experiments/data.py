@@ -10,7 +10,7 @@ from fprc.channels import TARGETS
 from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import Columns, read_columns
-from fprc.logs.quality import noted_unit, notes_of
+from fprc.logs.quality import noted_unit
 from fprc.registry import entries, entry_of
 
 log = logging.getLogger(__name__)
@@ -86,8 +86,7 @@ def select_channels(source: Columns, target: str) -> Data:
     target : {"command", "measured"}
         P_exp that the models learn.
     """
-    notes = notes_of(source)
-    for name, note in notes.items():
+    for name, note in source.attributes.get("notes", {}).items():
         log.warning("warning: %s: %s", visible(name), visible(note))
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], source.path)
@@ -103,9 +102,9 @@ def select_channels(source: Columns, target: str) -> Data:
     attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
     attributes |= {
         "target": target,
-        "p_target_unit": noted_unit(TARGETS[target], notes),
-        "theta_unit": noted_unit("theta_deg", notes),
-        "p_o_unit": noted_unit("p_o_kpa", notes),
+        "p_target_unit": noted_unit(TARGETS[target], source.attributes),
+        "theta_unit": noted_unit("theta_deg", source.attributes),
+        "p_o_unit": noted_unit("p_o_kpa", source.attributes),
     }
     return Data(channels, attributes)
 

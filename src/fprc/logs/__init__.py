@@ -1,7 +1,7 @@
 """Experiment logs: HDF5 files of named channels with units."""
 
 from fprc.logs.columns import Columns, read_columns, write_columns
-from fprc.logs.folder import Header, headers, refuse_other_source
+from fprc.logs.folder import headers, refuse_other_source
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
 from fprc.logs.raw import read_raw, read_run, write_raw
@@ -9,7 +9,6 @@ from fprc.logs.recovery import read_journal, recover
 
 __all__ = [
     "Columns",
-    "Header",
     "Journal",
     "assess",
     "headers",

@@ -17,7 +17,7 @@ from fprc.errors import LogError
 from fprc.given import open_given
 from fprc.logs.attributes import read_attribute
 from fprc.logs.hdf5 import SIGNATURE, refuse_never_written
-from fprc.logs.variables import Source
+from fprc.logs.source import Source
 
 #: Most arrays in an HDF5 file, and most elements of a cell or struct array in it; the library takes
 #: 0.2 ms for each.
@@ -41,6 +41,9 @@ _Part = tuple[str, np.ndarray | h5py.Dataset | str]
 def read_arrays(path: Path, *, matlab: bool) -> Source:
     """Read every array of an HDF5 or MATLAB file; dimensions of length 1 are dropped.
 
+    A matrix is split into columns ``name[:, 0]`` or rows ``name[0, :]``: its longer dimension is
+    taken to be time.
+
     Structs, struct arrays and cell arrays are split into parts, which are named as in
     MATLAB: ``s.y``, ``s(2).y``, ``c{1}.y``. A field that is a scalar in every element of a
     struct array becomes an array, ``[s.y]``. Links are not followed.
@@ -58,7 +61,8 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
         kind, parts = "MATLAB 7.3", _parts_of_matlab73(path)
     else:
         kind, parts = "MATLAB 5", _parts_of_matlab5(path)
-    variables, others = {}, {}
+    columns: dict[str, np.ndarray] = {}
+    others = {}
     try:
         for count, (name, part) in enumerate(parts):
             if count == MOST_ARRAYS and kind != "MATLAB 5":
@@ -70,10 +74,14 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
             if kind == "MATLAB 7.3":  # MATLAB stores arrays by columns
                 values = values.T
             array = values.reshape([n for n in values.shape if n != 1])
-            if array.ndim in (1, 2):
-                variables[name] = array
-            else:
+            if array.ndim == 1:
+                columns[name] = array
+            elif array.ndim != 2:
                 others[name] = f"array of shape {values.shape}"
+            elif array.shape[0] >= array.shape[1]:
+                columns |= {f"{name}[:, {j}]": column for j, column in enumerate(array.T)}
+            else:
+                columns |= {f"{name}[{j}, :]": row for j, row in enumerate(array)}
     except (LogError, MemoryError):
         raise
     except Exception as error:  # on a damaged file the libraries raise many types
@@ -81,9 +89,9 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
             f"{path}: cannot be read as {kind} ({type(error).__name__}: {error}); the file is "
             "cut short, damaged, or of another format"
         ) from error
-    if not variables and not others:
+    if not columns and not others:
         raise LogError(f"{path}: has no content; the file is empty or cut short")
-    return Source(path, kind, variables, others)
+    return Source(path, kind, columns, others)
 
 
 def _too_many(path: Path | str) -> LogError:

@@ -7,7 +7,7 @@ import numpy as np
 
 from fprc.errors import LogError
 from fprc.logs.resample import points_of
-from fprc.logs.variables import Source
+from fprc.logs.source import Source
 
 #: Seconds per unit of time, coarsest first.
 SECONDS = {"min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}

@@ -27,13 +27,13 @@ _IN_MEMORY: dict[str, Any] = {
 
 
 class Columns(NamedTuple):
-    """Channels and attributes of one file."""
+    """Channels and attributes of a log; of one that was not read whole, some channels."""
 
     path: Path
     channels: dict[str, np.ndarray]
     attributes: dict[str, Any]
     unchecked: tuple[str, ...] = ()  #: names of channels without a checksum
-    names: frozenset[str] = frozenset()  #: of all channels in the file, read or not
+    names: frozenset[str] = frozenset()  #: of all its channels, read or not
 
 
 def write_columns(

@@ -13,7 +13,7 @@ import numpy as np
 
 from fprc.errors import LogError
 from fprc.given import read_given
-from fprc.logs.variables import Source
+from fprc.logs.source import Source
 
 #: Largest text file; reading it takes about ten times as much memory.
 LARGEST_TEXT_BYTES = 256 << 20
@@ -94,9 +94,9 @@ def read_text(
             f"{path}: no samples below line {end}; check csv.header_line, "
             "csv.data_line, and that the last line ends in a line end"
         )
-    variables, others = _numbers_of(columns, numbers, delimiter, decimal)
+    usable, others = _numbers_of(columns, numbers, delimiter, decimal)
     kind = f"text separated by {_SEPARATORS.get(delimiter, delimiter)}"
-    return Source(path, kind, variables, others, np.array(numbers), notes)
+    return Source(path, kind, usable, others, np.array(numbers), notes)
 
 
 def _lines_of(path: Path) -> tuple[list[str], tuple[str, ...]]:

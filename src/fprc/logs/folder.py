@@ -1,42 +1,16 @@
-"""Contents of a folder of raw logs, from their headers alone."""
+"""The raw logs of a folder, without their samples."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
 
 from fprc.errors import LogError
-from fprc.logs.columns import read_columns
+from fprc.logs.columns import Columns, read_columns
 from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import other_quantity
 
 
-class Header(NamedTuple):
-    """Names of the channels of a log that exists or will be recorded, and its attributes."""
-
-    path: Path
-    channels: frozenset[str]
-    attributes: Mapping[str, Any]
-
-    def lacks(self, names: Sequence[str]) -> list[str]:
-        """Return those of the names that the log has no channel for."""
-        return [name for name in names if name not in self.channels]
-
-    def with_channels(self, names: Sequence[str]) -> "Header":
-        """Return the header after these channels are added or replaced; they have no notes."""
-        notes = self.attributes.get("notes", {})
-        kept = {name: note for name, note in notes.items() if name not in names}
-        return self._replace(channels=self.channels | {*names}, attributes={"notes": kept})
-
-    def substitute(self, name: str) -> str | None:
-        """Return the quantity that a channel holds instead of the one in its name, or None."""
-        begins = other_quantity(name)
-        note = self.attributes.get("notes", {}).get(name, "")
-        return note.removeprefix(begins) if note.startswith(begins) else None
-
-
-def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
-    """Return the headers of those raw logs that exist, by log name.
+def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Columns]:
+    """Return those raw logs that exist, without samples, by log name.
 
     Parameters
     ----------
@@ -51,10 +25,10 @@ def headers(paths: Iterable[Path | str], *, isolate: bool) -> dict[str, Header]:
     present = [path for path in map(Path, paths) if path.exists()]
     read = partial(read_columns, names=())
     logs = isolated_each(read, present) if isolate else map(read, present)
-    return {log.path.stem: Header(log.path, log.names, log.attributes) for log in logs}
+    return {log.path.stem: log for log in logs}
 
 
-def refuse_other_source(existing: Mapping[str, Header], *, simulated: bool) -> None:
+def refuse_other_source(existing: Mapping[str, Columns], *, simulated: bool) -> None:
     """Check that the logs are all of the simulated rig, or that none is.
 
     Raises
@@ -73,9 +47,9 @@ def refuse_other_source(existing: Mapping[str, Header], *, simulated: bool) -> N
             "folders.results) to folders of their own"
         )
     wrong = [
-        f"{header.path}: {why}"
-        for header in existing.values()
-        if (header.attributes.get("source") == "sim") != simulated
+        f"{log.path}: {why}"
+        for log in existing.values()
+        if (log.attributes.get("source") == "sim") != simulated
     ]
     if wrong:
         raise LogError("\n".join(wrong))

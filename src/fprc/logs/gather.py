@@ -13,7 +13,7 @@ from fprc.logs.clock import Clock, Recording, read_clock
 from fprc.logs.columns import LARGEST
 from fprc.logs.delimited import read_text
 from fprc.logs.isolated import isolated_each
-from fprc.logs.variables import Source, pick
+from fprc.logs.source import Source, pick
 
 #: Formats by the ending of a file's name.
 _SUFFIXES = {

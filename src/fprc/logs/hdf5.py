@@ -1,6 +1,5 @@
 """Checks of HDF5 files that may be damaged or malicious, before any sample is read."""
 
-import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -81,14 +80,10 @@ def refuse_never_written(dataset: h5py.Dataset) -> None:
     LogError
         Some numbers were never written. The message does not name the dataset.
     """
-    layout = dataset.id.get_create_plist().get_layout()
-    if layout == h5py.h5d.CHUNKED:
-        sizes = zip(dataset.shape, dataset.chunks, strict=True)
-        chunks = math.prod(-(-samples // size) for samples, size in sizes)
-        missing = chunks - dataset.id.get_num_chunks()
-        problem = f"{missing:,} of its {chunks:,} chunks were never written" if missing else ""
-    else:
-        written = layout == h5py.h5d.COMPACT or dataset.id.get_offset() is not None
-        problem = "" if written else "none was written"
-    if dataset.size and problem:
-        raise LogError(f"declares {dataset.size:,} numbers, but {problem}; record the file again")
+    status = dataset.id.get_space_status()
+    if dataset.size and status != h5py.h5d.SPACE_STATUS_ALLOCATED:
+        part = status == h5py.h5d.SPACE_STATUS_PART_ALLOCATED
+        raise LogError(
+            f"declares {dataset.size:,} numbers, but {'not all were' if part else 'none was'} ever "
+            "written; record the file again"
+        )

@@ -226,8 +226,7 @@ class Journal:
 
 
 def _open_new(path: Path) -> int:
-    # O_BINARY: Windows would turn every byte 10 into two
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | getattr(os, "O_BINARY", 0)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         return os.open(path, flags, 0o644)
@@ -240,8 +239,6 @@ def _open_new(path: Path) -> int:
 
 
 def _sync_folder(folder: Path) -> None:
-    if os.name != "posix":  # elsewhere a folder cannot be opened
-        return
     file = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(file)

@@ -36,7 +36,6 @@ def assess(
         pressures, ``angle_range_deg`` of theta and theta_d, ``reservoir_angle_range_deg``
         of phi, ``voltage_range_v`` of the valves, ``effort_range_kpa`` of P_ff and P_fb.
     """
-    notes = notes_of(log)
     outside = _outside(log, ranges)
     plausible = [name for name, count in outside["samples"].items() if not count]
     bad = sum(int((~np.isfinite(values)).sum()) for values in log.channels.values())
@@ -57,7 +56,7 @@ def assess(
     }
     more = {
         "loop": log.attributes.get("statistics"),
-        "notes": notes,
+        "notes": log.attributes.get("notes"),
         "no_checksum": list(log.unchecked),
     }
     return record | {name: content for name, content in more.items() if content}
@@ -80,21 +79,28 @@ def other_quantity(name: str) -> str:
     return f"not in {unit_of(name)}: "
 
 
-def noted_unit(name: str, notes: Mapping[str, str]) -> str:
+def substitute(name: str, attributes: Mapping[str, Any]) -> str | None:
+    """Return the quantity that a channel holds instead of the one in its name, or None.
+
+    Parameters
+    ----------
+    attributes : Mapping
+        Those of the log; an import's have ``notes``, by channel.
+    """
+    begins, note = other_quantity(name), attributes.get("notes", {}).get(name, "")
+    return note.removeprefix(begins) if note.startswith(begins) else None
+
+
+def noted_unit(name: str, attributes: Mapping[str, Any]) -> str:
     """Return the unit of a channel; if it holds another quantity, the unit in its note.
 
     The note ends with the unit in brackets. Without brackets the unit is ``1``.
     """
-    note = notes.get(name, "")
-    if not note.startswith(other_quantity(name)):
+    other = substitute(name, attributes)
+    if other is None:
         return unit_of(name)
-    unit = re.search(r"\[([^\[\]]+)\]\s*$", note)
+    unit = re.search(r"\[([^\[\]]+)\]\s*$", other)
     return unit[1] if unit else "1"
-
-
-def notes_of(log: Columns) -> dict[str, str]:
-    """Return the notes of an imported log, by channel."""
-    return log.attributes.get("notes", {})
 
 
 def warnings(record: Mapping[str, Any]) -> list[str]:
@@ -177,13 +183,12 @@ def _gaps(log: Columns, limit_s: float) -> dict[str, Any]:
 
 
 def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, Any]:
-    notes = notes_of(log)
     limits = {
         name: ranges[plausible] if isinstance(plausible, str) else plausible
         for name, _, _, plausible, _ in CHANNELS
         if plausible is not None
         and name in log.channels
-        and not notes.get(name, "").startswith(other_quantity(name))
+        and substitute(name, log.attributes) is None
     }
     counts, first = {}, {}
     for name, (low, high) in limits.items():

@@ -11,15 +11,10 @@ from fprc.channels import RAW_CHANNELS, TARGETS, needed_by
 from fprc.errors import LogError
 from fprc.escape import in_words
 from fprc.logs.columns import LARGEST, Columns, gather_columns, write_columns
+from fprc.paper import SOURCES
 
 #: Prefix of the experiment names of closed-loop runs.
 RUN_PREFIX = "track_"
-
-#: Source of a log after its reservoir was simulated, by source of the original log.
-SIMULATED_RESERVOIR = {"rig": "rig+sim", "import": "import+sim"}
-
-#: Sources of a log: simulated, recorded on the real rig, imported.
-SOURCES = ("sim", "rig", "import", *SIMULATED_RESERVOIR.values())
 
 #: Required attributes of a raw log, and those that a closed-loop run needs too.
 RAW_ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")

@@ -49,8 +49,10 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
 
     steps: list[int] = []
     rejected: list[int] = []
-    while len(steps) + len(rejected) < _MAX_STEPS:
+    while True:
         weights, residual = _fit(basis, steps, p_o)
+        if len(steps) + len(rejected) == _MAX_STEPS:
+            break
         jumps = _jumps(residual, [*steps, *rejected], hz)
         k = int(np.abs(jumps).argmax())
         scatter = 1.4826 * np.median(np.abs(jumps))
@@ -60,7 +62,6 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
         # the slope and the plays absorb part of a step that is not in the fit yet
         is_step = height * jumps[k] > 0.25 * jumps[k] ** 2
         (steps if is_step else rejected).append(k)
-    weights, residual = _fit(basis, steps, p_o)
     heights = weights[len(basis) :]
     _, unsqueezed = _fit([basis[0], minutes], steps, p_o)
     moves = unsqueezed.var() > 1e-12 * p_o.var()

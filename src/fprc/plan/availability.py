@@ -4,20 +4,21 @@ from collections.abc import Mapping, Sequence
 
 from fprc.channels import unit_of
 from fprc.escape import in_words, terminal
-from fprc.logs import Header
+from fprc.logs import Columns
+from fprc.logs.quality import substitute
 from fprc.paper import run_log
 from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
 
 
 def unavailable(
-    logs: Mapping[str, Header], folder: str, runs: Sequence[str], *, simulated: bool
+    logs: Mapping[str, Columns], folder: str, runs: Sequence[str], *, simulated: bool
 ) -> dict[str, str]:
     """Return the results that cannot be made, with their reasons.
 
     Parameters
     ----------
     logs : Mapping
-        Headers of the logs that exist or will be recorded, by name.
+        The logs that exist or will be recorded, by name.
     folder : str
         Folder of the logs, for the reasons.
     runs : sequence of str
@@ -37,7 +38,7 @@ def unavailable(
     return {name: why for name, why in given.items() if BY_NAME[name].part_of not in given}
 
 
-def why_not(need: Result, logs: Mapping[str, Header], folder: str) -> str | None:
+def why_not(need: Result, logs: Mapping[str, Columns], folder: str) -> str | None:
     """Return why a result cannot be made from the logs; None if it can."""
     absent = [f"{name}.h5" for name in need.logs if name not in logs]
     if absent:
@@ -45,17 +46,18 @@ def why_not(need: Result, logs: Mapping[str, Header], folder: str) -> str | None
         return f"needs {in_words(absent)}, which {verb} not in {folder}"
     lacking: dict[tuple[str, ...], list[str]] = {}
     for name in need.logs:
-        if channels := tuple(logs[name].lacks(need.channels)):
+        if channels := tuple(c for c in need.channels if c not in logs[name].names):
             lacking.setdefault(channels, []).append(f"{name}.h5")
     reasons = []
     for channels, files in lacking.items():
         verb = "does" if len(files) == 1 else "do"
         reasons.append(f"{in_words(channels)}, which {in_words(files)} {verb} not have")
     for name in need.literal:
+        others = {log: substitute(name, logs[log].attributes) for log in need.logs}
         reasons += [
-            f"{name} in {unit_of(name)}; in {log}.h5 it is {logs[log].substitute(name)}"
-            for log in need.logs
-            if logs[log].substitute(name) is not None
+            f"{name} in {unit_of(name)}; in {log}.h5 it is {other}"
+            for log, other in others.items()
+            if other is not None
         ]
     return "needs " + "; and ".join(reasons) if reasons else None
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from fprc.channels import CHANNELS, RESERVOIR
 from fprc.errors import LogError
-from fprc.logs import Header, headers, refuse_other_source
+from fprc.logs import Columns, headers, refuse_other_source
 from fprc.paper import (
     DISTURBANCE,
     EXPERIMENTS,
@@ -32,7 +32,7 @@ class Plan:
     """Targets, models and runs of the workflow."""
 
     settings: Mapping[str, Any]  #: the whole configuration
-    existing: Mapping[str, Header]  #: headers of the existing raw logs, by name
+    existing: Mapping[str, Columns]  #: the existing raw logs, without samples, by name
     raw: str  #: folder of those logs, for messages
 
     @cached_property
@@ -87,19 +87,17 @@ class Plan:
         return sorted(filter(_is_further, self.existing), key=lambda name: (len(name), name))
 
     @cached_property
-    def contents(self) -> dict[str, Header]:
-        """Headers of the raw logs that exist or will be recorded, by name."""
+    def contents(self) -> dict[str, Columns]:
+        """The raw logs that exist or will be recorded, without samples, by name."""
         logs = {name: self.existing[name] for name in self.every_log if name in self.existing}
         has_phi = self.on_simulated_rig or self.settings["hardware"]["phi"]
         lacking = set() if has_phi else {"phi_deg"}
         channels = frozenset(channel.name for channel in CHANNELS) - lacking
         for name in self.every_log if self.records else ():
             if self.on_simulated_rig or name not in logs:
-                logs[name] = Header(Path(self.paths.log(name)), channels, {})
+                logs[name] = Columns(Path(self.paths.log(name)), {}, {}, names=channels)
         if self.simulates_reservoir:
-            logs |= {
-                name: logs[name].with_channels(RESERVOIR) for name in EXPERIMENTS if name in logs
-            }
+            logs |= {name: _with_reservoir(logs[name]) for name in EXPERIMENTS if name in logs}
         return logs
 
     @cached_property
@@ -286,6 +284,13 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
             "there, or set folders.raw; see docs/own-data.md"
         )
     return plan
+
+
+def _with_reservoir(log: Columns) -> Columns:
+    """Return a log after a reservoir is simulated, whose channels have no notes."""
+    notes = log.attributes.get("notes", {})
+    kept = {name: note for name, note in notes.items() if name not in RESERVOIR}
+    return log._replace(names=log.names | {*RESERVOIR}, attributes={"notes": kept})
 
 
 def _is_further(log: str) -> bool:

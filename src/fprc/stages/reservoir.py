@@ -9,8 +9,8 @@ from fprc.experiments.hysteresis import RUNS
 from fprc.experiments.reservoir import CHANNELS, commands_of, drive
 from fprc.logs import read_raw, write_columns
 from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import notes_of, other_quantity
-from fprc.logs.raw import SIMULATED_RESERVOIR
+from fprc.logs.quality import substitute
+from fprc.paper import SOURCES
 
 log = logging.getLogger(__name__)
 
@@ -49,26 +49,26 @@ def add_reservoir(
         rate_tolerance=rate_tolerance,
     )
     source = recording.attributes["source"]
-    if source not in SIMULATED_RESERVOIR:
+    extended_source = f"{source}+sim"
+    if extended_source not in SOURCES:
         raise LogError(
             f"{raw}: source is {source}; a reservoir is simulated only for recorded and imported "
             "logs: set evaluation.reservoir: recorded"
         )
-    note = notes_of(recording).get("theta_deg", "")
-    if note.startswith(other_quantity("theta_deg")):
+    notes = recording.attributes.get("notes", {})
+    if substitute("theta_deg", recording.attributes) is not None:
         raise LogError(
-            f"{raw}: channel theta_deg: {note}; K_in needs an angle in degrees, so no reservoir "
-            "can be simulated: set evaluation.reservoir: recorded, or import an angle"
+            f"{raw}: channel theta_deg: {notes['theta_deg']}; K_in needs an angle in degrees, so "
+            "no reservoir can be simulated: set evaluation.reservoir: recorded, or import an angle"
         )
     theta = recording.channels["theta_deg"]
     commands = commands_of(theta, zero_deg, control, raw)
     simulated = drive(commands, sample_rate_hz, control, rig, seed, RUNS[experiment])
-    notes = notes_of(recording) | dict.fromkeys(CHANNELS, _NOTE)
     attributes = recording.attributes | {
-        "source": SIMULATED_RESERVOIR[source],
+        "source": extended_source,
         "simulated": True,
         "seed": seed,
-        "notes": notes,
+        "notes": notes | dict.fromkeys(CHANNELS, _NOTE),
         "reservoir_zero_deg": zero_deg,
         "reservoir_k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
     }

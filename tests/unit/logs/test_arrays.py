@@ -6,7 +6,7 @@ import scipy.io
 from fprc.errors import LogError
 from fprc.logs import arrays
 from fprc.logs.arrays import read_arrays
-from fprc.logs.variables import columns_of, pick
+from fprc.logs.source import pick
 
 Y = np.arange(50.0).reshape(-1, 1)
 
@@ -38,7 +38,7 @@ def read(request, tmp_path, matlab_files):
 
 
 def columns(source):
-    return {name: values.tolist() for name, values in columns_of(source).items()}
+    return {name: values.tolist() for name, values in source.columns.items()}
 
 
 # --- MATLAB ---------------------------------------------------------------------------------
@@ -105,10 +105,9 @@ def test_empty_and_non_numeric_parts_leave_the_rest_of_the_file(read, matlab_fil
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("run.q", "such as run.q[:, 0]"),
-        ("run.q[:, 3]", "has shape (10, 3)"),
-        ("run.q[:, :]", "has shape (10, 3)"),
-        ("run.q[1, 1]", "no such column"),
+        ("run.q", "did you mean run.q[:, "),
+        ("run.q[:,2]", "did you mean run.q[:, 2]?"),
+        ("run.q[1, :]", "did you mean run.q[:, "),
         ("run.Q[:, 1]", "did you mean run.q[:, 1]?"),
         ("run(3).y", "did you mean run.y?"),
         ("name", "cannot be a channel: text"),
@@ -117,8 +116,6 @@ def test_empty_and_non_numeric_parts_leave_the_rest_of_the_file(read, matlab_fil
 def test_wrong_column_is_refused_with_the_right_ones(read, text, message):
     q = np.arange(30.0).reshape(10, 3)
     source = read({"run": {"q": q, "y": Y}, "name": "arm"})
-    assert pick(source, "run.q[:, 2]").tolist() == q[:, 2].tolist()
-    assert pick(source, "run.q[4,:]").tolist() == q[4].tolist()
     with pytest.raises(LogError) as caught:
         pick(source, text)
     assert message in str(caught.value)
@@ -140,14 +137,14 @@ def test_objects_of_matlab_are_no_columns(tmp_path, matlab_files):
         file["tt"].attrs["MATLAB_class"] = np.bytes_("timetable")
         file["s"].attrs["MATLAB_sparse"] = np.uint64(9)
     source = read_arrays(tmp_path / "log.mat", matlab=True)
-    assert list(source.variables) == ["x"]
+    assert list(source.columns) == ["x"]
     assert set(source.others) == {"tt", "s"}
 
 
 def test_sparse_matrix_of_an_old_file_is_no_column(tmp_path):
     scipy.io.savemat(tmp_path / "log.mat", {"x": Y, "s": scipy.sparse.eye_array(5).tocsc()})
     source = read_arrays(tmp_path / "log.mat", matlab=True)
-    assert (list(source.variables), list(source.others)) == (["x"], ["s"])
+    assert (list(source.columns), list(source.others)) == (["x"], ["s"])
 
 
 # --- HDF5 -----------------------------------------------------------------------------------
@@ -165,7 +162,7 @@ def test_pictures_texts_and_single_numbers_are_no_channels(written):
         file["row"] = np.zeros((1, 5))
 
     source = written(write)
-    assert {name: array.shape for name, array in source.variables.items()} == dict.fromkeys(
+    assert {name: array.shape for name, array in source.columns.items()} == dict.fromkeys(
         ("group/x", "on", "row"), (5,)
     )
     assert set(source.others) == {"video", "who", "rate", "none", "no"}
@@ -186,7 +183,7 @@ def test_links_are_named_and_not_followed(written, tmp_path):
         file.create_dataset("raw", (3,), "f8", external=[(tmp_path / "x.bin", 0, 24)])
 
     source = written(write)
-    assert list(source.variables) == ["same", "x"]
+    assert list(source.columns) == ["same", "x"]
     assert str(tmp_path / "other.h5") in source.others["outside"]
     assert "/gone" in source.others["nowhere"]
     assert {"virtual", "raw"} < set(source.others)
@@ -214,17 +211,12 @@ def test_dataset_that_cannot_be_read_leaves_the_others(written, tmp_path):
     content[at] ^= 1
     path.write_bytes(content)
     source = read_arrays(path, matlab=False)
-    assert (list(source.variables), list(source.others)) == (["x"], ["bad"])
+    assert (list(source.columns), list(source.others)) == (["x"], ["bad"])
 
 
 @pytest.mark.parametrize(
     "declared",
-    [
-        {"shape": (10**9,), "chunks": (10**6,), "compression": "gzip"},
-        {"shape": (10**5, 10**4), "chunks": (100, 100), "fillvalue": 1.0},
-        {"shape": (10,), "maxshape": (None,), "chunks": (10**9 // 8,), "compression": "gzip"},
-        {"shape": (10**6,)},
-    ],
+    [{"shape": (10**5, 10**4), "chunks": (100, 100), "fillvalue": 1.0}, {"shape": (10**6,)}],
 )
 def test_dataset_that_declares_too_much_or_was_never_written_is_not_read(written, declared):
     def write(file):
@@ -233,9 +225,9 @@ def test_dataset_that_declares_too_much_or_was_never_written_is_not_read(written
         file.create_dataset("y", shape=(10, 6), dtype="f8", chunks=(5, 2))[:, :4] = 1.0
 
     source = written(write)
-    assert list(source.variables) == ["t"]
+    assert list(source.columns) == ["t"]
     assert f"declares {np.prod(declared['shape']):,} numbers" in source.others["x"]
-    assert "2 of its 6 chunks" in source.others["y"]
+    assert "declares 60 numbers, but not all were" in source.others["y"]
 
 
 def test_file_of_too_many_arrays_is_refused(written, tmp_path, matlab_files, monkeypatch):

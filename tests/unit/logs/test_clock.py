@@ -16,7 +16,7 @@ from fprc.logs.clock import (
 )
 from fprc.logs.gather import gather
 from fprc.logs.resample import resample
-from fprc.logs.variables import Source
+from fprc.logs.source import Source
 
 T = np.arange(400) / 200.0
 MENDING = {"repeated": "mean", "unordered": "sort"}

@@ -42,7 +42,7 @@ def refusal(table):
 
 
 def columns(source):
-    return {name: values.tolist() for name, values in source.variables.items()}
+    return {name: values.tolist() for name, values in source.columns.items()}
 
 
 # --- names and numbers ----------------------------------------------------------------------
@@ -89,8 +89,8 @@ def test_table_of_any_names_comes_back_as_it_was_written(
     for options in ({}, {"separator": separator, "header_line": 1}):
         found = read(path, **options)
         assert found.others == {}
-        assert list(found.variables) == stripped
-        assert np.array_equal(np.column_stack(list(found.variables.values())), numbers)
+        assert list(found.columns) == stripped
+        assert np.array_equal(np.column_stack(list(found.columns.values())), numbers)
 
 
 @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ def test_decimal_mark_is_that_of_the_file_or_refused(table, case):
         assert "csv.decimal" in source.others["p"]
     else:
         assert source.others == {}
-        np.testing.assert_array_equal(source.variables["p"], np.array(expected, float))
+        np.testing.assert_array_equal(source.columns["p"], np.array(expected, float))
 
 
 @given(
@@ -181,8 +181,8 @@ def test_number_is_read_as_it_was_written_or_not_at_all(
     path.write_text("\n".join([f"t{separator}p", *lines, ""]))
     for options in ({}, {"decimal": mark}):
         source = read(path, **options)
-        if "p" in source.variables or options:
-            assert source.variables["p"].tolist() == list(map(float, texts))
+        if "p" in source.columns or options:
+            assert source.columns["p"].tolist() == list(map(float, texts))
 
 
 @pytest.mark.parametrize("last", ["2,12", "2,1", "2,", "2", '2,"1', ""])
@@ -193,7 +193,7 @@ def test_last_line_without_a_line_end_is_left_out_with_a_note(table, last):
 
 
 def test_missing_values_are_nan(table):
-    (values,) = list(table("t,p\n0,\n1,NA\n2, null \n3,nan\n4,5\n").variables.values())[1:]
+    (values,) = list(table("t,p\n0,\n1,NA\n2, null \n3,nan\n4,5\n").columns.values())[1:]
     assert np.isnan(values[:4]).all()
     assert values[4] == 5.0
 
@@ -215,7 +215,7 @@ def test_lines_of_header_and_data_may_be_given(table):
 def test_column_that_is_no_number_is_named_with_its_line(table):
     source = table('# made by hand\nt,x,who\n0,1.5,me\n1,off,5" hose\n2,3.5,\n')
     assert source.others["x"].startswith("line 4 holds 'off'")
-    assert list(source.variables) == ["t"]
+    assert list(source.columns) == ["t"]
 
 
 @pytest.mark.parametrize(
@@ -258,5 +258,5 @@ def test_many_columns_are_read(table):
     names = [f"c{k}" for k in range(20_000)]
     line = ",".join("1.5" for _ in names)
     found = table("\n".join([",".join(names), line, line, ""]))
-    assert len(found.variables) == 20_000
-    assert found.variables["c19999"].tolist() == [1.5, 1.5]
+    assert len(found.columns) == 20_000
+    assert found.columns["c19999"].tolist() == [1.5, 1.5]

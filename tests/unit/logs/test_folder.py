@@ -5,6 +5,7 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.logs import headers, isolated, refuse_other_source
+from fprc.logs.quality import substitute
 
 NAMES = ["sweep", "complex", "track_sweep_fprc"]
 
@@ -20,10 +21,11 @@ def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, isol
         del log["phi_deg"]
     found = there(tmp_path, isolate)
     assert list(found) == ["sweep"]
-    assert found["sweep"].lacks(["phi_deg", "p_o_kpa"]) == ["phi_deg"]
-    assert found["sweep"].substitute("theta_deg") == "x [mm]"
-    assert found["sweep"].substitute("p_o_kpa") is None
-    assert found["sweep"].substitute("p_i_kpa") is None
+    assert {"phi_deg", "p_o_kpa"} - found["sweep"].names == {"phi_deg"}
+    substitutes = [
+        substitute(name, found["sweep"].attributes) for name in ("theta_deg", "p_o_kpa", "p_i_kpa")
+    ]
+    assert substitutes == ["x [mm]", None, None]
 
 
 def test_every_file_that_cannot_be_read_is_named(write_log, tmp_path):

@@ -227,4 +227,5 @@ def test_log_that_is_not_complete_fails_with_its_reason(log, attributes, reason,
     ],
 )
 def test_unit_of_another_quantity_is_read_from_its_note(note, unit):
-    assert noted_unit("p_exp_kpa", {} if note is None else {"p_exp_kpa": note}) == unit
+    attributes = {} if note is None else {"notes": {"p_exp_kpa": note}}
+    assert noted_unit("p_exp_kpa", attributes) == unit

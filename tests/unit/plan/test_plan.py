@@ -6,7 +6,7 @@ import pytest
 
 from fprc.channels import RAW_CHANNELS
 from fprc.config import Settings, check
-from fprc.logs.folder import Header
+from fprc.logs import Columns
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.plan import Plan
 from fprc.plan.results import BY_NAME, CHORES, RESULTS
@@ -55,7 +55,7 @@ def recorded(*names, lacking=(), notes=None, **evaluation):
     settings = check({"source": "recorded", "evaluation": evaluation}).model_dump(mode="json")
     channels = frozenset(RAW_CHANNELS) - {*lacking}
     there = {
-        name: Header(Path(f"data/raw/{name}.h5"), channels, {"notes": notes or {}})
+        name: Columns(Path(f"data/raw/{name}.h5"), {}, {"notes": notes or {}}, names=channels)
         for name in names
     }
     return Plan(settings, there, "data/raw")
@@ -115,10 +115,10 @@ def test_what_shows_further_seeds_is_made_of_every_replicate(simulated):
 
 
 def test_log_to_come_lacks_only_what_the_rig_does_not_measure():
-    for phi, lacking in ((None, ["phi_deg"]), ({}, [])):
+    for phi, lacking in ((None, {"phi_deg"}), ({}, set())):
         settings = check({"source": "rig", "hardware": {"phi": phi}}).model_dump(mode="json")
         plan = Plan(settings, {}, "data/raw")
-        assert plan.contents["sweep"].lacks(["phi_deg", "p_o_kpa"]) == lacking
+        assert {"phi_deg", "p_o_kpa"} - plan.contents["sweep"].names == lacking
         assert ("fig17" in plan.unavailable_targets) is bool(lacking)
 
 
