@@ -17,7 +17,6 @@ from rocrate.rocrate import ROCrate
 from fprc.provenance import sha256
 from tools.release.results import in_checkout
 
-METADATA = "ro-crate-metadata.json"
 WORKFLOW = "workflow/Snakefile"
 SHA256 = "https://w3id.org/ro/terms/workflow-run#sha256"
 PROFILES = {
@@ -38,8 +37,8 @@ def describe_crate(
     sidecars: Mapping[str, Mapping[str, Any]],
     version: str,
     published: str,
-) -> dict[str, Any]:
-    """Return the metadata of a crate, JSON-LD.
+) -> ROCrate:
+    """Return the crate of a release, which writes itself and its metadata.
 
     Parameters
     ----------
@@ -112,11 +111,12 @@ def describe_crate(
     }
     for key, value in about.items():
         crate.root_dataset[key] = value
-    return crate.metadata.generate()
+    return crate
 
 
 def _add(crate: ROCrate, identifier: str, kind: str, name: str, **properties: Any) -> Entity:
-    return crate.add_jsonld({"@id": identifier, "@type": kind, "name": name, **properties})
+    described = {"@id": identifier, "@type": kind, "name": name, **properties}
+    return crate.add_or_update_jsonld(described)
 
 
 def _refer(name: str) -> dict[str, str]:
@@ -138,11 +138,10 @@ def _drawing(crate: ROCrate, fprc: Entity, name: str, sidecar: Mapping[str, Any]
     """Add the action that made the files of a sidecar."""
     seeds = " ".join(map(str, sidecar["seeds"])) or "none"
     stated = {key: sidecar[key] for key in ("source", "commit", "config_sha256")} | {"seeds": seeds}
-    settings = []
-    for key, value in stated.items():
-        identifier = f"#{quote(key)}={quote(value)}"
-        known = crate.get(identifier)
-        settings.append(known or _add(crate, identifier, "PropertyValue", key, value=value))
+    settings = [
+        _add(crate, f"#{quote(key)}={quote(value)}", "PropertyValue", key, value=value)
+        for key, value in stated.items()
+    ]
     action = crate.add_action(
         fprc,
         f"#made-{quote(name)}",
