@@ -242,20 +242,12 @@ def test_wrong_number_in_the_file_of_a_rig_is_refused(rigs):
 # --- the files of this repository -----------------------------------------------------------
 
 
-@pytest.fixture
-def at_home(monkeypatch):
-    """The working directory of the project, below which its rigs are."""
-    monkeypatch.chdir(CONFIG.parent)
-
-
-@pytest.mark.usefixtures("at_home")
 def test_configuration_of_the_paper_is_the_default_but_for_its_rig():
     settings = from_files([CONFIG / "config.yaml"])
     assert settings.fitted.name == RIG
     assert typed(settings) == Settings()
 
 
-@pytest.mark.usefixtures("at_home")
 @pytest.mark.parametrize("name", sorted(rig_files()))
 def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
     settings = from_files([], {"rig": name})
