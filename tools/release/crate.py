@@ -26,7 +26,10 @@ PROFILES = {
 }
 LICENSE = "https://spdx.org/licenses/MIT"
 PAPER = "https://doi.org/10.1109/LRA.2024.3523229"
-_TYPES = {".h5": "application/x-hdf5", ".md": "text/markdown", ".yaml": "application/yaml"}
+#: The types that Python has; the system's may take a Snakefile, .smk, for a video.
+_TYPES = mimetypes.MimeTypes()
+_TYPES.add_type("text/markdown", ".md")
+_TYPES.add_type("application/yaml", ".yaml")
 
 
 def describe_crate(
@@ -125,12 +128,11 @@ def _refer(name: str) -> dict[str, str]:
 
 def _described(root: Path, name: str) -> dict[str, str]:
     path = root / name
-    kind = _TYPES.get(path.suffix) or mimetypes.guess_type(name)[0] or "text/plain"
     return {
         "name": name,
         "contentSize": str(path.stat().st_size),
         "sha256": sha256(str(path)),
-        "encodingFormat": kind,
+        "encodingFormat": _TYPES.guess_type(name)[0] or "text/plain",
     }
 
 
