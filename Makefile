@@ -22,10 +22,9 @@ smoke: .venv/.ready  ## the same rules with small settings, into results/smoke
 quick: .venv/.ready  ## style, types and the paper's fast unit tests, side by side, while you work
 	@$(MAKE) --no-print-directory --jobs 2 style fast
 
-style: .venv/.ready
-	ruff check --quiet .
-	ruff format --quiet --check .
-	mypy
+style: types
+	ruff check .
+	ruff format --check .
 
 # Nothing of the paper imports the studies: pytest -m "not slow" tests/unit/studies
 fast: .venv/.ready
@@ -35,10 +34,7 @@ fast: .venv/.ready
 types: .venv/.ready  ## type-check src
 	mypy
 
-lint: .venv/.ready  ## style, types, layers, workflow lint
-	ruff check .
-	ruff format --check .
-	mypy
+lint: style  ## style, types, layers, workflow lint
 	snakefmt --check Snakefile workflow
 	snakemake --lint
 	snakemake --lint --snakefile workflow/studies/Snakefile

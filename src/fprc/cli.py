@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from _thread import interrupt_main
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -19,15 +19,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # figures go to files; with an unknown backend, Matplotlib cannot be imported
     os.environ["MPLBACKEND"] = "agg"
     _prepare_output()
-    with _noting_interrupts() as was_stopped:
+    with _noting_interrupts() as interrupts:
         try:
             code = _run(arguments)
         except BaseException as error:
             # the interrupted code may have raised another error instead
-            if not was_stopped() and not isinstance(error, KeyboardInterrupt):
+            if not interrupts and not isinstance(error, KeyboardInterrupt):
                 raise
         else:
-            if not was_stopped():  # a library may have ignored the interrupt
+            if not interrupts:  # a library may have ignored the interrupt
                 return code
         print("stopped; finished results are kept", file=sys.stderr)
         return _STOPPED
@@ -77,9 +77,9 @@ def _prepare_output() -> None:
 
 
 @contextmanager
-def _noting_interrupts() -> Iterator[Callable[[], bool]]:
-    """Record Ctrl-C and raise KeyboardInterrupt; yield a function that returns whether it came."""
-    interrupts = []
+def _noting_interrupts() -> Iterator[list[int]]:
+    """Record Ctrl-C in the list that is yielded, and raise KeyboardInterrupt."""
+    interrupts: list[int] = []
     before, report = signal.getsignal(signal.SIGINT), sys.unraisablehook
 
     def note(number: int, frame: Any) -> None:
@@ -98,7 +98,7 @@ def _noting_interrupts() -> Iterator[Callable[[], bool]]:
         signal.signal(signal.SIGINT, note)
         sys.unraisablehook = repeat
     try:
-        yield lambda: bool(interrupts)
+        yield interrupts
     finally:
         if sys.unraisablehook is repeat:
             signal.signal(signal.SIGINT, before)

@@ -22,16 +22,6 @@ CONFIG = Path(__file__).parents[2] / "config"
 COMMAND = [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())"]
 
 
-@pytest.fixture
-def long_log(write_log, recorded):
-    """Write raw log of 20 s, which passes every check of its quality."""
-
-    def write(name="log.h5", **attributes):
-        return write_log(name, changed=recorded["sweep"], **attributes)
-
-    return write
-
-
 # --- config -------------------------------------------------------------------------------------
 
 
@@ -88,10 +78,11 @@ def test_log_with_a_fault_is_reported_as_failed(write_log, recorded, capsys):
 
 
 def test_unreadable_log_is_named_and_the_next_one_still_judged(
-    long_log, write_log, changed, tmp_path, capsys
+    write_log, recorded, changed, tmp_path, capsys
 ):
     bad = write_log("bad.h5", changed=changed("theta_deg", 7, np.nan))
-    paths = [tmp_path / "none.h5", bad, long_log("good.h5"), tmp_path]
+    good = write_log("good.h5", changed=recorded["sweep"])
+    paths = [tmp_path / "none.h5", bad, good, tmp_path]
     assert main(["log", "check", "--json", *map(str, paths)]) == 1
     printed = capsys.readouterr()
     records = json.loads(printed.out)

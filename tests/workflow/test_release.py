@@ -118,6 +118,7 @@ def test_archive_and_crate_describe_the_same_files(released, crate):
         "https://doi.org/10.1093/bioinformatics/bts480",
         "https://snakemake.readthedocs.io",
     }
+    assert entities["workflow/rules/logs.smk"]["encodingFormat"] == "text/plain"
     assert "git tag -a v99.0" in printed
 
 

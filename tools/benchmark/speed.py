@@ -36,9 +36,6 @@ from fprc.studies.blocks import replace_block
 from fprc.tables.text import three_digits, within
 from tools.benchmark.peers import PEERS, Peer
 
-#: Variables that select kernels of OpenBLAS other than the processor's own.
-KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE")
-
 #: States that differ by less are the same.
 SAME = 1e-12
 OURS, FUZZY = "fprc", "scikit-fuzzy"
@@ -47,10 +44,10 @@ OURS, FUZZY = "fprc", "scikit-fuzzy"
 ROUNDS = 5
 
 
-def interleaved(work: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
+def interleaved(work: Mapping[str, Callable[[], object]]) -> dict[str, list[float]]:
     """Return the processor seconds of each piece of work in each round; the pieces take turns."""
     seconds: dict[str, list[float]] = {name: [] for name in work}
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         for name, run in work.items():
             begin = process_time()
             run()
@@ -69,7 +66,7 @@ def ours(features: EchoStates) -> Peer:
     return Peer(states, features.advance)
 
 
-def networks(features: EchoStates, X: np.ndarray, rounds: int) -> pd.DataFrame:
+def networks(features: EchoStates, X: np.ndarray) -> pd.DataFrame:
     """Compare the states of a log and single steps, as in a control loop.
 
     ``features`` must be fitted and have no washout.
@@ -88,8 +85,8 @@ def networks(features: EchoStates, X: np.ndarray, rounds: int) -> pd.DataFrame:
     for run in steps.values():
         run()
     seconds = {
-        "log": interleaved({n: partial(p.states, X) for n, p in sides.items()}, rounds),
-        "step": interleaved(steps, rounds),
+        "log": interleaved({n: partial(p.states, X) for n, p in sides.items()}),
+        "step": interleaved(steps),
     }
     samples = {"log": len(X), "step": len(few)}
     rows = []
@@ -127,7 +124,7 @@ def _sum(numbers: np.ndarray) -> float:
     return total
 
 
-def bandwidth(features: EchoStates, X: np.ndarray, rounds: int) -> str:
+def bandwidth(features: EchoStates, X: np.ndarray) -> str:
     """Return sentences: how fast a step reads W_r and multiplies, beside what this core can do."""
     few = X[:1000]
     same = aligned(features.W_r_.astype(np.float32).ravel())
@@ -141,7 +138,7 @@ def bandwidth(features: EchoStates, X: np.ndarray, rounds: int) -> str:
     features.reset(few[0])
     for run in work.values():
         run()
-    seconds = interleaved(work, rounds)
+    seconds = interleaved(work)
     read = {"step": same.nbytes * len(few), "same": same.nbytes * len(few), "large": large.nbytes}
     gb_per_s = {name: read[name] / statistics.median(seconds[name]) / 1e9 for name in read}
     share = statistics.median(a / b for a, b in zip(seconds["same"], seconds["step"], strict=True))
@@ -182,7 +179,7 @@ def clusterings(rows: np.ndarray, clusters: int, starts: int) -> pd.DataFrame:
     return pd.DataFrame(table)
 
 
-def control(rounds: int) -> str:
+def control() -> str:
     """Return sentences on the time of a step of the FPRC, and of the simulated closed loop."""
     X, y = load_hysteresis("sweep", seed=1, return_X_y=True)
     model = FPRC(random_state=1).fit(X, y)
@@ -191,7 +188,7 @@ def control(rounds: int) -> str:
     reference = next(iter(settings["tracking"]["references"]))
     loop = partial(bench.follow, reference, "fprc_pd", model)
     steps = {"model": len(X), "loop": len(loop()["time_s"])}
-    taken = interleaved({"model": partial(_stepped, model.step, X), "loop": loop}, rounds)
+    taken = interleaved({"model": partial(_stepped, model.step, X), "loop": loop})
     model_us, loop_us = (_us(taken[name], number) for name, number in steps.items())
     period_us = 1e6 / settings["control"]["sample_rate_hz"]
     return (
@@ -225,11 +222,11 @@ def report() -> str:
         circumstances(),
         f"ESN with {features.r} states, float64, {len(theta)} samples, medians of {ROUNDS} rounds "
         "in turn; in brackets the smallest and largest ratio of a round:",
-        networks(features, theta, ROUNDS).to_markdown(**plain),
-        bandwidth(features, theta, ROUNDS),
+        networks(features, theta).to_markdown(**plain),
+        bandwidth(features, theta),
         f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:",
         clusterings(rows, fuzzy.n_c, starts=5).to_markdown(**plain),
-        control(ROUNDS),
+        control(),
     ]
     return "\n\n".join(parts)
 
@@ -239,8 +236,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--page", type=Path, help="write the tables there too")
     given = parser.parse_args()
-    if chosen := [name for name in KERNELS if name in os.environ]:
-        raise SystemExit(f"{', '.join(chosen)} would slow BLAS down; unset it, as `make` does")
     if hasattr(os, "sched_setaffinity"):  # before JAX counts the cores
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     with threadpool_limits(1):

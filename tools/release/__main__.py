@@ -7,22 +7,19 @@ Nothing is uploaded.
 """
 
 import argparse
-import json
 import os
 import subprocess
 import sys
 import tempfile
 import venv
-import zipfile
-from collections.abc import Mapping, Sequence
-from datetime import UTC, date, datetime
+from collections.abc import Sequence
+from datetime import date
 from pathlib import Path
-from typing import Any
 
 from fprc.errors import FprcError
 from fprc.provenance import checkout
 from tools.release.changelog import PAGE, cut, released, version_of
-from tools.release.crate import METADATA, describe_crate
+from tools.release.crate import describe_crate
 from tools.release.results import built, problems_of, sidecars_of
 
 PROFILE = "workflow-run-crate-0.5"
@@ -76,7 +73,7 @@ def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
         folder.mkdir()
         tracked = _output_of("git", "-C", str(root), "ls-files", "-z").split("\0")[:-1]
         code = [name for name in tracked if (root / name).is_file()]  # no link to a folder
-        metadata = describe_crate(
+        described = describe_crate(
             root,
             code=code,
             made=made,
@@ -84,10 +81,9 @@ def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
             version=version,
             published=released(root)[version],
         )
-        committed = int(_output_of("git", "-C", str(root), "log", "-1", "--format=%ct"))
-        archive(root, folder / crate, metadata, sorted({*code, *made}), committed)
+        described.write_zip(folder / crate)
         validate(folder / crate, tools)
-        build_packages(root, folder, tools, committed)
+        build_packages(root, folder, tools)
         folder.rename(target)
     shown = target.relative_to(root)
     print(BY_HAND.format(folder=shown, version=version, commit=commit, tools=tools, crate=crate))
@@ -108,34 +104,16 @@ def _of_version(root: Path, version: str, target: Path) -> list[str]:
     return problems
 
 
-def archive(
-    root: Path, path: Path, metadata: Mapping[str, Any], names: Sequence[str], seconds: int
-) -> None:
-    """Write files and metadata to a zip file; the same files give the same bytes."""
-    moment = datetime.fromtimestamp(seconds, UTC).timetuple()[:6]
-
-    def entry(name: str) -> zipfile.ZipInfo:
-        described = zipfile.ZipInfo(name, moment)
-        described.compress_type = zipfile.ZIP_DEFLATED
-        described.external_attr = 0o644 << 16
-        return described
-
-    with zipfile.ZipFile(path, "x") as file:
-        text = json.dumps(metadata, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-        file.writestr(entry(METADATA), text)
-        for name in names:
-            file.writestr(entry(name), (root / name).read_bytes())
-
-
 def validate(crate: Path, tools: str) -> None:
     """Validate a crate with its profile; the validator reads the JSON-LD context from the web."""
     checked = ["validate", "--profile-identifier", PROFILE, "--verbose", "--no-paging", str(crate)]
     _output_of(str(Path(tools).with_name("rocrate-validator")), "--no-interactive", *checked)
 
 
-def build_packages(root: Path, folder: Path, tools: str, seconds: int) -> None:
+def build_packages(root: Path, folder: Path, tools: str) -> None:
     """Build sdist and wheel, check their metadata, and install the wheel in a new environment."""
-    dated = {"SOURCE_DATE_EPOCH": str(seconds)}
+    committed = _output_of("git", "-C", str(root), "log", "-1", "--format=%ct").strip()
+    dated = {"SOURCE_DATE_EPOCH": committed}
     _output_of(tools, "-m", "build", "--outdir", str(folder), str(root), **dated)
     (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
     _output_of(tools, "-m", "twine", "check", "--strict", str(wheel), str(sdist))

@@ -17,7 +17,6 @@ from rocrate.rocrate import ROCrate
 from fprc.provenance import sha256
 from tools.release.results import in_checkout
 
-METADATA = "ro-crate-metadata.json"
 WORKFLOW = "workflow/Snakefile"
 SHA256 = "https://w3id.org/ro/terms/workflow-run#sha256"
 PROFILES = {
@@ -27,7 +26,10 @@ PROFILES = {
 }
 LICENSE = "https://spdx.org/licenses/MIT"
 PAPER = "https://doi.org/10.1109/LRA.2024.3523229"
-_TYPES = {".h5": "application/x-hdf5", ".md": "text/markdown", ".yaml": "application/yaml"}
+#: The types that Python has; the system's may take a Snakefile, .smk, for a video.
+_TYPES = mimetypes.MimeTypes()
+_TYPES.add_type("text/markdown", ".md")
+_TYPES.add_type("application/yaml", ".yaml")
 
 
 def describe_crate(
@@ -38,8 +40,8 @@ def describe_crate(
     sidecars: Mapping[str, Mapping[str, Any]],
     version: str,
     published: str,
-) -> dict[str, Any]:
-    """Return the metadata of a crate, JSON-LD.
+) -> ROCrate:
+    """Return the crate of a release, which writes itself and its metadata.
 
     Parameters
     ----------
@@ -112,11 +114,12 @@ def describe_crate(
     }
     for key, value in about.items():
         crate.root_dataset[key] = value
-    return crate.metadata.generate()
+    return crate
 
 
 def _add(crate: ROCrate, identifier: str, kind: str, name: str, **properties: Any) -> Entity:
-    return crate.add_jsonld({"@id": identifier, "@type": kind, "name": name, **properties})
+    described = {"@id": identifier, "@type": kind, "name": name, **properties}
+    return crate.add_or_update_jsonld(described)
 
 
 def _refer(name: str) -> dict[str, str]:
@@ -125,12 +128,11 @@ def _refer(name: str) -> dict[str, str]:
 
 def _described(root: Path, name: str) -> dict[str, str]:
     path = root / name
-    kind = _TYPES.get(path.suffix) or mimetypes.guess_type(name)[0] or "text/plain"
     return {
         "name": name,
         "contentSize": str(path.stat().st_size),
         "sha256": sha256(str(path)),
-        "encodingFormat": kind,
+        "encodingFormat": _TYPES.guess_type(name)[0] or "text/plain",
     }
 
 
@@ -138,11 +140,10 @@ def _drawing(crate: ROCrate, fprc: Entity, name: str, sidecar: Mapping[str, Any]
     """Add the action that made the files of a sidecar."""
     seeds = " ".join(map(str, sidecar["seeds"])) or "none"
     stated = {key: sidecar[key] for key in ("source", "commit", "config_sha256")} | {"seeds": seeds}
-    settings = []
-    for key, value in stated.items():
-        identifier = f"#{quote(key)}={quote(value)}"
-        known = crate.get(identifier)
-        settings.append(known or _add(crate, identifier, "PropertyValue", key, value=value))
+    settings = [
+        _add(crate, f"#{quote(key)}={quote(value)}", "PropertyValue", key, value=value)
+        for key, value in stated.items()
+    ]
     action = crate.add_action(
         fprc,
         f"#made-{quote(name)}",

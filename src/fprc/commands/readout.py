@@ -121,7 +121,7 @@ def report_readout(
     parts = _parts(source, mapping, train)
     _refuse_leftovers(folder / "raw", len(parts["sweep"]))
     lock = folder / ".lock"
-    with exclusive(lock):
+    with exclusive(lock), threadpool_limits(1):
         roles = ("the training part", "the test part")
         if train:
             roles = ("the training logs", "the test log")
@@ -239,20 +239,17 @@ def _judge(
 ) -> dict[str, Any]:
     """Judge FPRC with each readout, write table and figure, and return the errors."""
     cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
-    with threadpool_limits(1):
-        measure_readout(
-            data["sweep"],
-            data["complex"],
-            cells,
-            judgement=judgement(settings, "fprc", without="split"),
-            epsilon=settings["grids"]["epsilon"],
-            n_u=settings["grids"]["readout_taps"],
-            workers=workers,
-            checkpoint=str(folder / "cells.partial.jsonl"),
-            version=fingerprint(
-                "fprc.stages.readout", *map(class_module, ("fprc", "fuzzy_linear"))
-            ),
-        )
+    measure_readout(
+        data["sweep"],
+        data["complex"],
+        cells,
+        judgement=judgement(settings, "fprc", without="split"),
+        epsilon=settings["grids"]["epsilon"],
+        n_u=settings["grids"]["readout_taps"],
+        workers=workers,
+        checkpoint=str(folder / "cells.partial.jsonl"),
+        version=fingerprint("fprc.stages.readout", *map(class_module, ("fprc", "fuzzy_linear"))),
+    )
     files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex")}
     tabulate_readout(cells, parts=parts, **files)
     attributes = draw_readout(cells, pdf, png)
@@ -266,16 +263,15 @@ def _compete(
 ) -> dict[str, Any]:
     """Compare FPRC with its competitors, write their table, and return errors and verdicts."""
     result = folder / "competitors.json"
-    with threadpool_limits(1):
-        compare_competitors(
-            data["sweep"],
-            data["complex"],
-            str(result),
-            judgement=judgement({**settings, "models": paper_models(settings)}),
-            workers=workers,
-            checkpoint=str(folder / "competitors.partial.jsonl"),
-            version=fingerprint("fprc.stages.competitors", *map(class_module, ON_RECORDINGS)),
-        )
+    compare_competitors(
+        data["sweep"],
+        data["complex"],
+        str(result),
+        judgement=judgement({**settings, "models": paper_models(settings)}),
+        workers=workers,
+        checkpoint=str(folder / "competitors.partial.jsonl"),
+        version=fingerprint("fprc.stages.competitors", *map(class_module, ON_RECORDINGS)),
+    )
     csv, md = (str(folder / f"competitors.{kind}") for kind in ("csv", "md"))
     tabulate_competitors(str(result), csv, md)
     return read_json(result)

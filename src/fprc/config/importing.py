@@ -15,8 +15,7 @@ from fprc.yaml_file import read_yaml
 
 
 def _as_text(value: Any) -> Any:
-    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return str(value) if is_number else value
+    return str(value) if isinstance(value, int | float) else value
 
 
 #: Text that YAML may have parsed as a number, as in ``unit: 1`` and ``column: 3``.
@@ -236,15 +235,11 @@ def _contradictions_of_channels(channels: Any) -> Iterator[str]:
     if targets == [None, None] and set(channels) <= set(Channels.model_fields):
         yield "channels: p_exp_kpa or p_exp_command_kpa is missing; the models predict it"
     for name, spec in channels.items():
-        if _as_text(_mapping(spec).get("unit")) == "1" and not spec.get("note"):
+        if isinstance(spec, dict) and _as_text(spec.get("unit")) == "1" and not spec.get("note"):
             yield (
                 f"channels.{name}: unit 1 stands for another quantity; name it and its unit in "
                 "`note`"
             )
-
-
-def _mapping(value: Any) -> Mapping[str, Any]:
-    return value if isinstance(value, dict) else {}
 
 
 def _number(value: Any) -> float | None:

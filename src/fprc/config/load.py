@@ -138,13 +138,11 @@ def _merge_layer(merged: dict[str, Any], content: Mapping[str, Any]) -> None:
     rig = content.get("rig")
     if isinstance(rig, str):
         content = {**content, "rig": {}, **read_yaml(rig_file(rig))}
-        merged["fitted"] = {"name": rig, "to": []}
-    elif isinstance(rig, Mapping) and "fitted" not in content:
-        merged["fitted"] = {"name": "changed", "to": []}
+        merged |= {"rig": Settings().rig.model_dump(), "fitted": {"name": rig}}
+    elif isinstance(rig, Mapping) and "fitted" in content:
+        merged |= {"rig": Settings().rig.model_dump(), "fitted": {}}
     elif isinstance(rig, Mapping):
-        merged["fitted"] = {}
-    if isinstance(rig, str) or (isinstance(rig, Mapping) and "fitted" in content):
-        merged["rig"] = Settings().rig.model_dump()
+        merged["fitted"] = {"name": "changed"}
     _merge(merged, deepcopy(dict(content)))  # wrong values in it are replaced later
 
 

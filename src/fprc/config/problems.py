@@ -38,7 +38,7 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
     message = re.sub("^(Input|String) should", "must", message)
     if kind == "missing":
         key, message = ".".join(above), "must have 2 items"
-    if kind in ("model_type", "model_attributes_type"):
+    if kind == "model_type":
         message = "must hold keys and values"
     # the messages of our checks name the value where that helps
     shown = "" if kind == "value_error" else f" = {value}"

@@ -38,12 +38,6 @@ def unit_of_key(key: str) -> str:
     return f"{over.strip() or 1}/{f'({under})' if ' ' in under else under}"
 
 
-def _add_units(schema: dict[str, Any]) -> None:
-    for key, declared in schema["properties"].items():
-        if "unit" in declared:
-            declared["unit"] = declared["unit"] or unit_of_key(key)
-
-
 class Section(BaseModel):
     """A group of settings; unknown keys, infinities, NaN and the character NUL are errors."""
 
@@ -52,7 +46,6 @@ class Section(BaseModel):
         frozen=True,
         allow_inf_nan=False,
         validate_default=True,
-        json_schema_extra=_add_units,
     )
 
     @field_validator("*", mode="before")

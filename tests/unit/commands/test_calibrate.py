@@ -15,12 +15,6 @@ CONFIG = Path(__file__).parents[3] / "config"
 FILES = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]
 
 
-@pytest.fixture(autouse=True)
-def at_home(monkeypatch):
-    """The working directory of the project, below which its rigs are."""
-    monkeypatch.chdir(CONFIG.parent)
-
-
 @pytest.fixture
 def fit(monkeypatch):
     """Replace the fit by one that writes its files at once; ``fit.calls`` are its arguments."""

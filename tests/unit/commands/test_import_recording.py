@@ -224,11 +224,6 @@ def test_several_recordings_of_the_page_are_fitted_both_ways():
         np.testing.assert_allclose(one, other)
 
 
-def draft(path, capsys, *more):
-    assert main(["import", str(path), "--draft", *more]) == 0
-    return capsys.readouterr().out
-
-
 @pytest.mark.usefixtures("undrawn")
 def test_draft_of_names_that_tell_all_is_a_map_that_imports(recorded, tmp_path, capsys):
     sweep = recorded["sweep"]
@@ -240,7 +235,8 @@ def test_draft_of_names_that_tell_all_is_a_map_that_imports(recorded, tmp_path, 
         "room \U0001f321": np.zeros(len(sweep["time_s"])),
     }
     pd.DataFrame(columns).to_csv(tmp_path / "arm.csv", index=False)
-    text = draft(tmp_path / "arm.csv", capsys)
+    assert main(["import", str(tmp_path / "arm.csv"), "--draft"]) == 0
+    text = capsys.readouterr().out
     assert "?" not in "".join(text.splitlines(keepends=True)[1:])
     (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
     given = [str(tmp_path / name) for name in ("arm.csv", "arm.yaml", "sweep.h5")]

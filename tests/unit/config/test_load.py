@@ -15,13 +15,6 @@ CONFIG = Path(__file__).parents[3] / "config"
 RIGS = Path(__file__).parents[3] / "src/fprc/config/rigs"
 
 
-def typed(settings):
-    """Replace the rig by that of ``Settings()``, which no file gives."""
-    return settings.model_copy(
-        update={name: getattr(Settings(), name) for name in ("rig", "fitted")}
-    )
-
-
 def message(config):
     """Return what is wrong with a configuration, which the check leaves as it is."""
     before = copy.deepcopy(config)
@@ -242,20 +235,13 @@ def test_wrong_number_in_the_file_of_a_rig_is_refused(rigs):
 # --- the files of this repository -----------------------------------------------------------
 
 
-@pytest.fixture
-def at_home(monkeypatch):
-    """The working directory of the project, below which its rigs are."""
-    monkeypatch.chdir(CONFIG.parent)
-
-
-@pytest.mark.usefixtures("at_home")
 def test_configuration_of_the_paper_is_the_default_but_for_its_rig():
     settings = from_files([CONFIG / "config.yaml"])
     assert settings.fitted.name == RIG
-    assert typed(settings) == Settings()
+    of_the_class = {"rig": Settings().rig, "fitted": Settings().fitted}
+    assert settings.model_copy(update=of_the_class) == Settings()
 
 
-@pytest.mark.usefixtures("at_home")
 @pytest.mark.parametrize("name", sorted(rig_files()))
 def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
     settings = from_files([], {"rig": name})
