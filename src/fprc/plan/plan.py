@@ -20,7 +20,7 @@ from fprc.paper import (
 )
 from fprc.plan.availability import unavailable, why_not
 from fprc.plan.paths import Paths
-from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result, figure_number
+from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
 from fprc.registry import controllers, entries, feedforward_of, outside_paper
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
@@ -181,13 +181,13 @@ class Plan:
         return [name for name in outside_paper(self.settings["models"]) if name in self.models]
 
     @cached_property
-    def figures(self) -> dict[int, str]:
-        """Files of the paper's figures that can be made, without suffix, by number."""
-        return {
-            figure_number(result): self.paths.below(result.files[0].removesuffix(".pdf"))
+    def figures(self) -> list[str]:
+        """Files of the paper's figures that can be made, without suffix."""
+        return [
+            self.paths.below(result.files[0].removesuffix(".pdf"))
             for result in RESULTS
-            if figure_number(result) and result.name in self.targets
-        }
+            if result.name.startswith("fig") and result.name in self.targets
+        ]
 
     @cached_property
     def pages(self) -> list[str]:

@@ -107,9 +107,3 @@ CHORES = (
 )
 
 BY_NAME = {result.name: result for result in (*RESULTS, *CHORES)}
-
-
-def figure_number(result: Result) -> int:
-    """Return the number of the figure; 0 if the result is not a figure."""
-    number = result.name.removeprefix("fig")
-    return int(number) if number.isdigit() else 0
