@@ -12,11 +12,7 @@ if PLAN.on_simulated_rig:
         params:
             **pick(SETTINGS, "control", "rig", "seed"),
             **stage("track.track", *PLAN.feedforward),
-            tracking=lambda wildcards: tracking(
-                SETTINGS,
-                wildcards.reference,
-                *(["pushes"] if wildcards.reference == "disturbance" else []),
-            ),
+            tracking=lambda wildcards: tracking(SETTINGS, wildcards.reference),
             reference="{reference}",
             names=PLAN.feedforward,
             controllers=PLAN.controllers,

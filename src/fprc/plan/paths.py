@@ -53,7 +53,3 @@ class Paths:
     def replicate(self, part: str, target: str, seed: int | str) -> str:
         """Return the report of a further seed; part: models, grids or control."""
         return self.below(f"replicates/{target}/{part}_{seed}.json")
-
-    def table(self, name: str) -> dict[str, str]:
-        """Return the files of a table by kind."""
-        return {kind: self.below(f"{name}.{kind}") for kind in ("csv", "md", "tex")}

@@ -191,17 +191,15 @@ class Plan:
 
     @cached_property
     def pages(self) -> list[str]:
-        """Tables of the report; Tables II to IV are each followed by the version over seeds."""
-        seeds = dict(zip(("table2", "table3", "table4"), BY_NAME["seeds"].files, strict=True))
-        pages = []
-        # claims and the tables over seeds have places of their own
-        in_report = (result for result in RESULTS if result.title and not result.on_rigs)
-        for result in in_report:
-            if result.name in self.targets:
-                pages += [self.paths.below(file) for file in result.files if file.endswith(".md")]
-            if result.name in seeds and "seeds" in self.targets:
-                pages.append(self.paths.below(seeds[result.name]))
-        return pages
+        """Tables of the report."""
+        # claims and the list of what is not available have places of their own
+        return [
+            self.paths.below(file)
+            for result in RESULTS
+            if result.name in self.targets and result.name not in ("claims", "not_available")
+            for file in result.files
+            if file.endswith(".md")
+        ]
 
     def replicates(self, part: str, targets: Sequence[str] = ()) -> list[str]:
         """Return one part of each further seed's report, for each of the models' ``targets``."""
