@@ -4,7 +4,7 @@ if PLAN.on_simulated_rig:
 
     rule track:
         input:
-            models=[PATHS.model("sweep", model) for model in PLAN.feedforward],
+            models=[PATHS.judged("sweep", model)["fitted"] for model in PLAN.feedforward],
         output:
             raw=[PATHS.log(run_log("{reference}", controller)) for controller in PLAN.controllers],
         log:

@@ -229,6 +229,8 @@ class Plan:
     def _expanded(self, name: str, result: Result) -> Iterable[str]:
         if name == "data":
             return self._data
+        if name.startswith("judged/"):
+            return self._judged(name.removeprefix("judged/"))
         if name == "seeds":
             parts = ("models", "grids", "control") if self.on_simulated_rig else ()
             return [file for part in parts for file in self.replicates(part)]
@@ -236,7 +238,11 @@ class Plan:
             followed = [r for r in (*REFERENCES, DISTURBANCE) if _follows(result, r)]
             logs = [run_log(r, controller) for r in followed for controller in self.controllers]
             return [*self._loops, *(self.paths.log(log) for log in logs if log in self.contents)]
-        return [self.paths.below(name.format(model=model)) for model in self.models]
+        return [self.paths.below(name)]
+
+    def _judged(self, experiment: str) -> list[str]:
+        made = (self.paths.judged(experiment, model) for model in self.models)
+        return [file for files in made for file in files.values()]
 
     @cached_property
     def _data(self) -> list[str]:
@@ -252,9 +258,7 @@ class Plan:
         """Files that are needed to record the closed-loop runs; none if nothing is recorded."""
         if not self.records:
             return []
-        judged = BY_NAME["table2"].made_of[1:]
-        models = [self.paths.below(name.format(model=m)) for name in judged for m in self.models]
-        return [*self._data, *models]
+        return [*self._data, *self._judged(TRAINING)]
 
 
 def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
