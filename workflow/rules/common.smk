@@ -68,7 +68,8 @@ def result_spec(stem, kind, words, given, made, priority=0, **params):
 
 def table_spec(stem, words, given, **params):
     """Return what is peculiar to a table."""
-    return result_spec(stem, "table", words, given, PATHS.table(stem), **params)
+    made = {kind: PATHS.below(f"{stem}.{kind}") for kind in ("csv", "md", "tex")}
+    return result_spec(stem, "table", words, given, made, **params)
 
 
 def figure_spec(stem, words, given, statistics=False, **params):

@@ -4,7 +4,7 @@ if PLAN.on_simulated_rig:
 
     rule track:
         input:
-            models=[PATHS.model("sweep", model) for model in PLAN.feedforward],
+            models=[PATHS.judged("sweep", model)["fitted"] for model in PLAN.feedforward],
         output:
             raw=[PATHS.log(run_log("{reference}", controller)) for controller in PLAN.controllers],
         log:
@@ -12,11 +12,7 @@ if PLAN.on_simulated_rig:
         params:
             **pick(SETTINGS, "control", "rig", "seed"),
             **stage("track.track", *PLAN.feedforward),
-            tracking=lambda wildcards: tracking(
-                SETTINGS,
-                wildcards.reference,
-                *(["pushes"] if wildcards.reference == "disturbance" else []),
-            ),
+            tracking=lambda wildcards: tracking(SETTINGS, wildcards.reference),
             reference="{reference}",
             names=PLAN.feedforward,
             controllers=PLAN.controllers,

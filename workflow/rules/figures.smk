@@ -49,10 +49,7 @@ PAPER_FIGURES = {
     },
     8: {
         "words": "FPRC on training and test data",
-        "given": {
-            "fit": PATHS.prediction("sweep", "fprc", "train"),
-            "prediction": PATHS.prediction("sweep", "fprc", "test"),
-        },
+        "given": pick(PATHS.judged("sweep", "fprc"), "fits", "predictions"),
         **stage("draw.draw_training"),
         "statistics": True,
     },
@@ -116,10 +113,7 @@ FIGURES = {
     "draw_training": figure_spec(
         "figures/training_{other}",
         "{wildcards.other} on training and test data",
-        {
-            "fit": PATHS.prediction("sweep", "{other}", "train"),
-            "prediction": PATHS.prediction("sweep", "{other}", "test"),
-        },
+        pick(PATHS.judged("sweep", "{other}"), "fits", "predictions"),
         **stage("draw.draw_training"),
         statistics=True,
     ),

@@ -23,7 +23,7 @@ if PLAN.on_simulated_rig:
 
 if SETTINGS["source"] == "rig":
 
-    FITTED = lambda wildcards: PATHS.model("sweep", model_of_run(wildcards.name))
+    FITTED = lambda wildcards: PATHS.judged("sweep", model_of_run(wildcards.name))["fitted"]
 
     rule record_on_rig:
         input:

@@ -8,10 +8,10 @@ rule judge:
     input:
         **{log: PATHS.data(log) for log in EXPERIMENTS},
     output:
-        errors=[PATHS.errors(log, "{model}") for log in EXPERIMENTS],
-        fitted=[PATHS.model(log, "{model}") for log in EXPERIMENTS],
-        fits=[PATHS.prediction(log, "{model}", "train") for log in EXPERIMENTS],
-        predictions=[PATHS.prediction(log, "{model}", "test") for log in EXPERIMENTS],
+        **{
+            kind: [PATHS.judged(log, "{model}")[kind] for log in EXPERIMENTS]
+            for kind in ("errors", "fitted", "fits", "predictions")
+        },
     log:
         PATHS.messages("judge_{model}"),
     resources:

@@ -22,15 +22,8 @@ rule report_page:
         ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
         missing=PATHS.below("not_available.csv"),
         tables=[page.replace(".md", kind) for page in PLAN.pages for kind in (".md", ".csv")],
-        figures=[
-            file
-            for number, stem in PLAN.figures.items()
-            for file in (
-                f"{stem}.png",
-                f"{stem}.json",
-                file_of_workflow(f"../report/fig{number:02}.rst"),
-            )
-        ],
+        figures=[f"{stem}.{kind}" for stem in PLAN.figures for kind in ("png", "json")],
+        captions=file_of_workflow("../report/captions.yaml"),
     output:
         html=PATHS.below("report.html"),
     log:

@@ -17,7 +17,7 @@ TABLES = {
         {
             "published": PUBLISHED,
             "errors": lambda wildcards: [
-                PATHS.errors(TRAINED_ON[wildcards.number], model) for model in PLAN.models
+                PATHS.judged(TRAINED_ON[wildcards.number], model)["errors"] for model in PLAN.models
             ],
         },
         **stage("tabulate.tabulate_comparison"),

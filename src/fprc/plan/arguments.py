@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from fprc.paper import DISTURBANCE
 from fprc.registry import settings_of
 
 Settings = Mapping[str, Any]
@@ -63,10 +64,11 @@ def on_rig(settings: Settings, target: str | None = None) -> dict[str, Any]:
     }
 
 
-def tracking(settings: Settings, reference: str, *names: str) -> dict[str, Any]:
-    """Return the tracking settings for one reference, with further ones by name."""
+def tracking(settings: Settings, reference: str) -> dict[str, Any]:
+    """Return the tracking settings for one reference; only the disturbance has pushes."""
     section = settings["tracking"]
+    pushes = ["pushes"] if reference == DISTURBANCE else []
     return {
-        **pick(section, "angle_range_deg", "pressure_limit_kpa", *names),
+        **pick(section, "angle_range_deg", "pressure_limit_kpa", *pushes),
         "references": pick(section["references"], reference),
     }

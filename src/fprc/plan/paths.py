@@ -34,17 +34,14 @@ class Paths:
         """Return a recorded log whose reservoir is simulated."""
         return self.below(f"reservoir/{experiment}.h5")
 
-    def errors(self, experiment: str, model: str) -> str:
-        """Return the errors of a model, by the log that trained it."""
-        return self.below(f"crossval/{experiment}_{model}.json")
-
-    def model(self, experiment: str, model: str) -> str:
-        """Return the model of the best fold."""
-        return self.below(f"models/{experiment}_{model}.h5")
-
-    def prediction(self, experiment: str, model: str, phase: str) -> str:
-        """Return the predictions of that model; phase: train or test."""
-        return self.below(f"predictions/{experiment}_{model}_{phase}.h5")
+    def judged(self, experiment: str, model: str) -> dict[str, str]:
+        """Return what ``fprc.stages.judge`` writes, by its arguments, for one training log."""
+        return {
+            "errors": self.below(f"crossval/{experiment}_{model}.json"),
+            "fitted": self.below(f"models/{experiment}_{model}.h5"),
+            "fits": self.below(f"predictions/{experiment}_{model}_train.h5"),
+            "predictions": self.below(f"predictions/{experiment}_{model}_test.h5"),
+        }
 
     def grid(self, name: str) -> str:
         """Return the cells of a grid."""
@@ -53,7 +50,3 @@ class Paths:
     def replicate(self, part: str, target: str, seed: int | str) -> str:
         """Return the report of a further seed; part: models, grids or control."""
         return self.below(f"replicates/{target}/{part}_{seed}.json")
-
-    def table(self, name: str) -> dict[str, str]:
-        """Return the files of a table by kind."""
-        return {kind: self.below(f"{name}.{kind}") for kind in ("csv", "md", "tex")}

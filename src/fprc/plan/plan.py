@@ -20,7 +20,7 @@ from fprc.paper import (
 )
 from fprc.plan.availability import unavailable, why_not
 from fprc.plan.paths import Paths
-from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result, figure_number
+from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
 from fprc.registry import controllers, entries, feedforward_of, outside_paper
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
@@ -179,27 +179,25 @@ class Plan:
         return [name for name in outside_paper(self.settings["models"]) if name in self.models]
 
     @cached_property
-    def figures(self) -> dict[int, str]:
-        """Files of the paper's figures that can be made, without suffix, by number."""
-        return {
-            figure_number(result): self.paths.below(result.files[0].removesuffix(".pdf"))
+    def figures(self) -> list[str]:
+        """Files of the paper's figures that can be made, without suffix."""
+        return [
+            self.paths.below(result.files[0].removesuffix(".pdf"))
             for result in RESULTS
-            if figure_number(result) and result.name in self.targets
-        }
+            if result.name.startswith("fig") and result.name in self.targets
+        ]
 
     @cached_property
     def pages(self) -> list[str]:
-        """Tables of the report; Tables II to IV are each followed by the version over seeds."""
-        seeds = dict(zip(("table2", "table3", "table4"), BY_NAME["seeds"].files, strict=True))
-        pages = []
-        # claims and the tables over seeds have places of their own
-        in_report = (result for result in RESULTS if result.title and not result.on_rigs)
-        for result in in_report:
-            if result.name in self.targets:
-                pages += [self.paths.below(file) for file in result.files if file.endswith(".md")]
-            if result.name in seeds and "seeds" in self.targets:
-                pages.append(self.paths.below(seeds[result.name]))
-        return pages
+        """Tables of the report."""
+        # claims and the list of what is not available have places of their own
+        return [
+            self.paths.below(file)
+            for result in RESULTS
+            if result.name in self.targets and result.name not in ("claims", "not_available")
+            for file in result.files
+            if file.endswith(".md")
+        ]
 
     def replicates(self, part: str, targets: Sequence[str] = ()) -> list[str]:
         """Return one part of each further seed's report, for each of the models' ``targets``."""
@@ -229,6 +227,8 @@ class Plan:
     def _expanded(self, name: str, result: Result) -> Iterable[str]:
         if name == "data":
             return self._data
+        if name.startswith("judged/"):
+            return self._judged(name.removeprefix("judged/"))
         if name == "seeds":
             parts = ("models", "grids", "control") if self.on_simulated_rig else ()
             return [file for part in parts for file in self.replicates(part)]
@@ -236,7 +236,11 @@ class Plan:
             followed = [r for r in (*REFERENCES, DISTURBANCE) if _follows(result, r)]
             logs = [run_log(r, controller) for r in followed for controller in self.controllers]
             return [*self._loops, *(self.paths.log(log) for log in logs if log in self.contents)]
-        return [self.paths.below(name.format(model=model)) for model in self.models]
+        return [self.paths.below(name)]
+
+    def _judged(self, experiment: str) -> list[str]:
+        made = (self.paths.judged(experiment, model) for model in self.models)
+        return [file for files in made for file in files.values()]
 
     @cached_property
     def _data(self) -> list[str]:
@@ -252,9 +256,7 @@ class Plan:
         """Files that are needed to record the closed-loop runs; none if nothing is recorded."""
         if not self.records:
             return []
-        judged = BY_NAME["table2"].made_of[1:]
-        models = [self.paths.below(name.format(model=m)) for name in judged for m in self.models]
-        return [*self._data, *models]
+        return [*self._data, *self._judged(TRAINING)]
 
 
 def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:

@@ -12,10 +12,10 @@ class Result(NamedTuple):
     name: str  #: of the target
     title: str  #: name for readers
     files: tuple[str, ...] = ()  #: files below the results folder; a reader opens the first one
-    #: Files below the results folder that it is made of, with ``{model}`` for every model;
-    #: ``data`` stands for the raw logs and the files of preprocessing, ``loops`` for the
-    #: closed-loop logs and their inputs, ``seeds`` for the reports of the further seeds, of which
-    #: there are none without a simulated rig.
+    #: Files below the results folder that it is made of; ``data`` stands for the raw logs and the
+    #: files of preprocessing, ``judged/sweep`` for every model that the sweep trained and its
+    #: errors, ``loops`` for the closed-loop logs and their inputs, ``seeds`` for the reports of the
+    #: further seeds, of which there are none without a simulated rig.
     made_of: tuple[str, ...] = ()
     logs: tuple[str, ...] = ()  #: raw logs that it needs
     channels: tuple[str, ...] = ()  #: channels that each of these logs must have
@@ -24,16 +24,6 @@ class Result(NamedTuple):
     literal: tuple[str, ...] = ()
     on_rigs: str = ""  #: why it needs a simulated rig, if it does
     part_of: str = ""  #: target that this is a part of; a part is not a target itself
-
-
-def _judged(experiment: str) -> tuple[str, ...]:
-    """Return the files written when every model is judged, for one training log."""
-    return (
-        f"crossval/{experiment}_{{model}}.json",
-        f"models/{experiment}_{{model}}.h5",
-        f"predictions/{experiment}_{{model}}_train.h5",
-        f"predictions/{experiment}_{{model}}_test.h5",
-    )
 
 
 def _figure(number: int, stem: str, *made_of: str, **needs: Any) -> Result:
@@ -55,8 +45,8 @@ _SWEEP: dict[str, Any] = {"logs": ("sweep",)}
 #: In the order of listings for readers.
 RESULTS = (
     Result("table1", "Table I", ("tables/table1.md",)),
-    Result("table2", "Table II", ("tables/table2.md",), ("data", *_judged("sweep")), **_BOTH),
-    Result("table3", "Table III", ("tables/table3.md",), ("data", *_judged("complex")), **_BOTH),
+    Result("table2", "Table II", ("tables/table2.md",), ("data", "judged/sweep"), **_BOTH),
+    Result("table3", "Table III", ("tables/table3.md",), ("data", "judged/complex"), **_BOTH),
     Result("table4", "Table IV", ("tables/table4.md",), ("loops",)),
     Result("table4_runs", "Table IV, some of its runs", part_of="table4"),
     Result("fprc", "FPRC in Tables II and III and in the execution times", part_of="table2",
@@ -77,7 +67,7 @@ RESULTS = (
     _figure(5, "hysteresis_reservoir", "data", **_BOTH_WITH_P_O),
     _figure(6, "esn_system"),
     _figure(7, "fprc_system"),
-    _figure(8, "training", "data", *_judged("sweep"), **_BOTH_WITH_P_O),
+    _figure(8, "training", "data", "judged/sweep", **_BOTH_WITH_P_O),
     _figure(9, "weights", "data", "weights/fprc.json", channels=("p_o_kpa",), **_SWEEP),
     _figure(10, "settings", "data", "grids/n_c.json", _OVER_N_C, "seeds", **_BOTH),
     Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", made_of=("grids/epsilon.json",),
@@ -107,9 +97,3 @@ CHORES = (
 )
 
 BY_NAME = {result.name: result for result in (*RESULTS, *CHORES)}
-
-
-def figure_number(result: Result) -> int:
-    """Return the number of the figure; 0 if the result is not a figure."""
-    number = result.name.removeprefix("fig")
-    return int(number) if number.isdigit() else 0

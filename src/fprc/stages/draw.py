@@ -122,10 +122,10 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> M
     return style.save(fig, logs[0].attributes, pdf, png)
 
 
-def draw_training(fit: str, prediction: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_training(fits: str, predictions: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Figure 8: the model on its training and on its test data."""
     names = ("time_s", "p_target_kpa", "p_ff_kpa")
-    logs = {"train": read_columns(fit, names), "test": read_columns(prediction, names)}
+    logs = {"train": read_columns(fits, names), "test": read_columns(predictions, names)}
     table = fit_errors(logs)
     write_csv(csv, table)
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.2, sharey="row")

@@ -24,6 +24,7 @@ from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
 from fprc.tables.against_paper import against_paper
 from fprc.tables.text import read_markdown
+from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
@@ -34,6 +35,7 @@ def write_report(
     missing: str,
     tables: Sequence[str],
     figures: Sequence[str],
+    captions: str,
     html: str,
     *,
     settings: Mapping[str, Any],
@@ -51,13 +53,15 @@ def write_report(
     tables : sequence of str
         Of each table, the Markdown page and the CSV.
     figures : sequence of str
-        Of each figure, PNG, sidecar and caption.
+        Of each figure, PNG and sidecar.
+    captions : str
+        The figures' captions by their targets, YAML.
     """
     folder = Path(html).parent
     fitted = settings["fitted"]
+    texts = read_yaml(captions)
     shown = [
-        _figure(*files, folder)
-        for files in zip(figures[::3], figures[1::3], figures[2::3], strict=True)
+        _figure(*files, texts, folder) for files in zip(figures[::2], figures[1::2], strict=True)
     ]
     pages = {Path(page).stem: _page(page, fitted, folder) for page in tables[::2]}
     frames = {Path(path).stem: pd.read_csv(path) for path in tables[1::2]}
@@ -218,7 +222,9 @@ def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     }
 
 
-def _figure(picture: str, sidecar: str, caption: str, folder: Path) -> dict[str, Any]:
+def _figure(
+    picture: str, sidecar: str, captions: Mapping[str, str], folder: Path
+) -> dict[str, Any]:
     origin = read_json(sidecar)
     with Image.open(picture) as image:
         width, height = image.size
@@ -230,7 +236,7 @@ def _figure(picture: str, sidecar: str, caption: str, folder: Path) -> dict[str,
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
         "width": width,
         "height": height,
-        "caption": " ".join(Path(caption).read_text(encoding="utf-8").split()),
+        "caption": captions[f"fig{number}"],
         "source": origin["source"],
         "data": SOURCES.get(origin["source"], "drawing, no data"),
         "commit": _commit(origin["commit"], origin["dirty"]),

@@ -111,7 +111,7 @@ class Project:
         self.claims = [dict(row) for row in CLAIMS]
         self.ledger = [str(folder / "claims.json")]
         self.missing = []
-        self.tables, self.figures = [], []
+        self.tables, self.figures, self.captions = [], [], {}
         self.settings = SETTINGS
 
     def add_table(self, note, name=None, **columns):
@@ -131,21 +131,21 @@ class Project:
             "inputs": {"results/data/sweep.h5": "5" * 64} if inputs is None else inputs,
         }
         write_json(f"{stem}.json", described | origin)
-        (self.folder / f"fig{number:02}.rst").write_text(caption + "\n", encoding="utf-8")
-        self.figures += [
-            f"{stem}.png", f"{stem}.json", str(self.folder / f"fig{number:02}.rst")
-        ]  # fmt: skip
+        self.captions[f"fig{number}"] = caption
+        self.figures += [f"{stem}.png", f"{stem}.json"]
 
     def write(self):
         """Write the report and return its text."""
         for path in self.ledger:
             write_json(path, {"source": "sim", "note": "Fitted to C2.", "claims": self.claims})
         target = self.folder / "report.html"
+        captions = self.folder / "captions.yaml"
+        write_json(captions, self.captions)
         missing = pd.DataFrame(self.missing, columns=["name", "result", "reason"])
         missing.to_csv(self.folder / "missing.csv", index=False)
         write_report(
             TEMPLATE, self.ledger, str(self.folder / "missing.csv"), self.tables,
-            self.figures, str(target), settings=self.settings,
+            self.figures, str(captions), str(target), settings=self.settings,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -161,7 +161,7 @@ def project(tmp_path):
     project.add_table(
         "Table IV. Tracking: P_ff alone.", **{"RMSE [deg]": ["FPRC", "PD"], "Sweep": ["2.67", ""]}
     )
-    project.add_figure(4, "Loops of theta over\n  P_exp.")
+    project.add_figure(4, "Loops of theta over P_exp.")
     project.add_figure(6, "A drawing.", "none", {})
     project.add_figure(12, "Following.", inputs={"results/raw/a.h5": "a" * 64, "b.h5": "b" * 64})
     return project
@@ -414,7 +414,7 @@ def test_every_figure_is_shown_with_number_caption_and_origin(project):
 
 def test_pictures_are_the_very_files_in_their_size(project):
     images = project.page().all("img")
-    for image, picture, number in zip(images, project.figures[::3], (4, 6, 12), strict=True):
+    for image, picture, number in zip(images, project.figures[::2], (4, 6, 12), strict=True):
         kind, _, data = image["src"].partition(",")
         assert kind == "data:image/png;base64"
         assert base64.b64decode(data, validate=True) == Path(picture).read_bytes()
