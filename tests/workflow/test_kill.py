@@ -119,6 +119,7 @@ def finished_cells(checkpoint):
 def test_killed_grid_continues_at_its_next_cell(smoked_copy):
     results = smoked_copy.folder / "results/smoke"
     grid = "results/smoke/grids/taps.json"
+    assert smoked_copy.smoke(grid).returncode == 0
     expected = (results / "grids/taps.json").read_bytes()
     (results / "grids/taps.json").unlink()
     checkpoint = results / "grids/taps.partial.jsonl"

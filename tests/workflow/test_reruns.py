@@ -39,7 +39,6 @@ def figures(*numbers):
 #: What every model shares: all but the experiments and what is made of their logs alone.
 MODELS = ESN | figures(*range(8, 18)) | {
     "judge": 3,
-    "grid": 3,
     "weigh": 1,
     "measure_times_over_n_c": 1,
     "measure_readout": 1,
@@ -125,7 +124,7 @@ CHANGES = {
     "nothing": ("seed=1", {}),
     "values of n_c": (
         "grids={n_c: [2, 8]}",
-        SEEDS | {"grid": 1, "measure_times_over_n_c": 1, "ledger": 1, "report_page": 1},
+        SEEDS | {"measure_times_over_n_c": 1, "ledger": 1, "report_page": 1},
     ),
     "gains of the feedback": ("control={pd: {kp_kpa_per_deg: 0.6}}", FEEDBACK),
     "one reference": (

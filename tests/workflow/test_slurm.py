@@ -1,7 +1,7 @@
 """The workflow gives the same bytes with and without Slurm.
 
 SLURM_TARGETS names the targets; `make test-slurm` runs the whole smoke run. By default there is one
-job of each kind: a group of logs and one of drawings, a grid, and a model.
+job of each kind: a group of logs and one of drawings, a further seed, and a model.
 """
 
 import os
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-SMALL = "fig4 results/smoke/crossval/sweep_esn.json results/smoke/grids/taps.json"
+SMALL = "fig4 results/smoke/crossval/sweep_esn.json results/smoke/replicates/command/grids_101.json"
 TARGETS = os.environ.get("SLURM_TARGETS", SMALL).split()
 #: Where `make slurm` puts the executor.
 PLUGIN = Path(sys.prefix) / "slurm"

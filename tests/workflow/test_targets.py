@@ -68,7 +68,7 @@ PLANNED = [
         | {"weigh", "readout_table", "draw_readout", "measure_readout"},
         {"judge", "measure_times_over_n_c", "track"},
     ),
-    (["fig10"], {"draw_fig10", "grid", "measure_times_over_n_c"}, {"judge", "track"}),
+    (["fig10"], {"draw_fig10", "replicate", "measure_times_over_n_c"}, {"grid", "track"}),
     (
         ["table4", *(f"fig{number}" for number in range(12, 18))],
         {"track", "tracking_table", *(f"draw_fig{number}" for number in range(12, 18))},

@@ -1,8 +1,11 @@
 # The figures, drawn from result files only.
 
 
-#: On the simulated rig, errors over the settings are means over the further seeds.
-GRIDS_OVER_SEEDS = PLAN.replicates("grids") if PLAN.on_simulated_rig else []
+def grids(*names):
+    """Return the grids that a figure shows: over further seeds, or of the one rig."""
+    over = PLAN.grids_over_seeds
+    return {"seeds": over} if over else {name: PATHS.grid(name) for name in names}
+
 
 #: The runs of Figs. 12 to 15 that have logs; they share the range of the errors.
 FOLLOWED = [
@@ -62,10 +65,8 @@ PAPER_FIGURES = {
     10: {
         "words": "epsilon and n_c",
         "given": {
-            **({"epsilon": PATHS.grid("epsilon")} if "fig10a" not in PLAN.unavailable else {}),
-            "n_c": PATHS.grid("n_c"),
+            **grids("n_c", *(["epsilon"] if "fig10a" not in PLAN.unavailable else [])),
             "times": PATHS.below("timing/times_over_n_c.json"),
-            "seeds": GRIDS_OVER_SEEDS,
         },
         **stage("draw.draw_settings"),
         "statistics": True,
@@ -73,7 +74,7 @@ PAPER_FIGURES = {
     },
     11: {
         "words": "tap sizes",
-        "given": {"taps": PATHS.grid("taps"), "published": PUBLISHED, "seeds": GRIDS_OVER_SEEDS},
+        "given": {**grids("taps"), "published": PUBLISHED},
         **stage("draw.draw_taps"),
         "statistics": True,
     },

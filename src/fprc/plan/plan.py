@@ -208,6 +208,11 @@ class Plan:
             for seed in evaluation["replicate_seeds"]
         ]
 
+    @property
+    def grids_over_seeds(self) -> list[str]:
+        """Reports of further seeds that Figs. 10 and 11 show; without any, they show one rig."""
+        return self.replicates("grids") if self.on_simulated_rig else []
+
     def logs_of(self, experiment: str) -> list[str]:
         """Return the raw logs of an experiment, or their copies with a simulated reservoir."""
         files = self.paths.with_reservoir if self.simulates_reservoir else self.paths.log
@@ -229,6 +234,8 @@ class Plan:
             return self._data
         if name.startswith("judged/"):
             return self._judged(name.removeprefix("judged/"))
+        if name.startswith("grids/") and self.grids_over_seeds:
+            return []
         if name == "seeds":
             parts = ("models", "grids", "control") if self.on_simulated_rig else ()
             return [file for part in parts for file in self.replicates(part)]

@@ -162,33 +162,33 @@ def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> 
 
 
 def _read_grid(one_rig: str, seeds: Sequence[str], grid: str) -> Mapping[str, Any]:
-    """Return a grid over further seeds; if there are none, the rig's own grid over folds."""
-    return (
-        grid_over_seeds([read_json(path) for path in seeds], grid) if seeds else read_json(one_rig)
-    )
+    """Return a grid over further seeds; if there are none, that of one rig over folds, if any."""
+    if seeds:
+        return grid_over_seeds([read_json(path) for path in seeds], grid)
+    return read_json(one_rig) if one_rig else {}
 
 
 def draw_settings(
-    n_c: str,
     times: str,
     csv: str,
     pdf: str,
     png: str,
-    epsilon: str | None = None,
+    n_c: str = "",
+    epsilon: str = "",
     seeds: Sequence[str] = (),
 ) -> Mapping[str, Any]:
     """Figure 10: errors over epsilon and n_c, execution times over n_c.
 
-    Without ``epsilon``, when there is no FPRC, only (b) and (c) are drawn.
+    The errors are those of further ``seeds``, or of one rig: ``n_c`` and ``epsilon``. Without
+    errors over epsilon, when there is no FPRC, only (b) and (c) are drawn.
     """
-    by_n_c, timed = _read_grid(n_c, seeds, "n_c"), read_json(times)
-    tables = {"b": grid_errors(by_n_c, "n_c"), "c": grid_times(timed, "n_c")}
-    if epsilon:
-        by_epsilon = _read_grid(epsilon, seeds, "epsilon")
+    by_n_c, by_epsilon = _read_grid(n_c, seeds, "n_c"), _read_grid(epsilon, seeds, "epsilon")
+    tables = {"b": grid_errors(by_n_c, "n_c"), "c": grid_times(read_json(times), "n_c")}
+    if by_epsilon:
         tables = {"a": grid_errors(by_epsilon, "epsilon"), **tables}
     write_csv(csv, panels(tables))
-    fig, axes = style.figure(len(tables), 1, style.COLUMN_IN, 5.0 if epsilon else 3.6)
-    if epsilon:
+    fig, axes = style.figure(len(tables), 1, style.COLUMN_IN, 5.0 if by_epsilon else 3.6)
+    if by_epsilon:
         plot_errors_over(tables["a"], "epsilon", axes[0])
         axes[0].set_xscale("log")
         axes[0].set_xlabel(r"$\epsilon$")
@@ -204,15 +204,15 @@ def draw_settings(
         ax.xaxis.set_major_formatter("{x:g}")
     style.letter(errors, "(b) Errors")
     style.letter(seconds, "(c) Execution times")
-    if not epsilon:
+    if not by_epsilon:
         style.share_legend(fig, errors)
     return style.save(fig, by_n_c, pdf, png)
 
 
 def draw_taps(
-    taps: str, published: str, csv: str, pdf: str, png: str, seeds: Sequence[str] = ()
+    published: str, csv: str, pdf: str, png: str, taps: str = "", seeds: Sequence[str] = ()
 ) -> Mapping[str, Any]:
-    """Figure 11: errors over the tap sizes; as wide as a page."""
+    """Figure 11: errors over the tap sizes, of further ``seeds`` or one rig; as wide as a page."""
     report = _read_grid(taps, seeds, "taps")
     printed = read_yaml(published)["table_1_configuration"]
     table = grid_errors(report, "n_u", "n_y")

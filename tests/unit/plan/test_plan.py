@@ -95,8 +95,7 @@ def test_every_result_can_be_made_on_the_simulated_rig(simulated):
         (
             "fig10",
             {
-                "results/figures/fig10_settings.pdf", "results/grids/epsilon.json",
-                "results/grids/n_c.json", "results/timing/times_over_n_c.json",
+                "results/figures/fig10_settings.pdf", "results/timing/times_over_n_c.json",
             } | DATA | REPLICATES,
         ),
         (

@@ -70,8 +70,7 @@ def further_seeds(place):
 def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, place):
     csv = place("fig10.csv")
     draw.draw_settings(
-        sweep("n_c", place), times(place), csv, *PICTURES,
-        epsilon=sweep("epsilon", place),
+        times(place), csv, *PICTURES, n_c=sweep("n_c", place), epsilon=sweep("epsilon", place),
     )  # fmt: skip
     table = pd.read_csv(csv)
     assert list(table["panel"].unique()) == ["a", "b", "c"]
@@ -100,8 +99,7 @@ def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, plac
 def test_fig_10_of_further_seeds_shows_means_and_deviations_over_them(figures, place):
     seeds = further_seeds(place)
     draw.draw_settings(
-        sweep("n_c", place), times(place), place("t.csv"), *PICTURES,
-        epsilon=sweep("epsilon", place), seeds=seeds,
+        times(place), place("t.csv"), *PICTURES, seeds=seeds,
     )  # fmt: skip
     table = pd.read_csv(place("t.csv"))
     errors = table[table["panel"] != "c"]
@@ -119,7 +117,7 @@ def test_fig_11_draws_the_means_of_its_table(figures, place):
         for n_y in (1, 2)
     ]  # fmt: skip
     write_json(place("taps.json"), {"source": "sim", "seed": 1, "unit": "kPa", "cells": cells})
-    draw.draw_taps(place("taps.json"), str(PUBLISHED), place("t.csv"), *PICTURES)
+    draw.draw_taps(str(PUBLISHED), place("t.csv"), *PICTURES, taps=place("taps.json"))
     table = pd.read_csv(place("t.csv"))
     for phase, ax in zip(("train", "validation", "test"), figures[0].axes, strict=False):
         (mesh,) = ax.collections[:1]
