@@ -5,8 +5,14 @@ TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 CONFIGURED_FAMILY = SETTINGS["fitted"]["name"]
 FAMILIES = [CONFIGURED_FAMILY, *OTHER_RIGS, *SETS]
-#: Names of the figures.
-FIGURES_BEYOND = ("pairs", "tracking", "offsets", "capacities", "settings")
+#: Tables of the figures, and what these show.
+FIGURES_BEYOND = {
+    "pairs": ("claims", "error ratios of pairs of models"),
+    "tracking": ("tracking", "tracking errors against test errors"),
+    "offsets": ("offsets", "offset of P_o"),
+    "capacities": ("capacities", "capacities"),
+    "settings": ("settings", "what P_o is worth over epsilon and n_c"),
+}
 #: Names of the tables in Markdown.
 PAGES_BEYOND = (
     "claims tracking models offsets capacities lengths worlds beside fitted details leaderboard"
@@ -152,42 +158,15 @@ rule beyond_tables:
         "../scripts/stage.py"
 
 
-STUDY_RESULTS |= {
-    "draw_pairs": figure_spec(
-        "beyond/figure_pairs",
-        "Beyond the paper: error ratios of pairs of models",
-        {"claims": PATHS.below("beyond/claims.csv")},
-        **stage("studies.show_beyond.draw_pairs"),
-        families=FAMILIES,
-    ),
-    "draw_tracking": figure_spec(
-        "beyond/figure_tracking",
-        "Beyond the paper: tracking errors against test errors",
-        {"tracking": PATHS.below("beyond/tracking.csv")},
-        **stage("studies.show_beyond.draw_tracking"),
+for figure, (table, words) in FIGURES_BEYOND.items():
+    STUDY_RESULTS[f"draw_{figure}"] = figure_spec(
+        f"beyond/figure_{figure}",
+        f"Beyond the paper: {words}",
+        {"table": PATHS.below(f"beyond/{table}.csv")},
+        **stage("studies.show_beyond.draw_beyond"),
+        figure=figure,
         family=CONFIGURED_FAMILY,
-    ),
-    "draw_offsets": figure_spec(
-        "beyond/figure_offsets",
-        "Beyond the paper: offset of P_o",
-        {"offsets": PATHS.below("beyond/offsets.csv")},
-        **stage("studies.show_beyond.draw_offsets"),
-        family=CONFIGURED_FAMILY,
-    ),
-    "draw_capacities": figure_spec(
-        "beyond/figure_capacities",
-        "Beyond the paper: capacities",
-        {"capacities": PATHS.below("beyond/capacities.csv")},
-        **stage("studies.show_beyond.draw_capacities"),
-        family=CONFIGURED_FAMILY,
-    ),
-    "draw_settings": figure_spec(
-        "beyond/figure_settings",
-        "Beyond the paper: what P_o is worth over epsilon and n_c",
-        {"settings": PATHS.below("beyond/settings.csv")},
-        **stage("studies.show_beyond.draw_settings"),
-    ),
-}
+    )
 
 
 STUDY_TARGETS["beyond"] = [

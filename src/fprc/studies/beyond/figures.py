@@ -1,7 +1,5 @@
 """What the reservoir is worth: pairs of models, errors against tracking, offsets, capacities."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
@@ -30,7 +28,7 @@ _WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
 
 
-def plot_pairs(table: DataFrame, families: Sequence[str], ax: Axes) -> Axes:
+def plot_pairs(table: DataFrame, ax: Axes) -> Axes:
     """Draw the ratios of the claims, one row per pair and one marker per family.
 
     The band holds what counts as equivalent. A hollow marker is a claim that is undecided.
@@ -38,14 +36,12 @@ def plot_pairs(table: DataFrame, families: Sequence[str], ax: Axes) -> Axes:
     Parameters
     ----------
     table : DataFrame
-        From ``tables.verdicts.claims``; differences are left out.
-    families : sequence of str
-        Families in their order.
+        From ``verdicts.claims``, families in their order; differences are left out.
     """
     table = table[table["ratio"].eq(True)]
     parts = dict.fromkeys(zip(table["id"], table["part"], strict=True))
     rows = {pair: row for row, pair in enumerate(parts)}
-    names = [name for name in families if name in set(table["world"])]
+    names = table["world"].unique()
     shifts = dict(zip(names, np.linspace(-0.4, 0.4, len(names) + 2)[1:-1], strict=True))
     ax.axvspan(1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN, color="0.92", linewidth=0)
     ax.axvline(1.0, color="0.6", linewidth=0.6)

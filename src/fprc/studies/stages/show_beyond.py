@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from matplotlib.axes import Axes
 
 from fprc.artifacts import read_json, write_csv, write_json, write_text
 from fprc.figures import style
@@ -78,18 +79,28 @@ def tabulate_beyond(
         write_text(path, texts[Path(path).stem])
 
 
-def draw_pairs(claims: str, pdf: str, png: str, *, families: Sequence[str]) -> Mapping[str, Any]:
-    """Draw the ratio of the errors of each pair in each family, in the order of ``families``."""
-    fig, axes = style.figure(1, 1, style.PAGE_IN, 4.6)
-    figures.plot_pairs(pd.read_csv(claims), families, axes)
-    style.share_legend(fig, axes)
-    return style.save(fig, _SIMULATED, pdf, png)
+def draw_beyond(table: str, pdf: str, png: str, *, figure: str, family: str) -> Mapping[str, Any]:
+    """Draw one of the figures.
+
+    Parameters
+    ----------
+    figure : str
+        ``pairs``, from the table of the claims, or ``tracking``, ``offsets``, ``capacities`` or
+        ``settings``, from the table of that name.
+    family : str
+        Family that is shown where only one is.
+    """
+    *grid, shared, plot = _FIGURES[figure]
+    fig, axes = style.figure(*grid, **shared)
+    found = pd.read_csv(table)
+    plot(found if figure in _OF_ALL else found[found["world"] == family], axes)
+    if figure != "tracking":  # whose points have their names beside them
+        style.share_legend(fig, fig.axes[0])
+    return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
 
 
-def draw_tracking(tracking: str, pdf: str, png: str, *, family: str) -> Mapping[str, Any]:
+def _plot_tracking(table: pd.DataFrame, axes: Sequence[Axes]) -> None:
     """Draw tracking over the forward test error, without and with feedback."""
-    table = _of(tracking, family)
-    fig, axes = style.figure(2, 1, style.COLUMN_IN, 4.4, sharex=True)
     for ax, (loop, words) in zip(axes, _LOOPS.items(), strict=True):
         of_loop = table[table["loop"] == loop]
         figures.plot_errors_and_tracking(of_loop, ax)
@@ -98,43 +109,30 @@ def draw_tracking(tracking: str, pdf: str, png: str, *, family: str) -> Mapping[
             f"; rank correlation {value:.2f}" for value in of_loop["rank_correlation"][:1]
         )
         style.letter(ax, words + found)
-    return style.save(fig, _SIMULATED, pdf, png)
 
 
-def draw_offsets(offsets: str, pdf: str, png: str, *, family: str) -> Mapping[str, Any]:
+def _plot_offsets(table: pd.DataFrame, axes: Sequence[Axes]) -> None:
     """Draw the forward test error and the tracking errors over the offset of P_o."""
-    table = _of(offsets, family)
-    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6, sharex=True)
     for ax, measure in zip(axes, ("forward", *_LOOPS), strict=True):
         figures.plot_offsets(table, measure, ax)
-    style.share_legend(fig, axes[0])
-    return style.save(fig, _SIMULATED, pdf, png)
 
 
-def draw_capacities(capacities: str, pdf: str, png: str, *, family: str) -> Mapping[str, Any]:
-    """Draw the capacities of each set of states."""
-    fig, axes = style.figure(1, 1, style.COLUMN_IN, 3.0)
-    figures.plot_capacities(_of(capacities, family), axes)
-    style.share_legend(fig, axes)
-    return style.save(fig, _SIMULATED, pdf, png)
-
-
-def draw_settings(settings: str, pdf: str, png: str) -> Mapping[str, Any]:
+def _plot_settings(table: pd.DataFrame, axes: Sequence[Axes]) -> None:
     """Draw FPRC's error over that of FPRC on low-passed theta_d, over epsilon and over n_c."""
-    table = pd.read_csv(settings)
-    fig, axes = style.figure(1, 2, style.PAGE_IN, 2.4, sharey=True)
     for ax, (_, of_setting) in zip(axes, table.groupby("setting", sort=False), strict=True):
         figures.plot_settings(of_setting, ax)
         ax.label_outer()
     axes[0].set_ylim(table["low"].min() / 1.05, table["high"].max() * 1.05)
-    style.share_legend(fig, axes[0])
-    return style.save(fig, _SIMULATED, pdf, png)
 
 
-_SIMULATED: dict[str, Any] = {"source": "sim", "seeds": []}
 _LOOPS = {"open_loop": "(a) Open loop", "closed_loop": "(b) Closed loop"}
-
-
-def _of(path: str, family: str) -> pd.DataFrame:
-    table = pd.read_csv(path)
-    return table[table["world"] == family]
+#: Rows and columns of axes, width and height in inches, axes that are shared, and what draws.
+_FIGURES: dict[str, tuple[Any, ...]] = {
+    "pairs": (1, 1, style.PAGE_IN, 4.6, {}, figures.plot_pairs),
+    "tracking": (2, 1, style.COLUMN_IN, 4.4, {"sharex": True}, _plot_tracking),
+    "offsets": (1, 3, style.PAGE_IN, 2.6, {"sharex": True}, _plot_offsets),
+    "capacities": (1, 1, style.COLUMN_IN, 3.0, {}, figures.plot_capacities),
+    "settings": (1, 2, style.PAGE_IN, 2.4, {"sharey": True}, _plot_settings),
+}
+#: Those that show every family.
+_OF_ALL = ("pairs", "settings")

@@ -11,8 +11,6 @@ from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond import verdicts
 from fprc.studies.beyond.claims import judge_family
 
-FAMILIES = ("dry", "sparse")
-
 
 @pytest.fixture(scope="module")
 def families(make_family):
@@ -35,7 +33,7 @@ def claims(families):
 @pytest.mark.parametrize("family", ["dry", "sparse"])
 def test_pairs_have_a_row_each_and_the_band_of_equivalence(families, family, axes):
     table = claims({family: families[family]})
-    figures.plot_pairs(table, FAMILIES, axes)
+    figures.plot_pairs(table, axes)
     labels = [label.get_text() for label in axes.get_yticklabels()]
     assert [label[:2] for label in labels] == table[table["ratio"].eq(True)]["id"].tolist()
     assert axes.get_xscale() == "log"
@@ -46,7 +44,7 @@ def test_pairs_have_a_row_each_and_the_band_of_equivalence(families, family, axe
 
 def test_hollow_markers_are_undecided(families, axes):
     table = claims(families)
-    figures.plot_pairs(table, FAMILIES, axes)
+    figures.plot_pairs(table, axes)
     shown = table[table["ratio"].eq(True)]
     hollow = [to_hex(bars[0].get_markerfacecolor()) == "#ffffff" for bars in axes.containers]
     assert hollow == shown["verdict"].isin(["undecided", "not judged"]).tolist()
@@ -117,7 +115,7 @@ def test_family_of_failures_is_drawn_empty(what, make_family, axes):
     nothing = {"capacity": None, "training_length": None, "step_us": None}
     family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
     if what == "pairs":
-        figures.plot_pairs(claims({"dry": family}), FAMILIES, axes)
+        figures.plot_pairs(claims({"dry": family}), axes)
     elif what == "tracking":
         table = tables.errors_and_tracking(tables.models([family]))
         figures.plot_errors_and_tracking(table, axes)

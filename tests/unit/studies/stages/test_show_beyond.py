@@ -4,7 +4,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from fprc.studies.stages.show_beyond import draw_settings, tabulate_beyond
+from fprc.studies.stages.show_beyond import draw_beyond, tabulate_beyond
 
 CSV = ("models", "claims", "tracking", "offsets", "capacities", "lengths", "settings")
 PAGES = (*CSV[:-1], "worlds", "beside", "fitted", "details", "leaderboard")
@@ -66,13 +66,20 @@ def test_what_was_measured_beside_the_models_belongs_to_its_family(tabulated):
     assert {path.stem for path in written} == set(PAGES)
 
 
-def test_ratio_over_a_setting_is_a_geometric_mean(tabulated, tmp_path):
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", ["pairs", "tracking", "offsets", "capacities", "settings"])
+def test_figure_is_drawn_from_its_table(tabulated, tmp_path, figure):
+    table = tabulated[1]["claims" if figure == "pairs" else figure]
+    pdf, png = (str(tmp_path / f"{figure}.{kind}") for kind in ("pdf", "png"))
+    data = draw_beyond(table, pdf, png, figure=figure, family="dry")
+    assert data["source"] == "sim"
+    assert Path(png).stat().st_size > 1000
+
+
+def test_ratio_over_a_setting_is_a_geometric_mean(tabulated):
     path = tabulated[1]["settings"]
     table = pd.read_csv(path).set_index(["setting", "value"])
     assert table.loc["epsilon", 0.01]["mean"].item() == pytest.approx(0.8 ** (2 / 3))
     assert (table["units"] == 3).all()
     flat = table.drop(("epsilon", 0.01))
     assert flat[["mean", "low", "high"]].to_numpy() == pytest.approx(1.0)
-    pdf, png = (str(tmp_path / f"settings.{kind}") for kind in ("pdf", "png"))
-    assert draw_settings(path, pdf, png)["source"] == "sim"
-    assert Path(png).stat().st_size > 1000
