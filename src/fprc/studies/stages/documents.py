@@ -7,69 +7,38 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
-from fprc.studies import blocks as of_pages
+from fprc.escape import typeset
+from fprc.studies.blocks import replace_block
 
 
-def update_readme(
-    pages: Sequence[str],
-    ledger: str,
-    figures: Sequence[str],
-    *,
-    readme: str,
-    results: str,
-    pictures: Sequence[str],
+def update_pages(
+    figures: Sequence[str], *, pages: Sequence[str], pictures: Sequence[str], **tables: str
 ) -> None:
-    """Replace the generated blocks of the README and of docs/results.md, and the pictures.
+    """Replace the generated blocks of pages, and their pictures; all of them or none.
 
     Parameters
     ----------
-    pages : sequence of str
-        Tables; a block is named after its page.
-    ledger : str
-        Claims, JSON.
     figures, pictures : sequence of str
         Figures of the results, and their copies in docs.
-    readme, results : str
-        The README, and docs/results.md.
+    pages : sequence of str
+        Each block is on the pages that have its marker, in README.md typeset.
+    **tables : str
+        Tables by their blocks, in Markdown; of claims, JSON.
+
+    Raises
+    ------
+    FprcError
+        A block is on no page, or its two markers are not there once each.
     """
-    blocks = {Path(path).stem: _read(path) for path in pages} | {
-        "verdicts": _verdicts(read_json(ledger))
-    }
-    first = of_pages.readme_blocks(pages)
-    texts = {path: _updated(path, new) for path, new in ((readme, first), (results, blocks))}
+    texts = {path: _read(path) for path in pages}
+    for name, table in tables.items():
+        block = _verdicts(read_json(table)) if table.endswith(".json") else _read(table)
+        shown_on = [path for path, text in texts.items() if f"<!-- {name}: " in text]
+        for path in shown_on or pages[-1:]:  # which refuses a block that it does not have
+            new = typeset(block) if Path(path).name == "README.md" else block
+            texts[path] = replace_block(texts[path], name, new, path)
     for path, text in texts.items():
         write_text(path, text)
-    _copy(figures, pictures)
-
-
-def update_tables(
-    tables: Sequence[str],
-    figures: Sequence[str] = (),
-    *,
-    pages: Sequence[str],
-    pictures: Sequence[str] = (),
-) -> None:
-    """Replace the generated blocks of pages that are tables, and their pictures.
-
-    Parameters
-    ----------
-    tables : sequence of str
-        Tables; a block is named after folder and file.
-    figures, pictures : sequence of str
-        Figures of the results, and their copies in docs.
-    pages : sequence of str
-        Each block is on the first page that has its marker; the last page has all others.
-    """
-    blocks = {f"{Path(path).parent.name}_{Path(path).stem}": _read(path) for path in tables}
-    for path in pages:
-        text = _read(path)
-        on_page = [name for name in blocks if f"<!-- {name}: " in text or path == pages[-1]]
-        write_text(path, _updated(path, {name: blocks.pop(name) for name in on_page}))
-    _copy(figures, pictures)
-
-
-def _copy(figures: Sequence[str], pictures: Sequence[str]) -> None:
-    """Replace pictures of the documentation by figures of the results."""
     for figure, picture in zip(figures, pictures, strict=True):
         with replacing(picture) as temporary:
             temporary.write_bytes(Path(figure).read_bytes())
@@ -77,13 +46,6 @@ def _copy(figures: Sequence[str], pictures: Sequence[str]) -> None:
 
 def _read(path: str) -> str:
     return Path(path).read_text(encoding="utf-8")
-
-
-def _updated(path: str, blocks: Mapping[str, str]) -> str:
-    text = _read(path)
-    for name, block in blocks.items():
-        text = of_pages.replace_block(text, name, block, path)
-    return text
 
 
 def _verdicts(judged: Mapping[str, Any]) -> str:

@@ -4,7 +4,7 @@ import pytest
 
 from fprc.errors import FprcError
 from fprc.studies.blocks import different_blocks, replace_block
-from fprc.studies.stages.documents import update_readme, update_tables
+from fprc.studies.stages.documents import update_pages
 
 LEDGER = (
     '{"note": "On the rig dry.", "claims": [{"id": "C1", "claim": "It is so.", "ours": "1", '
@@ -43,13 +43,12 @@ def project(tmp_path):
 
 
 def update(project):
-    update_readme(
-        [str(project / f"{name}.md") for name in PAGES],
-        str(project / "claims.json"),
+    update_pages(
         [str(project / "figure.png")],
-        readme=str(project / "README.md"),
-        results=str(project / "docs/results.md"),
+        pages=[str(project / "README.md"), str(project / "docs/results.md")],
         pictures=[str(project / "images" / "picture.png")],
+        verdicts=str(project / "claims.json"),
+        **{name: str(project / f"{name}.md") for name in PAGES},
     )
     return (project / "docs/results.md").read_text(encoding="utf-8")
 
@@ -120,27 +119,14 @@ def test_markers_that_are_not_there_exactly_once_are_refused(text):
         replace_block(text, "a", "new")
 
 
-def test_tables_replace_the_blocks_of_their_names_on_the_pages_that_have_them(tmp_path):
-    """A block is named after folder and file of its table."""
-    (tmp_path / "rigs").mkdir()
-    tables = {name: tmp_path / f"rigs/{name}.md" for name in ("repeats", "spread")}
-    for name, path in tables.items():
-        path.write_text(f"Table of {name}.\n", encoding="utf-8")
-    text = "# Title\n\n{}\nEnd.\n"
-    pages = {name: tmp_path / f"{name}_page.md" for name in ("spread", "repeats")}
-    for name, page in pages.items():
-        page.write_text(text.format(block(f"rigs_{name}", "old")), encoding="utf-8")
-    (tmp_path / "figure.png").write_bytes(b"picture")
-    for _ in range(2):  # the blocks stay where they are
-        update_tables(
-            [str(path) for path in tables.values()], [str(tmp_path / "figure.png")],
-            pages=[str(page) for page in pages.values()],
-            pictures=[str(tmp_path / "picture.png")],
-        )  # fmt: skip
-    assert (tmp_path / "picture.png").read_bytes() == b"picture"
-    for name, page in pages.items():
-        new = block(f"rigs_{name}", f"Table of {name}.")
-        assert page.read_text(encoding="utf-8") == text.format(new)
+def test_block_that_is_on_no_page_is_refused(project):
+    (project / "docs/results.md").write_text("# Title\n", encoding="utf-8")
+    with pytest.raises(FprcError, match=r"docs/results\.md: needs the lines"):
+        update(project)
+
+
+def test_update_of_pages_that_are_up_to_date_changes_nothing(project):
+    assert update(project) == update(project)
 
 
 @pytest.mark.parametrize(
