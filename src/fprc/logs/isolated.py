@@ -22,7 +22,7 @@ from fprc.errors import LogError
 #: Limit on processor time: _LIMIT_S + size / _BYTES_PER_S.
 _LIMIT_S, _BYTES_PER_S = 5.0, 20e6
 #: Limit on wall time, as a multiple of that: ends a process that is blocked.
-_PATIENCE = 6.0
+_PATIENCE = 12.0
 #: Limit on the process's address space, bytes; libraries take about 0.5 GB of it.
 _LIMIT_BYTES = 4 << 30
 
@@ -83,7 +83,7 @@ def attempt_each(
                 raise error
             results.append(error or result)
         if len(answered) < len(left):
-            results.append(LogError(f"{left[len(answered)]}: {ended}; {_DAMAGED}"))
+            results.append(LogError(f"{left[len(answered)]}: {ended}"))
     return results
 
 
@@ -117,23 +117,23 @@ def _limit_process(limit_s: float, parent: int) -> None:
 def _ask(request: bytes, limit_s: float) -> tuple[bytes, str]:
     """Send a request to a new process; return its answers, and why it ended early."""
     code = f"from fprc.logs.isolated import answer; answer({limit_s}, {os.getpid()})"
-    late = f"not read within {limit_s:.3g} s"
     try:
         done = subprocess.run(
             [sys.executable, "-c", code],
             input=request,
             capture_output=True,
-            timeout=_PATIENCE * limit_s,
+            timeout=(wall_s := _PATIENCE * limit_s),
             check=False,
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread reserves memory
         )
     except subprocess.TimeoutExpired as expired:
-        return expired.stdout or b"", late
+        busy = "the computer is busy, or the disk does not answer: repeat the command"
+        return expired.stdout or b"", f"not read within {wall_s:.3g} s; {busy}"
     if done.returncode == -getattr(signal, "SIGXCPU", 0):
-        return done.stdout, late
+        return done.stdout, f"not read in {limit_s:.3g} s of processor time; {_DAMAGED}"
     errors = done.stderr.decode(errors="replace").strip().splitlines()
     why = errors[-1] if done.returncode > 0 and errors else "the library crashed"
-    return done.stdout, f"cannot be read ({why})"
+    return done.stdout, f"cannot be read ({why}); {_DAMAGED}"
 
 
 def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:

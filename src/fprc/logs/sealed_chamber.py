@@ -19,6 +19,8 @@ _SEALED_HZ, _MOST = 20.0, 200_000
 #: Channels that may drive the squeezing, the most direct one first.
 _SQUEEZES = ("p_i_kpa", "p_i_command_kpa", "theta_deg")
 _MAX_STEPS = 50
+#: A longer step of the clock, s, is a gap, if the steps are shorter; next to one nothing is judged.
+_GAP_S = 0.5
 #: In a shorter recording, s, hysteresis that the fit does not model can look like a leak.
 SHORT_S = 60.0
 
@@ -28,6 +30,7 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
 
     The squeezing has hysteresis; a model without it would take the loops for steps and trends.
     The fit uses 20 samples per second, fewer in recordings of hours: leaks and re-fills are slow.
+    It leaves out gaps in the clock, where the drive is not known.
 
     Returns
     -------
@@ -35,7 +38,7 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
         ``relative_to``, the driving channel; ``explained``, the share of the variance (without
         trend and steps) that it explains; ``slope_kpa_per_min``, None if that share is too
         small; ``steps``, each with ``at_s`` and ``height_kpa``. None if ``p_o_kpa`` is
-        missing or constant, or the recording is shorter than 10 s.
+        missing or constant, or the recording is shorter than 10 s without its gaps.
     """
     p_o = channels.get("p_o_kpa")
     if p_o is None or np.ptp(p_o) == 0.0 or time_s[-1] - time_s[0] < 10.0:
@@ -45,7 +48,12 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
     grid_s = np.arange(time_s[0], time_s[-1], 1.0 / hz)
     p_o, drive = (np.interp(grid_s, time_s, values) for values in (p_o, channels[by]))
     minutes = (grid_s - grid_s.mean()) / 60.0
-    basis = [np.ones_like(p_o), *_squeezings(drive, hz), minutes]
+    known = ~_in_gaps(grid_s, time_s)
+    if known.sum() < 10.0 * hz:
+        return None
+    basis = [column[known] for column in (np.ones_like(p_o), *_squeezings(drive, hz), minutes)]
+    grid_s, p_o, minutes = grid_s[known], p_o[known], minutes[known]
+    starts = [0, *(np.flatnonzero(np.diff(grid_s) > 1.5 / hz) + 1)]
 
     steps: list[int] = []
     rejected: list[int] = []
@@ -53,7 +61,7 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
         weights, residual = _fit(basis, steps, p_o)
         if len(steps) + len(rejected) == _MAX_STEPS:
             break
-        jumps = _jumps(residual, [*steps, *rejected], hz)
+        jumps = _jumps(residual, [*steps, *rejected], starts, hz)
         k = int(np.abs(jumps).argmax())
         scatter = 1.4826 * np.median(np.abs(jumps))
         if abs(jumps[k]) < max(6.0 * scatter, _STEP_SHARE * np.ptp(p_o)):
@@ -77,6 +85,15 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
             for k, height in sorted(zip(steps, heights, strict=True))
         ],
     }
+
+
+def _in_gaps(grid_s: np.ndarray, time_s: np.ndarray) -> np.ndarray:
+    """Return which of the times lie in a gap of the clock, or close to one."""
+    intervals = np.diff(time_s)
+    gaps = np.flatnonzero(intervals > max(_GAP_S, 5.0 * np.median(intervals)))
+    begun = np.searchsorted(time_s[gaps] - _GAP_S, grid_s)
+    ended = np.searchsorted(time_s[gaps + 1] + _GAP_S, grid_s)
+    return begun > ended
 
 
 def _squeezings(drive: np.ndarray, hz: float) -> list[np.ndarray]:
@@ -109,15 +126,18 @@ def _fit(
     return weights, values - columns @ weights
 
 
-def _jumps(residual: np.ndarray, known: list[int], hz: float) -> np.ndarray:
-    """Return, for each sample, the mean of the 0.5 s after it minus that of the 0.5 s before."""
+def _jumps(residual: np.ndarray, known: list[int], starts: list[int], hz: float) -> np.ndarray:
+    """Return, for each sample, the mean of the 0.5 s after it minus that of the 0.5 s before.
+
+    It is 0 near ``known`` steps and ``starts`` of recorded stretches.
+    """
     width = max(int(0.5 * hz), 1)
     total = np.concatenate([[0.0], np.cumsum(residual)])
     means = (total[width:] - total[:-width]) / width
     jumps = np.zeros(len(residual))
     jumps[width : len(residual) - width + 1] = means[width:] - means[:-width]
-    # the initial states of lags and plays are unknown
-    jumps[: int(max(_LAGS_S) * hz)] = 0.0
+    for k in starts:  # where the states of lags and plays are unknown
+        jumps[max(k - width, 0) : k + int(max(_LAGS_S) * hz)] = 0.0
     for k in known:
         jumps[max(k - 2 * width, 0) : k + 2 * width] = 0.0
     return jumps

@@ -175,6 +175,17 @@ def test_refills_are_found_where_they_are(squeezed):
     assert [step["height_kpa"] for step in steps] == pytest.approx([12.0, 12.0], rel=0.2)
 
 
+@pytest.mark.parametrize("gap_s", [(9.0, 10.0), (16.0, 18.0)])
+def test_gap_in_the_clock_is_neither_a_refill_nor_hides_one(squeezed, gap_s):
+    time_s, channels = squeezed(0.0)
+    channels["p_o_kpa"] = channels["p_o_kpa"] + 12.0 * (time_s > 7.0)
+    kept = (time_s < gap_s[0]) | (time_s > gap_s[1])
+    found = diagnose(time_s[kept], {name: values[kept] for name, values in channels.items()})
+    (step,) = found["sealed"]["steps"]
+    assert step["at_s"] == pytest.approx(7.0, abs=0.15)
+    assert step["height_kpa"] == pytest.approx(12.0, rel=0.2)
+
+
 def test_without_p_i_the_angle_drives_the_squeezing(squeezed):
     time_s, channels = squeezed(0.0, [(10.0, 12.0)])
     del channels["p_i_kpa"]
@@ -219,7 +230,7 @@ def test_every_finding_is_described_with_its_channel(squeezed, unit):
     channels |= {"p_exp_kpa": np.round(channels["p_i_kpa"] / 8.0), "phi_deg": channels["theta_deg"]}
     channels["p_i_kpa"] = np.repeat(channels["p_i_kpa"][::4], 4)
     channels["theta_deg"] = np.clip(channels["theta_deg"], 5.0, 20.0)
-    kept = np.delete(np.arange(len(time_s)), slice(1500, 1600))
+    kept = np.delete(np.arange(len(time_s)), slice(3400, 3500))
     time_s, channels = time_s[kept], {name: values[kept] for name, values in channels.items()}
     channels["same_deg"] = channels["phi_deg"]
     corrections = {"unordered_samples": 3, "repeated_samples": 5, "repeated": "mean"}
