@@ -257,8 +257,8 @@ def draft_map(content: Source) -> str:
         if name != clock and (likely := likely_channel(name)):
             found.setdefault(likely, name)
     lines = [
-        f"# Drafted from the names in {visible(content.path.name)}; check each line, and complete "
-        "those with a ?",
+        f"# Drafted from the names in {visible(content.path.name)}; check each line; complete "
+        "those with a ?, or delete them where the recording has no such channel",
         "experiment: sweep  # or complex; instead, for fprc readout: test_from_s, in seconds",
     ]
     if guess := guesses.get(clock or ""):

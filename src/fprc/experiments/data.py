@@ -10,7 +10,7 @@ from fprc.channels import TARGETS
 from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import Columns, read_columns
-from fprc.logs.quality import noted_unit
+from fprc.logs.quality import noted_unit, substitute
 from fprc.registry import entries, entry_of
 
 log = logging.getLogger(__name__)
@@ -51,7 +51,7 @@ class Data(NamedTuple):
         if missing:
             raise LogError(
                 f"the {self.attributes['experiment']} log has no {', '.join(missing)}, which "
-                f"{model} needs; import it with that channel, or judge the other models only"
+                f"{model} needs; import it with that channel, or use another model"
             )
         X = np.column_stack([self.channels[name] for name in inputs])
         return X, self.channels["p_target_kpa"]
@@ -87,7 +87,8 @@ def select_channels(source: Columns, target: str) -> Data:
         P_exp that the models learn.
     """
     for name, note in source.attributes.get("notes", {}).items():
-        log.warning("warning: %s: %s", visible(name), visible(note))
+        is_other = substitute(name, source.attributes) is not None
+        log.info("%s%s: %s", "warning: " if is_other else "", visible(name), visible(note))
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], source.path)
         target = next(name for name in TARGETS if name != target)

@@ -13,6 +13,8 @@ from fprc.given import open_given
 
 #: The first bytes of an HDF5 file.
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
+#: First bytes of a model file, which is an HDF5 file behind a block.
+_MODEL = b"fprc model"
 
 
 @contextmanager
@@ -26,8 +28,10 @@ def opened(path: Path) -> Iterator[h5py.File]:
     """
     try:
         with open_given(path, error=LogError) as given:
-            head = given.read(len(SIGNATURE))
-        if head != SIGNATURE:
+            head = given.read(len(_MODEL))
+        if head == _MODEL:
+            raise LogError(f"{path}: is a model, no log")
+        if not head.startswith(SIGNATURE):
             raise LogError(
                 f"{path}: not an HDF5 file; `fprc import` makes a raw log from a recording of "
                 "another program"

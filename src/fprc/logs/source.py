@@ -31,17 +31,20 @@ def pick(source: Source, name: str) -> np.ndarray:
     Raises
     ------
     LogError
-        There is no such column; the message names one of a matrix of that name, or the most
-        similar one.
+        There is no such column; the message names one of a matrix of that name, or a similar
+        one.
     """
     if name in source.columns:
         return source.columns[name]
     if name in source.others:
         raise LogError(f"{name}: cannot be a channel: {source.others[name]}")
+    if name == "?":
+        raise LogError(
+            "? stands for a column that the draft did not find: name it, or delete the line if "
+            "the recording has no such channel"
+        )
     of_matrix = [column for column in source.columns if column.startswith(f"{name}[")]
-    known = {column.lower(): column for column in of_matrix or [*source.columns, *source.others]}
-    (near,) = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.0)
-    raise LogError(
-        f"{name}: no such column; did you mean {known[near]}? `fprc import {source.path} --list` "
-        "shows all"
-    )
+    known = {column.lower(): column for column in [*source.columns, *source.others]}
+    similar = [known[near] for near in difflib.get_close_matches(name.lower(), known)]
+    near = "".join(f"did you mean {column}? " for column in [*of_matrix, *similar][:1])
+    raise LogError(f"{name}: no such column; {near}`fprc import {source.path} --list` shows all")

@@ -12,6 +12,7 @@ from fprc.evaluation import cross_validate
 from fprc.experiments.settings import Judgement
 from fprc.logs import read_columns
 from fprc.models import load_model
+from fprc.models.model_file import model_file
 from fprc.plan.arguments import judgement
 from fprc.registry import build
 from fprc.stages.judge import judge
@@ -145,16 +146,22 @@ def test_logs_of_the_same_name_train_together(
         (["train", "LOG", "LOG", "--out", "m.h5"], "given twice"),
         (["train", "DATA", "--out", "m.h5"], "is preprocessed; give the raw log"),
         (["train", "LOG", "--model", "fpcr", "--out", "m.h5"], "use esn, fprc or fuzzy_linear"),
+        (["train", "MODEL", "--out", "m.h5"], "is a model, no log"),
         (["predict", "precious.h5", "LOG", "--out", "p.csv"], "holds no model of fprc"),
         (["predict", "LOG", "LOG", "--out", "p.csv"], "is a log, no model; give the model"),
         (["predict", "none.h5", "LOG", "--out", "p.txt"], "must end in .csv or .h5"),
     ],
 )
 def test_wrong_request_is_refused_and_leaves_no_file(
-    words, problem, recorded_by_rule, prepared, inside, capsys
+    words, problem, recorded_by_rule, prepared, inside, few, capsys
 ):
     (inside / "precious.h5").write_text("precious")
-    logs = {"LOG": recorded_by_rule["sweep"], "DATA": prepared[0]}
+    Path(few).with_name("model.h5").write_bytes(model_file("{}", {}))
+    logs = {
+        "LOG": recorded_by_rule["sweep"],
+        "DATA": prepared[0],
+        "MODEL": Path(few).with_name("model.h5"),
+    }
     assert run(*(logs.get(word, word) for word in words)) == 1
     assert problem in capsys.readouterr().err
     assert [path.name for path in inside.iterdir()] == ["precious.h5"]

@@ -43,7 +43,11 @@ def test_file_that_ends_the_process_is_named_and_the_others_are_read(monkeypatch
     found = dict(zip(code, attempt_each(eval, list(code.values())), strict=True))
     assert (found.pop("fine"), found.pop("last")) == (3, 5)
     assert {name: type(error) for name, error in found.items()} == dict.fromkeys(found, LogError)
-    for name, words in (("crash", "crashed"), ("hang", "2 s of processor time"), ("too much", "MB")):
+    for name, words in (
+        ("crash", "crashed"),
+        ("hang", "2 s of processor time"),
+        ("too much", "MB"),
+    ):
         assert str(found[name]).startswith(f"{code[name]}: ")
         assert words in str(found[name])
 
