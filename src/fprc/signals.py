@@ -198,5 +198,20 @@ def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
 
 def loop_growth(time_s: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
     """Return the loop width in the last quarter of a sweep over that in the first quarter."""
-    first, last = time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]
+    first, last = _quarters(time_s)
     return width_at_middle(x[last], y[last]) / width_at_middle(x[first], y[first])
+
+
+def swing_growth(time_s: np.ndarray, y: np.ndarray) -> float:
+    """Return the swing in the last quarter of a sweep over that in the first quarter.
+
+    The swing is the range of the middle four fifths of the samples: a start from rest and noise
+    hardly change it.
+    """
+    first, last = (np.ptp(np.percentile(y[part], (10.0, 90.0))) for part in _quarters(time_s))
+    return float(last / first)
+
+
+def _quarters(time_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return which samples are in the first and which in the last quarter."""
+    return time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fprc.paper import LOOPS, REFERENCES
-from fprc.signals import loop_growth, rms, width_at_middle
+from fprc.signals import loop_growth, rms, swing_growth, width_at_middle
 
 Channels = Mapping[str, np.ndarray]
 
@@ -45,10 +45,11 @@ def measure_runs(
 
 
 def measure_hysteresis(sweep: Channels) -> dict[str, float]:
-    """Return the factor by which each loop widens from the first to the last quarter of a sweep."""
+    """Return how loops, and the swing of P_o, grow over a sweep: last / first quarter."""
     time_s, theta = sweep["time_s"], sweep["theta_deg"]
     channels = {"measured": "p_exp_kpa", "commanded": "p_exp_command_kpa", "reservoir": "p_o_kpa"}
-    return {name: loop_growth(time_s, theta, sweep[channel]) for name, channel in channels.items()}
+    growths = {n: loop_growth(time_s, theta, sweep[channel]) for n, channel in channels.items()}
+    return growths | {"swing": swing_growth(time_s, sweep["p_o_kpa"])}
 
 
 def measure_pressure_error(sweep: Channels) -> dict[str, float]:

@@ -56,8 +56,14 @@ def _verdicts(judged: Mapping[str, Any]) -> str:
         "verdict": "Verdict",
         "rig": "Fitted?",
         "ours": "Ours, 95 % interval",
+        "limits": "Limits",
         "note": "Note",
     }
-    page = pd.DataFrame(judged["claims"])[list(columns)].rename(columns=columns)
+    claims = pd.DataFrame(judged["claims"])
+    claims["limits"] = [
+        "; ".join(dict.fromkeys(statement["limits"] for statement in statements))
+        for statements in claims["statements"]
+    ]
+    page = claims[list(columns)].rename(columns=columns)
     table = page.to_markdown(index=False, disable_numparse=True)
     return f"{table}\n\n{judged['note']}"
