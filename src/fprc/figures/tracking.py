@@ -31,18 +31,15 @@ def plot_following(run: Run, ax: Axes) -> None:
     ax.set_ylabel("Angle [deg]")
 
 
-def plot_errors(runs: Sequence[tuple[str, Run]], ax: Axes, *, limit: float) -> None:
-    """Draw theta_d - theta of runs, given as (label, run), from -limit to limit, deg.
+def plot_error(run: Run, ax: Axes, *, limit: float, rmse: float) -> None:
+    """Draw theta_d - theta from -limit to limit, deg, with its RMSE.
 
-    The last run is dark, those before it are pale. Larger errors, while the actuator rises from
-    rest, are cut off: they would flatten the others.
+    Larger errors, while the actuator rises from rest, are cut off: they would flatten the others.
     """
     ax.axhline(0.0, color="0.6", linewidth=0.4)
-    shades = ["#9a9a9a"] * (len(runs) - 1) + ["#000000"]
-    for (label, run), shade in zip(runs, shades, strict=True):
-        error = run["theta_d_deg"] - run["theta_deg"]
-        ax.plot(run["time_s"], error, linewidth=0.6, color=shade, label=label)
+    ax.plot(run["time_s"], run["theta_d_deg"] - run["theta_deg"], linewidth=0.5, color="black")
     ax.set(ylabel="Error [deg]", ylim=(-limit, limit))
+    ax.set_title(f"RMSE {rmse:.2f} deg", loc="right")
 
 
 def plot_reference_loops(runs: Sequence[tuple[str, str, Run]], ax: Axes) -> None:

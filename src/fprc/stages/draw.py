@@ -203,7 +203,7 @@ def draw_settings(
         ax.set_xticks(sorted(tables["b"]["n_c"].unique()))
         ax.xaxis.set_major_formatter("{x:g}")
     style.letter(errors, "(b) Errors")
-    style.letter(seconds, "(c) Execution times")
+    style.letter(seconds, "(c) Execution times, batch")
     if not by_epsilon:
         style.share_legend(fig, errors)
     return style.save(fig, by_n_c, pdf, png)

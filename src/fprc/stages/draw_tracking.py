@@ -7,7 +7,7 @@ import numpy as np
 
 from fprc.artifacts import write_csv
 from fprc.figures import style
-from fprc.figures.tracking import plot_errors, plot_following, plot_reference_loops
+from fprc.figures.tracking import plot_error, plot_following, plot_reference_loops
 from fprc.logs import Columns, read_run
 from fprc.logs.isolated import isolated_each
 from fprc.paper import LOOPS, REFERENCE_NAMES
@@ -25,9 +25,9 @@ _RESERVOIR = {
 def draw_following(
     open_loop: str, closed_loop: str, runs: Sequence[str], csv: str, pdf: str, png: str
 ) -> Mapping[str, Any]:
-    """Figures 12 to 15: open loop, closed loop, errors, P_ff and P_fb.
+    """Figures 12 to 15: open loop, closed loop, their errors, P_ff and P_fb.
 
-    The axis of the errors spans those of all ``runs``, so that the four figures can be compared.
+    The axes of the errors span those of all ``runs``, so that the four figures can be compared.
     """
     # in one call, because each starts a process, and once, because each file has its error
     paths = list(dict.fromkeys([open_loop, closed_loop, *runs]))
@@ -37,28 +37,24 @@ def draw_following(
     write_csv(csv, table)
     every = error_summary([logs[run] for run in runs])
     limit = 1.05 * every["max_abs_error_deg"].max()
-    fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.6, sharex=True, height_ratios=(4, 4, 4, 3, 2))
-    plot_following(opened.channels, axes[0])
-    plot_following(closed.channels, axes[1])
-    labels = [
-        f"{label}: {rmse:.2f} deg rms"
-        for label, rmse in zip(("FPRC", "FPRC+PD"), table["rmse_deg"], strict=True)
-    ]
-    plot_errors(list(zip(labels, (opened.channels, closed.channels), strict=True)), axes[2],
-                limit=limit)  # fmt: skip
-    for ax, name in zip(axes[3:], ("p_ff", "p_fb"), strict=True):
+    heights = (4, 4, 3, 3, 3, 2)
+    fig, axes = style.figure(6, 1, style.COLUMN_IN, 6.2, sharex=True, height_ratios=heights)
+    for k, (run, rmse) in enumerate(zip((opened, closed), table["rmse_deg"], strict=True)):
+        plot_following(run.channels, axes[k])
+        plot_error(run.channels, axes[k + 2], limit=limit, rmse=rmse)
+    for ax, name in zip(axes[4:], ("p_ff", "p_fb"), strict=True):
         effort = closed.channels[f"{name}_kpa"]
         ax.plot(closed.channels["time_s"], effort, color=style.SIGNALS[name], linewidth=0.7)
         ax.set_ylabel(rf"$P_\mathrm{{{name[2:]}}}$ [kPa]")
     titles = (
-        "(a) FPRC, open loop", "(b) FPRC+PD, closed loop", "(c)", "(d) Outputs in (b)", ""
+        "(a) FPRC, open loop", "(b) FPRC+PD, closed loop", "(c) Error in (a)", "Error in (b)",
+        "(d) Outputs in (b)", "",
     )  # fmt: skip
     for ax, title in zip(axes, titles, strict=True):
         style.letter(ax, title)
         ax.axvspan(0.0, closed.attributes["settle_s"], color=_GREY, linewidth=0, zorder=0)
         ax.margins(x=0)
-    for ax in axes[[0, 2]]:
-        style.legend_above(ax)
+    style.legend_above(axes[0])
     fig.align_ylabels(axes)
     axes[-1].set_xlabel("Time [s]; grey: settling, not judged")
     return style.save(fig, closed.attributes, pdf, png)
@@ -101,8 +97,7 @@ def draw_disturbance(
     plot_following(channels, axes[0])
     judged = settled(channels, settle_s)
     largest = np.abs(judged["theta_d_deg"] - judged["theta_deg"]).max()
-    plot_errors([("", channels)], axes[1], limit=1.05 * largest)
-    axes[1].set_title(f"RMSE {rms.loc['theta_deg', 'rms']:.2f} deg", loc="right")
+    plot_error(channels, axes[1], limit=1.05 * largest, rmse=rms.loc["theta_deg", "rms"])
     for ax, (name, title) in zip(axes[2:], _RESERVOIR.items(), strict=True):
         cycle, (signal, unit) = cycles[name], name.rsplit("_", 1)
         style.letter(ax, title)

@@ -197,11 +197,11 @@ def test_figs_12_to_15_show_rmse_and_share_the_range_of_the_errors(figures, plac
         [4.0 * np.sqrt(np.mean(cosine**2)), np.sqrt(np.mean(cosine**2))], rel=1e-5
     )
     axes = figures[0].axes
-    shown = axes[2].get_legend_handles_labels()[1]
-    assert [f"{rmse:.2f}" for rmse in table["rmse_deg"]] == [label.split()[1] for label in shown]
     limit = 1.05 * 9.0 * np.abs(cosine).max()
-    assert axes[2].get_ylim() == pytest.approx((-limit, limit))
-    for ax, channel in zip(axes[3:], ("p_ff_kpa", "p_fb_kpa"), strict=True):
+    for ax, rmse in zip(axes[2:4], table["rmse_deg"], strict=True):
+        assert f"{rmse:.2f} deg" in ax.get_title(loc="right")
+        assert ax.get_ylim() == pytest.approx((-limit, limit))
+    for ax, channel in zip(axes[4:], ("p_ff_kpa", "p_fb_kpa"), strict=True):
         (line,) = ax.lines
         np.testing.assert_array_equal(line.get_ydata(), logs["closed"].channels[channel])
 

@@ -42,7 +42,7 @@ def plot_shares(sets: Sequence[Mapping[str, Any]], ax: Axes) -> None:
 
 
 def _label(claim: Mapping[str, Any]) -> str:
-    """Return id and text of a claim in three lines at most."""
+    """Return id and text of a claim in two lines at most."""
     text = f"{claim['id']}: {claim['claim'].replace('+-', '±')}"
-    lines = textwrap.wrap(text, 60, max_lines=3, placeholder=" ...", break_on_hyphens=False)
+    lines = textwrap.wrap(text, 64, max_lines=2, placeholder=" ...", break_on_hyphens=False)
     return "\n".join(map(symbols, lines))
