@@ -1,4 +1,4 @@
-"""Write the table of recordings in docs/chamber.md: ``make recordings DATASETS=folder``.
+"""Write the tables of recordings in docs/chamber.md: ``make recordings DATASETS=folder``.
 
 The folder has the two public recordings of ``config/maps``, each in a folder of its map's name.
 """
@@ -21,6 +21,10 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs/chamber.md"
 #: Public recordings: file below the folder of its map's name.
 FILES = {"byu_bellows_arm": "bellows_arm_whitened.mat", "pneusim_antagonistic_pam": "data.mat"}
+SIMULATED_SWEEP = "sweep of the simulated rig"
+#: Rates at which two recordings are evaluated again, with every second and every fourth sample.
+RATES_HZ = {SIMULATED_SWEEP: (200, 100, 50), "`byu_bellows_arm`": (100, 50, 25)}
+CLAIMS = ("B1", "B4", "R1")
 #: The grid over epsilon and taps, which the table does not show, as small as it can be.
 FEW = {"grids": {"epsilon": [0.01], "readout_taps": [3]}}
 SIMULATED = {
@@ -70,24 +74,37 @@ def row(name: str, report: Mapping[str, Any]) -> dict[str, str]:
     return {"recording": name, "blocks": blocks, **verdicts, **tests}
 
 
-def rows(datasets: Path) -> Iterator[dict[str, str]]:
-    """Evaluate the recordings one after the other, and yield their rows."""
+def recordings(datasets: Path, folder: str) -> Iterator[tuple[str, list[str], dict[str, Any]]]:
+    """Yield name, files and map of each recording; simulated ones are written to the folder."""
     for dataset, file in FILES.items():
-        path = str(datasets / dataset / file)
         mapping = yaml.safe_load((ROOT / f"config/maps/{dataset}.yaml").read_text("utf-8"))
-        yield row(f"`{dataset}`", readout(path, mapping=mapping))
-    yield row(f"`{dataset}`, in mm", readout(path, mapping=in_mm(mapping)))
-    with tempfile.TemporaryDirectory() as name:
-        logs = [str(Path(name, f"{experiment}.h5")) for experiment in ("complex", "sweep")]
-        for log in logs:
-            main(["simulate", Path(log).stem, "--out", log])
-        report = readout(logs[0], "--train", logs[1], mapping=SIMULATED)
-        yield row("sweep of the simulated rig", report)
+        yield f"`{dataset}`", [str(datasets / dataset / file)], mapping
+    yield f"`{dataset}`, in mm", [str(datasets / dataset / file)], in_mm(mapping)
+    test, train = (str(Path(folder, f"{experiment}.h5")) for experiment in ("complex", "sweep"))
+    for log in (test, train):
+        main(["simulate", Path(log).stem, "--out", log])
+    yield SIMULATED_SWEEP, [test, "--train", train], SIMULATED
+
+
+def tables(datasets: Path) -> dict[str, pd.DataFrame]:
+    """Evaluate the recordings, two of them at lower rates too; return tables by their blocks."""
+    at_own_rate, at_rates = [], []
+    with tempfile.TemporaryDirectory() as folder:
+        for name, files, mapping in recordings(datasets, folder):
+            report = readout(*files, mapping=mapping)
+            at_own_rate.append(row(name, report))
+            for hz in RATES_HZ.get(name, ()):
+                report = readout(*files, mapping=mapping | {"sample_rate_hz": hz})
+                verdicts = {key: text for key, text in row(name, report).items() if key in CLAIMS}
+                at_rates.append({"recording": name, "rate": f"{hz} Hz", **verdicts})
+    return {"recordings": pd.DataFrame(at_own_rate), "rates": pd.DataFrame(at_rates)}
 
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
-    table = pd.DataFrame(rows(Path(sys.argv[1]))).to_markdown(index=False, disable_numparse=True)
     page = PAGE.read_text(encoding="utf-8")
-    write_text(PAGE, replace_block(page, "recordings", table, str(PAGE)))
+    for block, table in tables(Path(sys.argv[1])).items():
+        text = table.to_markdown(index=False, disable_numparse=True)
+        page = replace_block(page, block, text, str(PAGE))
+    write_text(PAGE, page)
