@@ -107,7 +107,13 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
             else "P_o beats low-passed theta, but not for certain the readout without P_o"
         )
     )
-    return f"**Not decided**: {helps}; a longer recording decides smaller differences."
+    blocks = min(row["blocks"] for row in rows)
+    more = (
+        "a longer recording decides smaller differences"
+        if blocks >= LEAST_UNITS
+        else f"{blocks} blocks decide nothing: make a longer recording"
+    )
+    return f"**Not decided**: {helps}; {more}."
 
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:

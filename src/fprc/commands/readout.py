@@ -9,11 +9,11 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, write_text
-from fprc.claims.recording import sentences
+from fprc.claims.recording import answer, sentences
 from fprc.commands.import_recording import import_mapped, own_rate
 from fprc.commands.models import refuse_repeats
 from fprc.commands.processes import processes
-from fprc.commands.readout_page import Recordings, log_names, rates_in_words, report_page
+from fprc.commands.readout_page import Recordings, cautions, log_names, rates_in_words, report_page
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap, read_map
@@ -22,8 +22,9 @@ from fprc.escape import in_words
 from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.rates import settings_at
 from fprc.fingerprint import fingerprint
+from fprc.logs import read_columns
 from fprc.plan.arguments import judgement, paper_models
-from fprc.provenance import describe
+from fprc.provenance import describe, sha256
 from fprc.registry import class_module
 from fprc.stages.competitors import compare_competitors, tabulate_competitors
 from fprc.stages.draw import draw_readout
@@ -119,7 +120,7 @@ def report_readout(
     rates = rates_in_words(recorded_hz, rate_hz, settings, scaled)
     log.info("%s", rates)
     parts = _parts(source, mapping, train)
-    _refuse_leftovers(folder / "raw", len(parts["sweep"]))
+    _refuse_leftovers(folder / "raw", parts)
     lock = folder / ".lock"
     with exclusive(lock), threadpool_limits(1):
         roles = ("the training part", "the test part")
@@ -137,19 +138,30 @@ def report_readout(
         results |= {"competitors": competitors, "rates": rates}
         page = folder / "report.md"
         write_text(page, report_page(parts, map_, mapping, settings, folder, results))
-        for line in sentences(competitors["verdicts"]):
+        verdicts = competitors["verdicts"]
+        log.info("%s", answer(verdicts).replace("**", ""))
+        for line in (*cautions(folder, settings), *sentences(verdicts)):
             log.info("%s", line)
         log.info("%s", page)
         lock.unlink()
 
 
-def _refuse_leftovers(raw: Path, trained: int) -> None:
-    """Refuse a folder with more training logs: the workflow would train on all of them."""
-    names = log_names("sweep", trained)
-    left = sorted(str(path) for path in raw.glob("sweep_*.h5") if path.stem not in names)
+def _refuse_leftovers(raw: Path, parts: Mapping[str, Recordings]) -> None:
+    """Refuse a folder with logs of other recordings, or with more of them to train on."""
+    used = {
+        name: sha256(path)
+        for experiment, recordings in parts.items()
+        for name, (path, _) in zip(log_names(experiment, len(recordings)), recordings, strict=True)
+    }
+    found = {path: read_columns(path, ()).attributes for path in sorted(raw.glob("*.h5"))}
+    left = [
+        str(path)
+        for path, attributes in found.items()
+        if attributes.get("imported_sha256") != used.get(path.stem)
+    ]
     if left:
         raise LogError(
-            f"{', '.join(left)}: from an earlier run with more training logs; delete it or choose "
+            f"{', '.join(left)}: from an earlier run with other recordings; delete it or choose "
             "another --out"
         )
 

@@ -13,6 +13,7 @@ from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.escape import code
 from fprc.logs import read_columns
+from fprc.logs.quality import warnings
 from fprc.paper import SOURCES
 from fprc.provenance import sha256
 from fprc.tables import readout
@@ -20,6 +21,12 @@ from fprc.tables import readout
 #: Recordings of one role, training or test: files with their maps.
 Recordings = Sequence[tuple[str, ImportMap]]
 _TARGETS = {"command": "commanded", "measured": "measured"}
+#: What FPRC's error is compared with: readouts of the folds, and models of the test.
+_SUBSTITUTES = {
+    **dict.fromkeys(("none", "fuzzy_linear"), "than without a readout"),
+    **dict.fromkeys(("theta", "fprc_lowpass"), "than with theta low-passed"),
+    "shifted": "than with P_o shifted in time",
+}
 
 
 def log_names(experiment: str, count: int) -> list[str]:
@@ -45,6 +52,8 @@ def report_page(
         "",
         f"Does P_o help the model on this recording? {answer(results['competitors']['verdicts'])}",
         "",
+        *(f"- Doubtful: {line}" for line in cautions(folder, settings)),
+        "",
         f"Recording: {_with_hash(source)}; map: {code(map_file)}.",
         *([f"Training logs: {', '.join(map(_with_hash, further))}."] if further else []),
         f"Data: {SOURCES[results['source']]}.",
@@ -55,8 +64,7 @@ def report_page(
         "",
         "## Finding",
         "",
-        *(f"- {line}" for line in findings(table, results["own"])),
-        f"- {compare_scales(folder / 'data/sweep.h5', settings['models']['fprc']['sigma'])}",
+        *(f"- {line}" for line in findings(table, results["own"], results["competitors"])),
         "",
         "Low-passed theta and P_o shifted in time are controls: P_o helps as a memory only if it "
         "beats both. One test does not show the spread of the test error; the verdicts under "
@@ -90,11 +98,11 @@ def _others(folder: Path, report: Mapping[str, Any]) -> list[str]:
         "",
         *(f"- {line}" for line in sentences(report["verdicts"])),
         "",
-        "Each ratio is the mean over blocks; below 1 it favours FPRC. The chance that any verdict "
-        "is wrong is kept at 5 % (Holm), so an interval is wider than a 95 % interval. It is wider "
-        "still because the models of all blocks share training data; this correction (Nadeau "
-        "and Bengio 2003) is an approximation. A verdict holds for this recording and these "
-        "settings, not for the rig on another day. Test errors have no interval and enter no "
+        "Each ratio is the geometric mean over blocks; below 1 it favours FPRC. The chance that "
+        "any verdict is wrong is kept at 5 % (Holm), so an interval is wider than a 95 % interval. "
+        "It is wider still because the models of all blocks share training data; this correction "
+        "(Nadeau and Bengio 2003) is an approximation. A verdict holds for this recording and "
+        "these settings, not for the rig on another day. Test errors have no interval and enter no "
         "verdict.",
         "",
         (folder / "readout/competitors.md").read_text(encoding="utf-8"),
@@ -144,7 +152,25 @@ def what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
     return f"Trained before {mapping.test_from_s:g} s{also}, tested after"
 
 
-def findings(table: pd.DataFrame, settings: Mapping[str, float]) -> list[str]:
+def cautions(folder: Path, settings: Mapping[str, Any]) -> list[str]:
+    """Return what makes the answer doubtful: failed checks of the logs, and a narrow theta."""
+    reports = [read_json(folder / f"quality/{part}.json") for part in ("sweep", "complex")]
+    records = [record for report in reports for record in report.get("recordings", [report])]
+    lines = [line for record in records for line in warnings(record)]
+    (theta,) = read_columns(folder / "data/sweep.h5", ("theta_deg",)).channels.values()
+    sigma = settings["models"]["fprc"]["sigma"]
+    if (spread := np.std(theta)) < sigma:
+        lines.append(
+            f"theta_deg has a standard deviation of {spread:.2g}, and the rules' memberships a "
+            f"width of sigma = {sigma:g}: they hardly depend on theta. If it is in rad, say so in "
+            "the map; else scale it, or change models.fprc.sigma"
+        )
+    return lines
+
+
+def findings(
+    table: pd.DataFrame, settings: Mapping[str, float], competitors: Mapping[str, Any]
+) -> list[str]:
     """Describe the effect of P_o on the error: at the models' settings, and at the best ones.
 
     Parameters
@@ -153,24 +179,26 @@ def findings(table: pd.DataFrame, settings: Mapping[str, float]) -> list[str]:
         As ``tables.readout.readout`` gives it.
     settings : Mapping
         ``epsilon`` and ``n_u`` of the models.
+    competitors : Mapping
+        Report on the models that are trained on the whole training part.
     """
     held_out = readout.held_out(table)
     rows = table[table["split"] == held_out]
     at_settings = rows[(rows["epsilon"] == settings["epsilon"]) & (rows["n_u"] == settings["n_u"])]
     at_settings = at_settings.set_index("readout")
     folds = "On blocked folds" if held_out == "blocked" else "On recordings left out of training"
+    tested = {cell["model"]: cell.get("test_rmse_kpa") for cell in competitors["cells"]}
     lines = []
-    for phase, what in (("validation", folds), ("test", "On the test part")):
-        errors = at_settings[f"{phase}_rmse"]
+    for what, ours, errors in (
+        (folds, "p_o", at_settings["validation_rmse"]),
+        ("On the test part", "fprc", tested),
+    ):
         changes = ", ".join(
-            f"{_change(errors['p_o'], errors[other])} {name}"
-            for other, name in (
-                ("none", "than without a readout"),
-                ("theta", "than with theta low-passed"),
-                ("shifted", "than with P_o shifted in time"),
-            )
+            f"{_change(errors[ours], errors[other])} {name}"
+            for other, name in _SUBSTITUTES.items()
+            if errors.get(ours) and errors.get(other)
         )
-        lines.append(f"{what} FPRC's error is {changes}.")
+        lines += [f"{what} FPRC's error is {changes}."] if changes else []
     best = rows[rows["readout"] == "p_o"].sort_values("test_rmse").iloc[0]
     change = _change(best["test_rmse"], at_settings["test_rmse"]["none"])
     lines.append(
@@ -178,17 +206,6 @@ def findings(table: pd.DataFrame, settings: Mapping[str, float]) -> list[str]:
         f"{change} than without a readout. This is optimistic: the test selected them."
     )
     return lines
-
-
-def compare_scales(log: Path, sigma: float) -> str:
-    """Return sentences that compare the spread of the inputs with the memberships' width."""
-    names = ("theta_deg", "p_o_kpa")
-    theta, p_o = (np.std(values) for values in read_columns(log, names).channels.values())
-    return (
-        f"The rules' memberships use distances of unscaled inputs: the standard deviation of theta "
-        f"is {theta:.3g}, of P_o {p_o:.3g} (training), and sigma = {sigma:g}. Results depend on "
-        "the scale of theta; try several."
-    )
 
 
 def _change(ours: float, other: float) -> str:

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from joblib import Parallel, delayed, parallel_config
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from fprc.artifacts import resuming
+from fprc.errors import FprcError
 
 log = logging.getLogger(__name__)
 
@@ -59,6 +61,11 @@ def judged_cells(
         Fingerprint of the code, and everything else that the results depend on: a checkpoint is
         used only if all are the same.
 
+    Raises
+    ------
+    FprcError
+        A worker was killed.
+
     Yields
     ------
     list of dict
@@ -72,10 +79,16 @@ def judged_cells(
         with parallel_config("loky", inner_max_num_threads=1):
             pool = Parallel(n_jobs=workers, return_as="generator_unordered")
             results = pool(delayed(_judged)(judge, cell) for cell in pending)
-            for done, (cell, result) in enumerate(results, len(cells) - len(pending) + 1):
-                append({"cell": cell, "result": result})
-                finished[_name(cell)] = result
-                log_progress(done, len(cells))
+            try:
+                for done, (cell, result) in enumerate(results, len(cells) - len(pending) + 1):
+                    append({"cell": cell, "result": result})
+                    finished[_name(cell)] = result
+                    log_progress(done, len(cells))
+            except TerminatedWorkerError as error:
+                raise FprcError(
+                    "a worker process was killed, probably because memory was short: repeat the "
+                    "command with fewer workers; finished cells are kept"
+                ) from error
         yield [{**cell, **finished[name]} for cell, name in zip(cells, names, strict=True)]
         Path(checkpoint).unlink()
 

@@ -8,17 +8,17 @@ import pandas as pd
 import pytest
 import yaml
 
-from fprc.artifacts import read_json
+from fprc.artifacts import read_json, write_json
 from fprc.cli import main
 from fprc.commands import readout as readout_command
 from fprc.commands.readout import report_readout
-from fprc.commands.readout_page import findings
+from fprc.commands.readout_page import cautions, findings
 from fprc.errors import ConfigError
 from fprc.evaluation import cells
 from fprc.experiments.competitors import period_s, recording_blocks
 from fprc.experiments.data import read_data
 from fprc.experiments.settings import Judgement
-from fprc.logs import read_columns
+from fprc.logs import read_columns, write_columns
 from fprc.plan.arguments import judgement, paper_models
 
 pytestmark = pytest.mark.slow
@@ -137,6 +137,7 @@ def test_one_command_goes_from_a_recording_to_a_report(finished):
     assert "] 26 of 26 cells" in messages
     assert "] 9 of 9 cells" in messages
     assert all(f" ({claim}): undecided. " in messages for claim in ("B1", "B4", "R1"))
+    assert messages.index("Not decided: ") < messages.index("(B1): ")
     # the next run in this process logs to the standard error of its own time
     assert not logging.getLogger("fprc").handlers
 
@@ -184,7 +185,7 @@ def test_whole_recording_tests_if_others_train(recording, tmp_path, capsys):
     assert train.attributes["recordings"] == {"sweep.h5": 200, "sweep_2.h5": 400}
     # the workflow would also find the log that is left
     assert run(tmp_path, map_file, "--train", *further(tmp_path, 1)) == 1
-    assert "sweep_2.h5: from an earlier run with more training logs" in capsys.readouterr().err
+    assert "sweep_2.h5: from an earlier run with other recordings" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("stopped")
@@ -260,6 +261,36 @@ def test_unlikely_rate_needs_the_map_to_give_it(recording, tmp_path, capsys):
 
 
 @pytest.mark.usefixtures("stopped")
+def test_folder_with_another_recording_is_refused_and_kept(recording, tmp_path, capsys):
+    assert run(tmp_path, recording()) == 130
+    kept = (tmp_path / "out/raw/sweep.h5").read_bytes()
+    assert run(tmp_path, recording(start_s=1)) == 130  # another part of the same recording
+    assert (tmp_path / "out/raw/sweep.h5").read_bytes() != kept
+    kept = (tmp_path / "out/raw/sweep.h5").read_bytes()
+    table = pd.read_csv(tmp_path / "log.csv")
+    table[:-1].to_csv(tmp_path / "log.csv", index=False)
+    assert run(tmp_path, recording()) == 1
+    assert "sweep.h5: from an earlier run with other recordings" in capsys.readouterr().err
+    assert (tmp_path / "out/raw/sweep.h5").read_bytes() == kept
+
+
+def test_answer_is_doubtful_if_a_check_failed_or_theta_is_narrow(tmp_path):
+    record = {"log": "sweep.h5", "checks": {"range": {"passed": True}}}
+    first = {"p_o_kpa": {"sample": 7, "value": 1e5, "limits": [-5.0, 600.0]}}
+    bad = {"range": {"passed": False, "samples": {"p_o_kpa": 3}, "first": first}}
+    for part, checks in (("sweep", record["checks"]), ("complex", bad)):
+        write_json(tmp_path / f"quality/{part}.json", record | {"checks": checks})
+    settings = {"models": {"fprc": {"sigma": 2.0}}}
+    for factor, count in ((1.0, 1), (np.pi / 180.0, 2)):
+        theta = factor * 30.0 * np.sin(np.arange(100.0))
+        write_columns(tmp_path / "data/sweep.h5", {"theta_deg": theta}, {})
+        found = cautions(tmp_path, settings)
+        assert len(found) == count
+        assert "p_o_kpa" in found[0]
+    assert "theta_deg" in found[1]
+
+
+@pytest.mark.usefixtures("stopped")
 def test_slowest_of_several_recordings_sets_the_rate(recording, tmp_path):
     (more,) = further(tmp_path, 3)
     pd.read_csv(more)[::2].to_csv(more, index=False)
@@ -280,11 +311,15 @@ def table_of(errors):
 
 def test_findings_compare_p_o_with_nothing_and_with_both_controls():
     table = table_of({"none": 10.0, "p_o": 8.0, "theta": 6.4, "shifted": 16.0})
-    validation, test, best = findings(table, {"epsilon": 0.01, "n_u": 3})
-    changes = (
-        "20.0 % lower than without a readout, 25.0 % higher than with theta low-passed, "
-        "50.0 % lower than with P_o shifted in time."
+    tested = {"fprc": 9.0, "fuzzy_linear": 10.0, "fprc_lowpass": 6.0, "esn": None}
+    competitors = {"cells": [{"model": m, "test_rmse_kpa": rmse} for m, rmse in tested.items()]}
+    validation, test, best = findings(table, {"epsilon": 0.01, "n_u": 3}, competitors)
+    assert validation == (
+        "On blocked folds FPRC's error is 20.0 % lower than without a readout, 25.0 % higher than "
+        "with theta low-passed, 50.0 % lower than with P_o shifted in time."
     )
-    assert validation == f"On blocked folds FPRC's error is {changes}"
-    assert test == f"On the test part FPRC's error is {changes}"
+    assert test == (  # of the models that the whole training part trained
+        "On the test part FPRC's error is 10.0 % lower than without a readout, 50.0 % higher than "
+        "with theta low-passed."
+    )
     assert "epsilon = 0.1 and n_u = 3 test best: 50.0 % lower" in best

@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import pytest
 
-from fprc.errors import OutputError
+from fprc.errors import FprcError, OutputError
 from fprc.evaluation import cells
 from fprc.evaluation.cells import checkpoint_key, judged_cells
 
@@ -173,6 +173,24 @@ def test_judge_that_raises_leaves_finished_cells_in_the_checkpoint(sweep, worker
     found, judged = sweep()
     assert found == expected()
     assert judged == sorted({1, 2, 3, 4} - kept)
+
+
+def test_killed_worker_is_an_error_for_people_and_finished_cells_stay(sweep, tmp_path):
+    def judge(cell):
+        import os
+        import signal
+
+        if cell["n_c"] == 2:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return {"rmse": 0.1}
+
+    with pytest.raises(FprcError, match="worker process was killed"):  # noqa: SIM117
+        with judged_cells(judge, CELLS, checkpoint=sweep.checkpoint, **how(workers=2)):
+            pass
+    kept = sweep.checkpoint.read_text(encoding="utf-8")
+    assert '"n_c": 2' not in kept
+    sweep(workers=2)
+    assert len(sweep.checkpoint.read_text(encoding="utf-8").splitlines()) == 1 + len(CELLS)
 
 
 def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path, monkeypatch):
