@@ -278,6 +278,11 @@ def outside_class(name: str, models: Settings) -> list[type]:
     return [load_class(name, models)] if name in models.get("others", {}) else []
 
 
+def outside_classes(models: Settings) -> list[type]:
+    """Return the classes of all models of ``models.others``, for ``load_model``."""
+    return [load_class(name, models) for name in models["others"]]
+
+
 def controllers(models: Settings) -> list[str]:
     """Return the controllers of the closed-loop runs.
 

@@ -12,6 +12,7 @@ from fprc.given import read_given
 from fprc.models.c_header import GENERATED, c_header
 from fprc.models.storage import load_model
 from fprc.provenance import sha256
+from fprc.registry import outside_classes
 
 
 def export_c(
@@ -52,12 +53,12 @@ def export_c(
     """
     path = Path(c)
     refuse_output(path, ".h", ours=lambda old: GENERATED.encode() in read_given(old))
-    fitted = load_model(model)
+    settings = from_files(config or local_files()).model_dump(mode="json")
+    fitted = load_model(model, outside_classes(settings["models"]))
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
     try:
         online = None
         if learn:
-            settings = from_files(config or local_files()).model_dump(mode="json")
             parts = (settings[key] for key in ("tracking", "control", "rig", "seed"))
             online = Track(*parts).online(fitted)
         text = c_header(fitted, path.stem, single=float_, origin=origin, online=online)

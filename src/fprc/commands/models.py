@@ -19,7 +19,7 @@ from fprc.experiments.settings import Judgement
 from fprc.logs import write_columns
 from fprc.models import SequenceModel, load_model, remembering, save_model
 from fprc.plan.arguments import judgement
-from fprc.registry import build, entries, load_class, outside_class
+from fprc.registry import build, entries, load_class, outside_class, outside_classes
 from fprc.stages.preprocess import read_recordings
 
 Settings = Mapping[str, Any]
@@ -127,8 +127,7 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     refuse_output(out, ".csv", ".h5")
     settings = from_files(config or local_files()).model_dump(mode="json")
     models = settings["models"]
-    outside = [cls for name in models["others"] for cls in outside_class(name, models)]
-    fitted = load_model(model, outside)
+    fitted = load_model(model, outside_classes(models))
     name = _name_of(fitted, model, models)
     data = _read([raw], settings)
     X, y = data.pair(name, models)

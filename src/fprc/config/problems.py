@@ -43,7 +43,9 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
     # the messages of our checks name the value where that helps
     shown = "" if kind == "value_error" else f" = {value}"
     default = defaults.get(key, PydanticUndefined)
-    remedy = "" if default is PydanticUndefined else f"; remove the key for {default!r}"
+    # a default that is no value says nothing, and of the rig it is not what the chosen one has
+    is_shown = default not in (PydanticUndefined, None, {}) and not key.startswith("rig.")
+    remedy = f" (default: {default!r})" if is_shown else ""
     if kind == "literal_error":
         # the valid words stand in pydantic's message
         words = {word.lower(): word for word in re.findall(r"'([^']+)'", item["ctx"]["expected"])}

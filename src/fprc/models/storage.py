@@ -188,7 +188,8 @@ def _unfitted(described: Mapping[str, Any], known: Mapping[str, type]) -> Any:
     name, parameters = described["class"], described["parameters"]
     if not isinstance(name, str) or name not in known:
         raise FprcError(
-            f"class {name} is unknown, so another version saved it; train the model again"
+            f"class {name} is unknown: a class of your own must be given, by --config or as one of "
+            "classes; else another version saved it, so train the model again"
         )
     given = {key: _parameter(value, known) for key, value in parameters.items()}
     try:

@@ -1,4 +1,6 @@
 import hashlib
+import importlib
+import json
 import re
 import shutil
 import subprocess
@@ -94,6 +96,24 @@ def test_documented_program_compiles(example, precision, model, header, tmp_path
     standard = "-std=c++11" if arduino else "-std=c++17"
     command = ["c++", standard, "-Wall", "-Wextra", "-Werror", "-I.", "-fsyntax-only"]
     subprocess.run([*command, "program.cpp"], cwd=tmp_path, check=True)
+
+
+def test_class_of_your_own_is_exported_with_its_configuration(
+    header, tmp_path, monkeypatch, capsys
+):
+    page = (DOCS / "extending.md").read_text(encoding="utf-8")
+    (tmp_path / "mine_to_export.py").write_text(re.search(r"```python\n(.*?)```", page, re.S)[1])
+    others = {"mine": {"estimator": "mine_to_export.RidgeOnTaps", "inputs": ["theta_deg"]}}
+    (tmp_path / "mine.yaml").write_text(json.dumps({"models": {"others": others}}))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    cls = importlib.import_module("mine_to_export").RidgeOnTaps
+    X = np.random.default_rng(1).normal(100.0, 10.0, (200, 1))
+    save_model(cls().fit(X, X[:, 0]), "mine.h5", [cls])
+    assert main(["export", "mine.h5", "--c", str(header)]) == 1
+    assert "--config" in capsys.readouterr().err
+    assert main(["export", "mine.h5", "--c", str(header), "--config", "mine.yaml"]) == 0
+    assert "fprc_model_step" in header.read_text()
 
 
 def test_model_that_learns_needs_its_training(tmp_path, monkeypatch, capsys):

@@ -47,7 +47,7 @@ def written(tmp_path):
 def test_error_tells_place_value_limit_and_remedy():
     assert message({"models": {"fprc": {"n_c": 0}}}) == (
         "1 error in the configuration:\n"
-        "  models.fprc.n_c = 0: must be greater than or equal to 1; remove the key for 8"
+        "  models.fprc.n_c = 0: must be greater than or equal to 1 (default: 8)"
     )
 
 
