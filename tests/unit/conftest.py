@@ -13,6 +13,7 @@ from fprc.figures import style
 from fprc.logs import write_columns, write_raw
 from fprc.models import FPRC, save_model
 from fprc.paper import REFERENCES
+from fprc.plan.arguments import of_pressures
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 
@@ -85,7 +86,7 @@ def make_data():
     def make(folder, name, settings, seed):
         raw, data, quality = (str(folder / f"{name}{end}") for end in (".h5", ".data.h5", ".json"))
         signal = settings["experiments"][name]
-        rig = {key: settings[key] for key in ("control", "rig")}
+        rig = {"control": of_pressures(settings), "rig": settings["rig"]}
         record(raw, experiment=name, signal=signal, seed=seed, **rig)
         preprocess(
             raw, data, quality, experiment=name, target="command", sample_rate_hz=200.0,

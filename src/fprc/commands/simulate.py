@@ -7,6 +7,7 @@ from fprc.artifacts import refuse_output
 from fprc.config import from_files, local_files
 from fprc.errors import ConfigError
 from fprc.escape import visible
+from fprc.plan.arguments import of_pressures
 from fprc.stages.record import record
 from fprc.yaml_file import read_yaml
 
@@ -57,7 +58,7 @@ def simulate(
         out,
         experiment=experiment,
         signal=signal,
-        control=control,
+        control=of_pressures(settings),
         rig=settings["rig"],
         seed=settings["seed"],
     )

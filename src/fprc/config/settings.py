@@ -180,6 +180,23 @@ class Settings(Section):
         return self
 
     @model_validator(mode="after")
+    def _commands_are_within_the_limit(self) -> "Settings":
+        limit = self.tracking.pressure_limit_kpa
+        sines = {"sweep": 1, "complex": len(self.experiments.complex.f_hz)}
+        problems = []
+        for name, count in sines.items():
+            signal = getattr(self.experiments, name)
+            low, high = (signal.offset_kpa + k * count * signal.amplitude_kpa for k in (-1, 1))
+            if low < 0.0 or high > limit:
+                problems.append(
+                    f"experiments.{name} asks for {low:g} to {high:g} kPa; change offset_kpa or "
+                    f"amplitude_kpa: 0 to {limit:g} kPa are allowed (tracking.pressure_limit_kpa)"
+                )
+        if problems:
+            raise ValueError("\n  ".join(problems))
+        return self
+
+    @model_validator(mode="after")
     def _logs_are_long_enough(self) -> "Settings":
         if self.source == "recorded":
             return self

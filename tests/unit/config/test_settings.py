@@ -152,6 +152,21 @@ def test_value_that_makes_no_sense_is_one_error_at_its_key(key, value, place):
 
 
 @pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("experiments.sweep.offset_kpa", 174.0),
+        ("experiments.sweep.offset_kpa", 276.0),
+        ("experiments.complex.amplitude_kpa", 35.1),
+        ("tracking.pressure_limit_kpa", 349.0),
+    ],
+)
+def test_command_below_zero_or_beyond_the_limit_is_refused(key, value):
+    message = refused(key, value)
+    assert "experiments." in message
+    assert "tracking.pressure_limit_kpa" in message
+
+
+@pytest.mark.parametrize(
     ("key", "pair"),
     [
         ("rig.bending.slip_weight", "slip_distance_deg"),
