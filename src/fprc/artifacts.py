@@ -204,7 +204,8 @@ def _entry(line: bytes) -> Any:
 def leftovers(path: Path) -> list[Path]:
     """Return temporary files that ended processes left beside a file."""
     pattern = f".{glob.escape(path.stem)}.*.part{glob.escape(path.suffix)}"
-    return sorted(beside for beside in path.parent.glob(pattern) if not _in_use(beside))
+    owners = {beside: _owner(beside) for beside in path.parent.glob(pattern)}
+    return sorted(beside for beside, owner in owners.items() if owner and not _is_running(owner))
 
 
 def _owner(path: Path) -> int | None:
@@ -213,12 +214,9 @@ def _owner(path: Path) -> int | None:
     return int(number[1]) if number else None
 
 
-def _in_use(temporary: Path) -> bool:
-    owner = _owner(temporary)
-    if owner is None:
-        return True
+def _is_running(process: int) -> bool:
     try:
-        os.kill(owner, 0)
+        os.kill(process, 0)
     except ProcessLookupError:
         return False
     except PermissionError:

@@ -21,12 +21,8 @@ Settings = Mapping[str, Any]
 ANGLE = "theta_deg"
 
 
-#: Style in figures of every model that is not the paper's.
-_OUTSIDE = ("#505050", ":")
-
-
 class Entry(NamedTuple):
-    """A model's class, inputs and settings, and its style in figures."""
+    """A model's class, inputs and settings."""
 
     cls: str  #: ``module.Class``, or a function that takes the settings and returns the model
     inputs: tuple[str, ...]  #: input channels, in the order of the columns of ``X``
@@ -34,7 +30,6 @@ class Entry(NamedTuple):
     #: ``section.key``.
     settings: tuple[str, ...]
     title: str  #: name in tables and figures
-    look: tuple[str, str] = _OUTSIDE  #: grey and line style in every figure
     fixed: Settings = {}  #: parameters that no section has
 
 
@@ -45,21 +40,18 @@ MODELS = {
         (ANGLE,),
         ("n_y", "alpha", "esn"),
         "ESN",
-        ("#777777", "-."),
     ),
     "fprc": Entry(
         "fprc.models.fprc.FPRC",
         (ANGLE, "p_o_kpa"),
         ("n_y", "alpha", "fprc"),
         "FPRC",
-        ("#000000", "-"),
     ),
     "fuzzy_linear": Entry(
         "fprc.models.fprc.FuzzyLinear",
         (ANGLE,),
         ("n_y", "alpha", "fprc.n_c", "fprc.sigma", "fprc.clustering", "fprc.restarts"),
         "Fuzzy-linear",
-        ("#8c8c8c", "--"),
     ),
 }
 
@@ -88,7 +80,7 @@ def _competitor(
 COMPETITORS = MODELS | {
     # low-passed theta_d takes the place of P_o
     "fprc_lowpass": MODELS["fprc"]._replace(
-        inputs=(ANGLE, ANGLE), title="FPRC on low-passed theta_d", look=_OUTSIDE
+        inputs=(ANGLE, ANGLE), title="FPRC on low-passed theta_d"
     ),
     "ridge_p_o": _competitor(
         "ridge_p_o",
@@ -97,16 +89,17 @@ COMPETITORS = MODELS | {
         "Ridge on FPRC's features",
     ),
     "bank_p_o": _competitor(
-        "bank_p_o",
+        "on_bank",
         _BOTH,
         _RIDGE,
         "Ridge on low-passes of P_o",
         epsilons=[1.0, *_BANK["epsilons"]],
+        column=1,
     ),
     "bank": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on low-passes", **_BANK),
     "bank_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on low-passes", **_BANK),
-    "plays": _competitor("on_plays", (ANGLE,), _RIDGE, "Ridge on plays", n_plays=10, **_BANK),
-    "plays_fuzzy": _competitor("on_plays", (ANGLE,), _FUZZY, "Fuzzy on plays", n_plays=10, **_BANK),
+    "plays": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on plays", n_plays=10, **_BANK),
+    "plays_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on plays", n_plays=10, **_BANK),
     "nvar": _competitor("nvar", (ANGLE,), (), "NVAR", n_taps=5, spacing=25, degree=2, alpha=0.1),
     "trees": _competitor(
         "trees",
@@ -167,11 +160,6 @@ def title_of(name: str) -> str:
     if name in COMPETITORS:
         return COMPETITORS[name].title
     return name[:1].upper() + name[1:].replace("_", " ")
-
-
-def look_of(name: str) -> tuple[str, str]:
-    """Return a model's grey and line style."""
-    return MODELS[name].look if name in MODELS else _OUTSIDE
 
 
 def settings_of(name: str, models: Settings) -> dict[str, Any]:

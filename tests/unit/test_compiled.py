@@ -73,7 +73,6 @@ def test_cache_cannot_go_stale_in_a_folder_of_the_users_choice(
 @pytest.fixture
 def blocked(package, tmp_path, monkeypatch):
     """Make the package's own cache a file, so that there can be no folder; return the user's."""
-    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
     (package / "__pycache__").write_text("", encoding="utf-8")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "users"))
     return tmp_path / "users"

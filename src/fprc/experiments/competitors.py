@@ -28,16 +28,10 @@ _MOST_NUMBERS = 60_000_000
 
 def recording_blocks(data: Data, judgement: Judgement) -> list[Fold]:
     """Return (training rows, validation rows) of each block of the training log."""
-    purge = round(judgement.purge_s / period_s(data))
+    purge = round(judgement.purge_s / data.period_s)
     time_constant = 1.0 / judgement.models["fprc"]["epsilon"]
     shortest = max(PURGES * purge, round(TIME_CONSTANTS * time_constant))
     return split_blocks(data.lengths, BLOCKS, round((1.0 - _ROUNDING) * shortest), purge)
-
-
-def period_s(data: Data) -> float:
-    """Return the mean time from one sample to the next, s."""
-    time_s = data.channels["time_s"]
-    return float(time_s[-1] - time_s[0]) / (len(time_s) - 1)
 
 
 def judge_competitor(

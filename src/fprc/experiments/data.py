@@ -32,6 +32,12 @@ class Data(NamedTuple):
         return list(several.values()) if several else [len(self.channels["time_s"])]
 
     @property
+    def period_s(self) -> float:
+        """Mean time from one sample to the next, s."""
+        time_s = self.channels["time_s"]
+        return float(time_s[-1] - time_s[0]) / (len(time_s) - 1)
+
+    @property
     def unit(self) -> str:
         """Unit of P_exp, and so of every error: kPa, unless an import gives another."""
         return self.attributes.get("p_target_unit", "kPa")

@@ -25,9 +25,8 @@ class Judgement:
         # imported here so that a simulation starts without scikit-learn
         from fprc.evaluation.folds import split_rows
 
-        time_s = data.channels["time_s"]
-        purge = round(self.purge_s * (len(time_s) - 1) / float(time_s[-1] - time_s[0]))
-        return split_rows(len(time_s), self.folds, self.split, self.seed, purge, data.lengths)
+        samples, purge = len(data.channels["time_s"]), round(self.purge_s / data.period_s)
+        return split_rows(samples, self.folds, self.split, self.seed, purge, data.lengths)
 
 
 @dataclass(frozen=True)

@@ -254,7 +254,6 @@ def measure_control(
     models : Mapping
         Models that give the feedforward, by name.
     """
-    driven_by = {name: feedforward_of(name) for name in controllers}
 
     def follow(
         reference: str, names: Sequence[str], pushed: bool = False
@@ -265,7 +264,7 @@ def measure_control(
         inputs = bench.inputs(reference, pushes)
         runs = {}
         for name in names:
-            driver = driven_by[name]
+            driver = feedforward_of(name)
             p_ff = bench.precompute(models[driver], inputs) if driver else np.zeros(samples)
             channels = bench.simulate(reference, p_ff, pushes, feedback=has_feedback(name))
             runs[name] = settled(channels, bench.tracking["references"][reference]["settle_s"])

@@ -20,7 +20,6 @@ from matplotlib.figure import Figure
 
 from fprc import escape
 from fprc.artifacts import replacing
-from fprc.registry import look_of
 
 #: Widths of a column and of a page of the journal, inches.
 COLUMN_IN, PAGE_IN = 3.5, 7.16
@@ -39,8 +38,16 @@ SIGNALS = {
     "phi": "#332288",
     "valve": "#555555",
 }
-#: Grey and line style of each controller; hues are for signals.
-_CONTROLLERS = {"pd": ("#b0b0b0", "-"), "fprc_pd": ("#303030", "-")}
+#: Grey and line style of the paper's models and controllers; hues are for signals.
+_LINES = {
+    "esn": ("#777777", "-."),
+    "fprc": ("#000000", "-"),
+    "fuzzy_linear": ("#8c8c8c", "--"),
+    "pd": ("#b0b0b0", "-"),
+    "fprc_pd": ("#303030", "-"),
+}
+#: Of every other model.
+_OTHER_LINE = ("#505050", ":")
 #: Marker of each phase; that of validation is hollow, so that it is seen around another.
 PHASES: dict[str, dict[str, Any]] = {
     "train": {"marker": "o", "markersize": 3.0},
@@ -53,7 +60,7 @@ MARK = "#ee3377"
 
 def line_of(name: str) -> dict[str, Any]:
     """Return grey and line style of a model or a controller."""
-    colour, line = _CONTROLLERS.get(name) or look_of(name)
+    colour, line = _LINES.get(name, _OTHER_LINE)
     return {"color": colour, "linestyle": line}
 
 

@@ -135,14 +135,12 @@ def _readout(
     """Return the parts of the template for a readout; None if there is no C code for it."""
     if isinstance(readout, RidgeReadout):
         equation, include = "P_ff(k) = w_out [1, x(k)], paper, Eq. (4)", ""
-        parts = {"tables": c_templates.RIDGE_TABLES, "output": c_templates.RIDGE_OUTPUT}
-        fill, base = c_templates.RIDGE_FILL, "output"
+        parts, base = c_templates.RIDGE, "output"
         numbers = {"bias": readout.w_out_[:1], "weights": readout.w_out_[1:]}
     elif isinstance(readout, TakagiSugenoReadout):
         equation = "P_ff(k) = beta_bar(k) W_out [1, x(k)], paper, Eq. (12)"
         include = "#include <math.h>\n\n"
-        parts = {"tables": c_templates.FUZZY_TABLES, "output": c_templates.FUZZY_OUTPUT}
-        fill, base = c_templates.FUZZY_FILL, "blended / total"
+        parts, base = c_templates.FUZZY, "blended / total"
         bias, weights = readout.W_out_[:, 0], readout.W_out_[:, 1:]
         numbers = {
             "centers": readout.centers_,
@@ -159,26 +157,17 @@ def _readout(
     if "centers" in numbers:
         texts["n_c"] = str(len(numbers["centers"]))
     texts |= {"base": base, "finish": f"return {base};", "keep": ""}
-    more = dict.fromkeys(("memory", "prior", "forget", "restart", "learn"), "")
-    more["use"] = f"p_ff = {name}_step(&state, x);"
+    use = f"p_ff = {name}_step(&state, x);"
     if online is not None:
         texts |= _learning(online)
-        texts["fill"] = fill.substitute(texts)
+        texts["fill"] = parts["fill"].substitute(texts)
         texts["finish"] = c_templates.FINISH.substitute(texts)
         texts["keep"] = "\n        rule[i] = beta;"
-        learning = {
-            "memory": c_templates.MEMORY,
-            "prior": c_templates.PRIOR,
-            "forget": c_templates.FORGET,
-            "learn": c_templates.LEARN,
-        }
-        more |= {key: part.substitute(texts) for key, part in learning.items()}
-        more["restart"] = "    state->k = 0;\n"
-        more["use"] = (
-            f"{name}_learn(&state, error, theta); {more['use']} {name}_sent(&state, p_fb);"
-        )
-    filled = {key: part.substitute(texts) for key, part in parts.items()}
-    return filled | more | {"equation": equation, "include": include}
+        use = f"{name}_learn(&state, error, theta); {use} {name}_sent(&state, p_fb);"
+    filled = {key: parts[key].substitute(texts) for key in ("tables", "output")}
+    for key, part in c_templates.LEARNING.items():
+        filled[key] = "" if online is None else part.substitute(texts)
+    return filled | {"equation": equation, "include": include, "use": use}
 
 
 def _learning(online: Online) -> dict[str, str]:

@@ -92,7 +92,9 @@ $learn
 #endif
 """)
 
-FUZZY_TABLES = Template("""\
+#: What a readout has: its tables, how its output comes from them, and its regressors.
+FUZZY = {
+    "tables": Template("""\
     static const ${name}_real centers[$n_c][$n_row] = {
 $centers
     };
@@ -102,9 +104,8 @@ $weights
     static const ${name}_real at_center[$n_c] = { /* each rule's output at its centre, kPa */
         $at_center
     };
-    ${name}_real distance2[$n_c], rule[$n_c], nearest, away, beta, total = 0, blended = 0;""")
-
-FUZZY_OUTPUT = Template("""\
+    ${name}_real distance2[$n_c], rule[$n_c], nearest, away, beta, total = 0, blended = 0;"""),
+    "output": Template("""\
     for (i = 0; i < $n_c; i++) {
         distance2[i] = 0;
         rule[i] = at_center[i];
@@ -124,46 +125,34 @@ FUZZY_OUTPUT = Template("""\
         blended += beta * rule[i];$keep
     }
     $finish
-""")
+"""),
+    "fill": Template("""\
+        for (i = 0; i < $n_c; i++) {
+            phi[i * ($n_row + 1)] = rule[i] / total;
+            for (j = 0; j < $n_row; j++) {
+                phi[i * ($n_row + 1) + 1 + j] = rule[i] / total * state->row[j];
+            }
+        }"""),
+}
 
-RIDGE_TABLES = Template("""\
+RIDGE = {
+    "tables": Template("""\
     static const ${name}_real weights[$n_row] = {$weights};
-    ${name}_real output = $bias;""")
-
-RIDGE_OUTPUT = Template("""\
+    ${name}_real output = $bias;"""),
+    "output": Template("""\
     for (j = 0; j < $n_row; j++) {
         output += weights[j] * state->row[j];
     }
     $finish
-""")
+"""),
+    "fill": Template("""\
+        phi[0] = 1;
+        for (j = 0; j < $n_row; j++) {
+            phi[1 + j] = state->row[j];
+        }"""),
+}
 
-#: What a model that learns has in addition: parts of its state and functions, and more functions.
-MEMORY = Template("""\
-    ${name}_real learned[$n_w], covariance[$n_w][$n_w]; /* of the readout's weights */
-    ${name}_real phi[$delay][$n_w], base[$delay], p_ff[$delay], p_fb[$delay]; /* the last samples */
-    unsigned long k; /* samples of the stream */
-""")
-
-PRIOR = Template("""\
-
-/* Covariance of the weights after the training. */
-static const ${name}_real ${name}_prior[$n_w][$n_w] = {
-$prior
-};
-""")
-
-FORGET = Template("""\
-    {
-        int i, j;
-        for (i = 0; i < $n_w; i++) {
-            state->learned[i] = 0;
-            for (j = 0; j < $n_w; j++) {
-                state->covariance[i][j] = ${name}_prior[i][j];
-            }
-        }
-    }
-""")
-
+#: How a step ends in a model that learns.
 FINISH = Template("""\
 {
         const unsigned long at = state->k++ % $delay;
@@ -179,21 +168,33 @@ $fill
         return state->p_ff[at];
     }""")
 
-FUZZY_FILL = Template("""\
-        for (i = 0; i < $n_c; i++) {
-            phi[i * ($n_row + 1)] = rule[i] / total;
-            for (j = 0; j < $n_row; j++) {
-                phi[i * ($n_row + 1) + 1 + j] = rule[i] / total * state->row[j];
+#: What a model that learns has in addition: parts of its state and functions, and more functions.
+LEARNING = {
+    "memory": Template("""\
+    ${name}_real learned[$n_w], covariance[$n_w][$n_w]; /* of the readout's weights */
+    ${name}_real phi[$delay][$n_w], base[$delay], p_ff[$delay], p_fb[$delay]; /* the last samples */
+    unsigned long k; /* samples of the stream */
+"""),
+    "prior": Template("""\
+
+/* Covariance of the weights after the training. */
+static const ${name}_real ${name}_prior[$n_w][$n_w] = {
+$prior
+};
+"""),
+    "forget": Template("""\
+    {
+        int i, j;
+        for (i = 0; i < $n_w; i++) {
+            state->learned[i] = 0;
+            for (j = 0; j < $n_w; j++) {
+                state->covariance[i][j] = ${name}_prior[i][j];
             }
-        }""")
-
-RIDGE_FILL = Template("""\
-        phi[0] = 1;
-        for (j = 0; j < $n_row; j++) {
-            phi[1 + j] = state->row[j];
-        }""")
-
-LEARN = Template("""\
+        }
+    }
+"""),
+    "restart": Template("    state->k = 0;\n"),
+    "learn": Template("""\
 
 /* Note the feedback in kPa that was added to the last P_ff. */
 static inline void ${name}_sent(${name}_state *state, ${name}_real p_fb)
@@ -244,4 +245,5 @@ static inline void ${name}_learn(${name}_state *state, ${name}_real error, ${nam
         }
     }
 }
-""")
+"""),
+}

@@ -7,7 +7,7 @@ import numpy as np
 from sklearn.base import BaseEstimator, clone
 
 from fprc.models.features import FeatureMap
-from fprc.models.limits import Seed
+from fprc.models.limits import Seed, check_limits
 from fprc.models.sequence import SequenceModel
 
 
@@ -50,8 +50,7 @@ class FeatureModel(SequenceModel):
 
     def _seeded(self, part: BaseEstimator) -> BaseEstimator:
         part = clone(part)
-        if not Seed().allows(self.random_state):
-            raise _not(self.random_state, "random_state", str(Seed()))
+        check_limits(self, {"random_state": Seed()})
         if self.random_state is not None:
             keys = [key for key in part.get_params() if key.split("__")[-1] == "random_state"]
             part.set_params(**dict.fromkeys(keys, self.random_state))

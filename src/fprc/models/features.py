@@ -5,7 +5,7 @@ sample (``step``), with the same result. Before the log begins, the signals are
 assumed to equal its first sample.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Self
@@ -18,7 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.kernels import shift
 from fprc.models.learned import Learned
-from fprc.models.limits import LARGEST, MOST_FEATURES, Limit, Whole, check_limits
+from fprc.models.limits import LARGEST, MOST_FEATURES, Allows, Limit, Whole, check_limits
 
 
 def taps(x: np.ndarray, size: int) -> np.ndarray:
@@ -63,6 +63,8 @@ def _is_sample(value: float) -> bool:
 class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
     """Base of the sequential feature maps."""
 
+    #: See ``fprc.models.limits``.
+    LIMITS: Mapping[str, Allows] = {}
     _streaming = False
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:

@@ -1,6 +1,6 @@
 """Several feature maps side by side."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from numbers import Integral
 from typing import Any, Self
 
@@ -9,7 +9,6 @@ from sklearn.base import clone
 
 from fprc.models.features import FeatureMap
 from fprc.models.learned import Learned, LearnedPart, features_of
-from fprc.models.limits import Limit
 
 #: Name, unfitted map, and its columns of the input; None is all of them.
 Part = tuple[str, FeatureMap, Sequence[int] | None]
@@ -41,8 +40,6 @@ class SideBySide(FeatureMap):
 
     def __init__(self, maps: Sequence[Part]):
         self.maps = maps
-
-    LIMITS: Mapping[str, Limit] = {}
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """Return the parameters; with ``deep`` also the maps and their parameters."""

@@ -9,7 +9,7 @@ import numpy as np
 from fprc.artifacts import read_json, write_csv, write_json, write_text
 from fprc.claims.recording import judge_recording
 from fprc.evaluation.cells import judged_cells
-from fprc.experiments.competitors import ON_RECORDINGS, judge_competitor, period_s, recording_blocks
+from fprc.experiments.competitors import ON_RECORDINGS, judge_competitor, recording_blocks
 from fprc.experiments.data import judge_files, read_data, refuse_mixture
 from fprc.experiments.settings import Judgement
 from fprc.paper import SOURCES
@@ -39,7 +39,7 @@ def compare_competitors(
         "seed": judgement["seed"],
         "unit": data.unit,
         "purge_s": judgement["purge_s"],
-        "block_s": [len(block) * period_s(data) for _, block in folds],
+        "block_s": [len(block) * data.period_s for _, block in folds],
         # samples that judge per sample that trains
         "overlap": float(np.mean([len(block) / len(rows) for rows, block in folds])),
     }

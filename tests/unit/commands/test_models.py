@@ -9,6 +9,7 @@ from fprc.channels import needed_by
 from fprc.cli import main
 from fprc.config import from_files
 from fprc.evaluation import cross_validate
+from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.logs import read_columns
 from fprc.models import load_model
@@ -126,15 +127,12 @@ def test_logs_of_the_same_name_train_together(
     logs = [read_columns(path, needed_by("sim")).channels for path in raw]
     X = [np.column_stack([log["theta_deg"], log["p_o_kpa"]]) for log in logs]
     how = Judgement(**judgement(settings | {"seed": 7}, "fprc"))
-    times = np.arange(4800) / 200.0
-
-    class Both:
-        channels, lengths = {"time_s": times}, [2400, 2400]
-
+    recordings = {str(path): 2400 for path in raw}
+    both = Data({"time_s": np.arange(4800) / 200.0}, {"recordings": recordings})
     y = np.concatenate([log["p_exp_command_kpa"] for log in logs])
     best = cross_validate(
-        build("fprc", settings["models"], 7), np.concatenate(X), y, how.split_rows(Both),
-        lengths=Both.lengths,
+        build("fprc", settings["models"], 7), np.concatenate(X), y, how.split_rows(both),
+        lengths=both.lengths,
     )  # fmt: skip
     mine = load_model("mine.h5")
     np.testing.assert_array_equal(mine.predict(X[1]), best.model.predict(X[1]))

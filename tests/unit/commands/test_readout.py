@@ -15,7 +15,7 @@ from fprc.commands.readout import report_readout
 from fprc.commands.readout_page import cautions, findings
 from fprc.errors import ConfigError
 from fprc.evaluation import cells
-from fprc.experiments.competitors import period_s, recording_blocks
+from fprc.experiments.competitors import recording_blocks
 from fprc.experiments.data import read_data
 from fprc.experiments.settings import Judgement
 from fprc.logs import read_columns, write_columns
@@ -243,7 +243,7 @@ def test_models_work_at_the_rate_of_the_recording(
     data, _, settings, _ = stopped.call_args.args
     train = read_data(data["sweep"])
     assert train.attributes["sample_rate_hz"] == pytest.approx(used_hz, rel=1e-12)
-    assert period_s(train) == pytest.approx(1.0 / used_hz, rel=1e-6)
+    assert train.period_s == pytest.approx(1.0 / used_hz, rel=1e-6)
     how = Judgement(**judgement({**settings, "models": paper_models(settings)}))
     assert len(recording_blocks(train, how)) == 10
     epsilon = settings["models"]["fprc"]["epsilon"]
