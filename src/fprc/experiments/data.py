@@ -94,7 +94,8 @@ def select_channels(source: Columns, target: str) -> Data:
     """
     for name, note in source.attributes.get("notes", {}).items():
         is_other = substitute(name, source.attributes) is not None
-        log.info("%s%s: %s", "warning: " if is_other else "", visible(name), visible(note))
+        say, begin = (log.warning, "warning: ") if is_other else (log.info, "")
+        say("%s%s: %s", begin, visible(name), visible(note))
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], source.path)
         target = next(name for name in TARGETS if name != target)

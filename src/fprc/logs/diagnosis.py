@@ -182,8 +182,8 @@ def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str
 def _describe_clock(clock: Mapping[str, Any]) -> Iterator[str]:
     jitter_s = max(abs(clock["jitter_p1_s"]), abs(clock["jitter_p99_s"]))
     yield (
-        f"98 % of the steps are within {jitter_s * clock['median_hz']:.1%} of their median, "
-        f"{1e3 / clock['median_hz']:.4g} ms"
+        f"steps of {1e3 / clock['median_hz']:.4g} ms, 98 % of them within "
+        f"{100 * jitter_s * clock['median_hz']:.2g} % of that"
     )
     if clock["unordered_samples"]:
         yield f"samples out of order, sorted by time: {clock['unordered_samples']}"
