@@ -45,7 +45,7 @@ def calibrate_from_files(
     published : FILE
         Numbers to fit; by default what ``fprc config published`` prints.
     minutes : float, optional
-        Time limit; by default the configuration's.
+        Time limit of the searches, by default the configuration's; judging their rigs takes more.
     workers : int, optional
         Processes; by default one per processor.
 

@@ -122,7 +122,7 @@ def hysteresis_law(
 ) -> Law:
     """Return the law with setpoints P_exp(k) and P_i(k) = K_in theta(k).
 
-    P_i is clamped between 0 and the reservoir's limit (Sec. II-B, Eq. 1). ``p_exp_kpa`` has one
+    P_i is Eq. (1), clamped between 0 and the reservoir's limit (Sec. II-B). ``p_exp_kpa`` has one
     number per sample.
     """
     commands = np.asarray(p_exp_kpa, dtype=float).tolist()

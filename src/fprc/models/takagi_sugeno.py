@@ -23,8 +23,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
 
     P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
 
-    The 1 is missing in the last line of Eq. (12) as printed, but not in the line before it and in
-    Eq. (7).
+    The second form of Eq. (12) lacks the 1; its first form and Eq. (7) have it.
 
     Parameters
     ----------

@@ -36,7 +36,13 @@ def calibrate(
             "control.feedforward.adapt: a fit compares with the paper, whose models do not learn "
             "while they run; set it to false"
         )
-    best, summary = fit_rig(read_yaml(published), RigSettings(**on_rig), **how)
+    models_of_rigs = logging.getLogger("fprc.experiments")
+    level = models_of_rigs.level
+    models_of_rigs.setLevel(logging.WARNING)  # lines on hundreds of rigs would hide the search's
+    try:
+        best, summary = fit_rig(read_yaml(published), RigSettings(**on_rig), **how)
+    finally:
+        models_of_rigs.setLevel(level)
     write_json(report, summary)
     start = list(dict.fromkeys([*began["to"], *began["start"]]))
     write_text(fitted, parameter_file(best, summary, Path(fitted).stem, start))
