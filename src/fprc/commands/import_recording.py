@@ -157,6 +157,8 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         name: (other_quantity(name) if spec["unit"] == "1" else "") + spec["note"]
         for name, spec in columns.items()
     }
+    filled = [line.removeprefix("clock: ") for line in lines if line.startswith("clock: gaps")]
+    notes["time_s"] = "".join(filled)
     attributes: dict[str, Any] = {
         "experiment": mapping.experiment,
         "source": "import",

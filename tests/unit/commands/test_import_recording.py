@@ -31,8 +31,9 @@ COMMAND = {"column": "p_exp_command_kpa", "unit": "kPa"}
 def bring(recorded, tmp_path, undrawn):
     """Import a simulated sweep, written as CSV, with the given channels."""
 
-    def bring(channels, **more):
-        pd.DataFrame(recorded["sweep"]).to_csv(tmp_path / "log.csv", index=False)
+    def bring(channels, lost=slice(0), **more):
+        table = pd.DataFrame(recorded["sweep"])
+        table.drop(index=table.index[lost]).to_csv(tmp_path / "log.csv", index=False)
         mapping = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
         raw = tmp_path / "sweep.h5"
@@ -135,6 +136,14 @@ def imported(folder, channels, time=None, source="log.csv"):
 
 
 # --- what may be absent ---------------------------------------------------------------------
+
+
+def test_gap_that_is_filled_is_noted_in_the_log(bring):
+    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, lost=slice(1000, 1300))
+    log = read_raw(raw, **RATE)
+    assert len(log.channels["time_s"]) == 4000
+    noted = assess(log, sample_rate_hz=200.0, **LIMITS)["notes"]["time_s"]
+    assert "gaps, filled by linear interpolation: 1, about 300 samples" in noted
 
 
 def test_newtons_are_not_taken_for_kilopascals_and_not_mixed_with_them(bring, caplog):
