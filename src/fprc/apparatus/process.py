@@ -161,7 +161,7 @@ def _keeping(
         # not `done % tenth`: missed ticks can skip the multiples
         if done // tenth > printed:
             printed = done // tenth
-            log.info("%3.0f of %3.0f s", done * period_s, samples * period_s)
+            log.info("%.3g of %.3g s", done * period_s, samples * period_s)
 
     return keep
 

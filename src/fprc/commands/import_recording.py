@@ -270,6 +270,12 @@ def draft_map(content: Source) -> str:
         )
         lines.append(f"time: {{column: {_quoted(clock or '')}, unit: {guess[1]}}}")
     else:
+        for name, values in columns.items():
+            (back,) = np.nonzero(np.diff(values) < 0.0)
+            if back.size and _guess_rate(values[: back[0] + 1]):
+                lines.append(
+                    f"# {visible(name)} goes back at sample {back[0] + 1}: a clock's reset?"
+                )
         lines.append('time: {rate_hz: "?"}  # or column and unit')
     lines.append("channels:")
     for channel in CHANNELS:

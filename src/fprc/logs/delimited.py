@@ -237,7 +237,8 @@ def _numbers_of(
             row = max(failed)  # with the decimal mark that fails last
             others[name] = (
                 f"line {lines[row]} holds {texts[row]!r}, not a number; if the file is right, set "
-                "csv.decimal or csv.data_line, and remove marks between thousands"
+                "csv.decimal or csv.data_line, remove marks between thousands, and write dates as "
+                "seconds"
             )
     marks = {mark for mark, _ in marked.values()}
     texts = [text for name in marked for text in columns[name]]

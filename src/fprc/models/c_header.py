@@ -201,7 +201,7 @@ def _describe_inputs(model: SequenceModel) -> list[str]:
 
 def _comment(text: str) -> str:
     """Return text on one line that cannot end a comment in C."""
-    return re.sub(r"[^\w .,:;=()+-]", "_", " ".join(text.split()), flags=re.ASCII)
+    return re.sub(r"[^\w .,:;=()\[\]{}'+-]", "_", " ".join(text.split()), flags=re.ASCII)
 
 
 def _literals(values: np.ndarray, what: str, single: bool) -> str:

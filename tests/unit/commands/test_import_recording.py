@@ -256,6 +256,14 @@ def test_draft_of_names_that_tell_all_is_a_map_that_imports(recorded, tmp_path, 
         np.testing.assert_allclose(values, sweep[name], atol=1e-6)
 
 
+def test_draft_says_where_a_clock_was_reset(recorded, tmp_path, capsys):
+    table = pd.DataFrame(recorded["sweep"])[["time_s", "theta_deg", "p_exp_kpa", "p_o_kpa"]]
+    table.loc[2500:, "time_s"] -= 12.5
+    table.to_csv(tmp_path / "arm.csv", index=False)
+    assert main(["import", str(tmp_path / "arm.csv"), "--draft"]) == 0
+    assert "# time_s goes back at sample 2500: " in capsys.readouterr().out
+
+
 @given(name=st.text(min_size=1).filter(lambda name: name.isprintable()))
 def test_draft_quotes_any_name_as_yaml(name):
     assert yaml.safe_load(_quoted(name)) == name
