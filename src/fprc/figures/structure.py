@@ -167,8 +167,9 @@ def plot_mapping(
     loop.set(xlabel="$P_i$ [kPa]", ylabel="$P_o$ [kPa]")
     for letter, (p_i, p_o, _) in states.items():
         loop.plot(p_i, p_o, "o", color="black", markersize=2.5)
-        loop.annotate(f"({letter})", (p_i, p_o), (-1, 1), textcoords="offset points",
-                      ha="right", va="bottom")  # fmt: skip
+        # beside the loops: on the left of their lower end, on the right of their upper one
+        at, ha = ((-1, 4), "right") if letter == "b" else ((3, 0), "left")
+        loop.annotate(f"({letter})", (p_i, p_o), at, textcoords="offset points", ha=ha, va="center")
 
 
 def _plot_driven(ax: Axes, body: Body, fullness: float) -> None:
