@@ -140,7 +140,9 @@ def report_readout(
         write_text(page, report_page(parts, map_, mapping, settings, folder, results))
         verdicts = competitors["verdicts"]
         log.info("%s", answer(verdicts).replace("**", ""))
-        for line in (*cautions(folder, settings), *sentences(verdicts)):
+        for line in cautions(folder, settings):
+            log.info("Doubtful: %s", line)
+        for line in sentences(verdicts):
             log.info("%s", line)
         log.info("%s", page)
         lock.unlink()
@@ -161,7 +163,7 @@ def _refuse_leftovers(raw: Path, parts: Mapping[str, Recordings]) -> None:
     ]
     if left:
         raise LogError(
-            f"{', '.join(left)}: from an earlier run with other recordings; delete it or choose "
+            f"{', '.join(left)}: from an earlier run with other recordings; delete them or choose "
             "another --out"
         )
 
