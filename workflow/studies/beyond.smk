@@ -17,12 +17,11 @@ FIGURES_BEYOND = {
 PAGES_BEYOND = (
     "claims tracking models offsets capacities lengths worlds beside fitted details leaderboard"
 ).split()
-CONTEST = {
-    "models": paper_models(SETTINGS),
-    "tracking": SETTINGS["tracking"],
-    "restarts": BEYOND["restarts"],
-    **BEYOND["disturbances"],
+#: Settings of the models and of their competitors, with their own number of starts of a clustering.
+CONTESTANTS = paper_models(SETTINGS) | {
+    "fprc": SETTINGS["models"]["fprc"] | {"restarts": BEYOND["restarts"]}
 }
+CONTEST = {"models": CONTESTANTS, "tracking": SETTINGS["tracking"], **BEYOND["disturbances"]}
 
 
 wildcard_constraints:
@@ -113,8 +112,7 @@ LONG_JOBS["tune_world"] = long_spec(
     units=units_of_tuning,
     candidates=BEYOND["tuning"]["candidates"],
     seed=BEYOND["tuning"]["seed"],
-    restarts=BEYOND["restarts"],
-    judgement=judgement(SETTINGS, models=paper_models(SETTINGS), split="blocked"),
+    judgement=judgement(SETTINGS, models=CONTESTANTS, split="blocked"),
 )
 
 
