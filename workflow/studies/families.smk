@@ -47,7 +47,7 @@ CHUNK_FILES = {
 FAMILY_TABLES = ("errors", "claims", "answer")
 
 
-rule replicate_on_rig:
+use rule replicate as replicate_on_rig with:
     output:
         compared=PATHS.below("rigs/{rig}/models_{seed}.json"),
         cells=PATHS.below("rigs/{rig}/grids_{seed}.json"),
@@ -56,21 +56,14 @@ rule replicate_on_rig:
         PATHS.messages("replicate_on_rig_{rig}_{seed}"),
     wildcard_constraints:
         rig="|".join(OTHER_RIGS) or "none",
-    resources:
-        mem_mb=2000,
-        runtime=60,
     params:
         **stage("replicate.replicate", *MODELS),
         on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
         judgement=lambda wildcards: judgement(
             SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
         ),
-        values=pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y"),
-        tracking=SETTINGS["tracking"],
     message:
         "Rig {wildcards.rig}: tables, grids and closed loops with seed {wildcards.seed}"
-    script:
-        "../scripts/stage.py"
 
 
 wildcard_constraints:
@@ -88,10 +81,7 @@ LONG_JOBS["judge_family"] = judgement_spec(
     threads=1,  # the chunks run side by side
     families=lambda wildcards: [family_named(wildcards.family)],
     units=lambda wildcards: CHUNKS[wildcards.family][int(wildcards.chunk)],
-    how={
-        "tracking": SETTINGS["tracking"],
-        "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
-    },
+    how={"tracking": SETTINGS["tracking"], "judgement": EVERY_SEED["judgement"]},
 )
 
 
