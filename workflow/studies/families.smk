@@ -85,29 +85,25 @@ LONG_JOBS["judge_family"] = judgement_spec(
 )
 
 
-rule families_summary:
-    input:
+STUDY_RESULTS["families_summary"] = result_spec(
+    "families/summary",
+    "verdicts",
+    "Families of rigs",
+    {
         **CHUNK_FILES,
-        published=PUBLISHED,
-        models=on_rigs("models"),
-        grids=on_rigs("grids"),
-        controls=on_rigs("control"),
-    output:
-        summary=PATHS.below("families/summary.json"),
-    log:
-        PATHS.messages("families_summary"),
-    params:
-        **stage("studies.families.compare_families"),
-        named=lambda wildcards: {
-            SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
-            **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
-        },
-        sets=SETS,
-    message:
-        "Families of rigs: verdicts"
-    script:
-        "../scripts/stage.py"
-
+        "published": PUBLISHED,
+        "models": on_rigs("models"),
+        "grids": on_rigs("grids"),
+        "controls": on_rigs("control"),
+    },
+    {"summary": PATHS.below("families/summary.json")},
+    **stage("studies.families.compare_families"),
+    named=lambda wildcards: {
+        SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
+        **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
+    },
+    sets=SETS,
+)
 
 for table in FAMILY_TABLES:
     STUDY_RESULTS[f"families_{table}"] = table_spec(
@@ -130,7 +126,6 @@ STUDY_TARGETS |= {
     "families": [
         *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
         PATHS.below("families/figure.pdf"),
-        *sum(CHUNK_FILES.values(), []),
-        *sum(map(on_rigs, ("models", "grids", "control")), []),
+        *STUDY_RESULTS["families_summary"].given.values(),
     ],
 }
