@@ -45,7 +45,7 @@ def judge_by_surrogate(
     on_rig: RigSettings,
     seed: int,
     models: Mapping[str, Any],
-    surrogate: Mapping[str, int],
+    surrogate: Mapping[str, Any],
     grids: Mapping[str, Sequence[float]],
     tracking: Mapping[str, Any],
     measures: Collection[str],
@@ -56,9 +56,9 @@ def judge_by_surrogate(
     Parameters
     ----------
     surrogate : Mapping
-        ``stride``, ``esn_nodes`` and ``restarts``.
+        ``stride``, ``esn_nodes``, ``restarts``, and ``taps``, the values of n_u and n_y.
     grids : Mapping
-        Values of ``epsilon``, falling, and of ``n_c``, ``n_u`` and ``n_y``, rising.
+        Values of ``epsilon`` and ``n_c``.
     tracking : Mapping
         Section ``tracking`` of the configuration.
     measures : collection of str
@@ -74,10 +74,10 @@ def judge_by_surrogate(
         and of ``measures``: ``shares``, that of P_o in the weights over theta_d's, and the share of
         the ``bias``; ``halves``, the error in the second half of the sweep over that in the first,
         by model; test errors of ``substitutes`` for P_o or for the rules, by "trained on/model";
-        training errors over ``epsilon``; errors over ``n_c`` by model and phase; training errors
-        over ``taps``, of shape (n_u, n_y); RMSE by reference in the loops of ``LOOPS``, deg;
-        with ``open_loop``, ``courses`` by reference, see ``objective.numbers_of``; and in
-        ``control`` what ``measure_control`` returns for FPRC.
+        training errors over falling ``epsilon``; errors over rising ``n_c`` by model and phase;
+        training errors over rising ``taps``, of shape (n_u, n_y); RMSE by reference in the loops of
+        ``LOOPS``, deg; with ``open_loop``, ``courses`` by reference, see ``objective.numbers_of``;
+        and in ``control`` what ``measure_control`` returns for FPRC.
     """
     logs = simulate(on_rig, seed)
     thinned = _Thinned(
@@ -114,16 +114,19 @@ def judge_by_surrogate(
                 readout = thinned.readout(other, train, f"{train}, {name}")
                 judged["substitutes"][f"{train}/{name}"] = other.error(readout, test)
     if "epsilon" in measures:
-        judged["epsilon"] = [thinned.training_error(epsilon=value) for value in grids["epsilon"]]
+        judged["epsilon"] = [
+            thinned.training_error(epsilon=value)
+            for value in sorted(grids["epsilon"], reverse=True)
+        ]
     if "n_c" in measures:
         judged["n_c"] = {
-            name: thinned.over_rules(prepared[name], name, grids["n_c"])
+            name: thinned.over_rules(prepared[name], name, sorted(grids["n_c"]))
             for name in ("fprc", "fuzzy_linear")
         }
     if "taps" in measures:
+        sizes = sorted(surrogate["taps"])
         judged["taps"] = [
-            [thinned.training_error(n_u=n_u, n_y=n_y) for n_y in grids["n_y"]]
-            for n_u in grids["n_u"]
+            [thinned.training_error(n_u=n_u, n_y=n_y) for n_y in sizes] for n_u in sizes
         ]
     if not {*LOOPS, "control"}.isdisjoint(measures):
         model = prepared["fprc"].fitted(readouts["sweep", "fprc"])
@@ -141,7 +144,7 @@ def judge_by_surrogate(
     return judged
 
 
-def _adapted(models: Mapping[str, Any], surrogate: Mapping[str, int]) -> dict[str, Any]:
+def _adapted(models: Mapping[str, Any], surrogate: Mapping[str, Any]) -> dict[str, Any]:
     """Return the section ``models``, with the surrogate's ridge, nodes and starts."""
     return {
         **models,
