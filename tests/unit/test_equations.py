@@ -19,7 +19,7 @@ PAPER = {
 NAMED = {
     "control.loop.hysteresis_law": {"P_i"},
     "evaluation.weights.normalised_weights": {"min-max", "weight shares"},
-    "studies.calibration.surrogate._FuzzyModels.shares": {"min-max", "weight shares"},
+    "studies.calibration.surrogate._Thinned.shares": {"min-max", "weight shares"},
     "models.echo.echo_states": {"x(k+1)"},
     "models.echo.update": {"x(k+1)"},
     "models.esn.ESN": {"x(k+1)", "P_ff of the ESN", "ridge of the ESN"},

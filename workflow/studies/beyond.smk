@@ -17,12 +17,11 @@ FIGURES_BEYOND = {
 PAGES_BEYOND = (
     "claims tracking models offsets capacities lengths worlds beside fitted details leaderboard"
 ).split()
-CONTEST = {
-    "models": paper_models(SETTINGS),
-    "tracking": SETTINGS["tracking"],
-    "restarts": BEYOND["restarts"],
-    **BEYOND["disturbances"],
+#: Settings of the models and of their competitors, with their own number of starts of a clustering.
+CONTESTANTS = paper_models(SETTINGS) | {
+    "fprc": SETTINGS["models"]["fprc"] | {"restarts": BEYOND["restarts"]}
 }
+CONTEST = {"models": CONTESTANTS, "tracking": SETTINGS["tracking"], **BEYOND["disturbances"]}
 
 
 wildcard_constraints:
@@ -113,50 +112,38 @@ LONG_JOBS["tune_world"] = long_spec(
     units=units_of_tuning,
     candidates=BEYOND["tuning"]["candidates"],
     seed=BEYOND["tuning"]["seed"],
-    restarts=BEYOND["restarts"],
-    judgement=judgement(SETTINGS, models=paper_models(SETTINGS), split="blocked"),
+    judgement=judgement(SETTINGS, models=CONTESTANTS, split="blocked"),
 )
 
 
-rule join_tuned:
-    input:
-        tunings=expand(PATHS.below("beyond/tuning_{world}.json"), world=FAMILIES),
-    output:
-        tuned=PATHS.below("beyond/tuned.yaml"),
-    log:
-        PATHS.messages("join_tuned"),
-    params:
-        **stage("studies.beyond.join_tuned"),
-    message:
-        "Beyond the paper: settings of the tuned competitors"
-    script:
-        "../scripts/stage.py"
+STUDY_RESULTS["join_tuned"] = result_spec(
+    "beyond/tuned",
+    "settings",
+    "Beyond the paper: tuned competitors",
+    {"tunings": expand(PATHS.below("beyond/tuning_{world}.json"), world=FAMILIES)},
+    {"tuned": PATHS.below("beyond/tuned.yaml")},
+    **stage("studies.beyond.join_tuned"),
+)
 
-
-STUDY_TARGETS["tuned"] = PATHS.below("beyond/tuned.yaml")
-
-
-rule beyond_tables:
-    input:
-        families=expand(PATHS.below("beyond/{world}.json"), world=FAMILIES),
-        capacity=PATHS.below("beyond/capacity.json"),
-        training=PATHS.below("beyond/training_logs.json"),
-        steps=PATHS.below("beyond/steps.json"),
-        over_settings=PATHS.below("beyond/settings.json"),
-    output:
+STUDY_RESULTS["beyond_tables"] = result_spec(
+    "beyond/claims",
+    "tables",
+    "Beyond the paper: claims B1 to B8",
+    {
+        "families": expand(PATHS.below("beyond/{world}.json"), world=FAMILIES),
+        "capacity": PATHS.below("beyond/capacity.json"),
+        "training": PATHS.below("beyond/training_logs.json"),
+        "steps": PATHS.below("beyond/steps.json"),
+        "over_settings": PATHS.below("beyond/settings.json"),
+    },
+    {
         **{name: PATHS.below(f"beyond/{name}.csv") for name in (*PAGES_BEYOND[:6], "settings")},
-        verdicts=PATHS.below("beyond/claims.json"),
-        pages=expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
-    log:
-        PATHS.messages("beyond_tables"),
-    params:
-        **stage("studies.show_beyond.tabulate_beyond"),
-        family=CONFIGURED_FAMILY,
-    message:
-        "Beyond the paper: claims B1 to B8, tables"
-    script:
-        "../scripts/stage.py"
-
+        "verdicts": PATHS.below("beyond/claims.json"),
+        "pages": expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
+    },
+    **stage("studies.show_beyond.tabulate_beyond"),
+    family=CONFIGURED_FAMILY,
+)
 
 for figure, (table, words) in FIGURES_BEYOND.items():
     STUDY_RESULTS[f"draw_{figure}"] = figure_spec(
@@ -169,8 +156,11 @@ for figure, (table, words) in FIGURES_BEYOND.items():
     )
 
 
-STUDY_TARGETS["beyond"] = [
-    PATHS.below("beyond/claims.json"),
-    *expand(PATHS.below("beyond/figure_{name}.pdf"), name=FIGURES_BEYOND),
-    *rules.beyond_tables.input,
-]
+STUDY_TARGETS |= {
+    "tuned": PATHS.below("beyond/tuned.yaml"),
+    "beyond": [
+        PATHS.below("beyond/claims.json"),
+        *expand(PATHS.below("beyond/figure_{name}.pdf"), name=FIGURES_BEYOND),
+        *STUDY_RESULTS["beyond_tables"].given.values(),
+    ],
+}

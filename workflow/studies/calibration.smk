@@ -39,12 +39,8 @@ LONG_JOBS["measure_sensitivity"] = long_spec(
     how={
         "models": paper_models(SETTINGS),
         "tracking": SETTINGS["tracking"],
-        "surrogate": pick(SETTINGS["calibration"], "stride", "esn_nodes", "restarts"),
-        "grids": {
-            "epsilon": sorted(SETTINGS["grids"]["epsilon"], reverse=True),
-            "n_c": sorted(SETTINGS["grids"]["n_c"]),
-            **dict.fromkeys(("n_u", "n_y"), sorted(SETTINGS["calibration"]["taps"])),
-        },
+        "surrogate": pick(SETTINGS["calibration"], "stride", "esn_nodes", "restarts", "taps"),
+        "grids": pick(SETTINGS["grids"], "epsilon", "n_c"),
     },
 )
 
@@ -123,10 +119,10 @@ STUDY_TARGETS |= {
         PATHS.below("calibration/sensitivity.md"),
         PATHS.below("calibration/sensitivity_figure.pdf"),
         PATHS.below("calibration/stop.md"),
+        *LONG_JOBS["measure_sensitivity"].made.values(),
     ],
     "targets": [
         PATHS.below("calibration/targets.md"),
-        *PLAN.replicates("models", TARGET_NAMES),
-        *PLAN.replicates("control", TARGET_NAMES),
+        *STUDY_RESULTS["targets_table"].given.values(),
     ],
 }

@@ -38,7 +38,7 @@ def family_named(name):
     }
 
 
-#: Long jobs, and tables and figures of the studies, by their rules, and the files of each target;
+#: Long jobs, and results of the studies, by their rules, and the files of each target;
 #: rows.smk has the rules.
 LONG_JOBS, STUDY_RESULTS, STUDY_TARGETS = {}, {}, {}
 

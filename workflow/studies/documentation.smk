@@ -3,8 +3,8 @@
 
 #: The documentation shows the results of the paper's settings, in the checkout.
 SHOWN = RESULTS == "results" and IN_CHECKOUT
-#: By rule: pages of the documentation, their tables by the blocks, and their figures by the pictures
-#: in docs.
+#: By rule: pages of the documentation, their tables by the blocks, their figures by the pictures in
+#: docs, and the targets that make these.
 SHOWN_ON = {
     "calibration_page": SimpleNamespace(
         pages=["docs/calibration.md"],
@@ -15,12 +15,7 @@ SHOWN_ON = {
             "docs/images/sensitivity.png": PATHS.below("calibration/sensitivity_figure.png"),
             "docs/images/channels.png": PATHS.below("calibration/channels.png"),
         },
-        made_from=[
-            *CHUNK_FILES.values(),
-            PATHS.below("calibration/sensitivity.json"),
-            *PLAN.replicates("models", TARGET_NAMES),
-            *PLAN.replicates("control", TARGET_NAMES),
-        ],
+        targets=["families", "sensitivity", "targets"],
     ),
     "beyond_page": SimpleNamespace(
         pages=["docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
@@ -29,17 +24,18 @@ SHOWN_ON = {
             f"docs/images/beyond_{name}.png": PATHS.below(f"beyond/figure_{name}.png")
             for name in FIGURES_BEYOND
         },
-        made_from=[],
+        targets=["beyond"],
     ),
     "drift_page": SimpleNamespace(
         pages=["docs/drift.md"],
         tables=by_block("online", ("verdicts", "errors")),
         figures={"docs/images/drift.png": PATHS.below("online/figure.png")},
-        made_from=expand(PATHS.below("online/{world}.json"), world=FAMILIES),
+        targets=["online"],
     ),
 }
 
 if "readme" not in PLAN.unavailable:
+    MOVING = {kind: PATHS.below(f"figures/moving.{kind}") for kind in ("gif", "png")}
     SHOWN_ON["readme"] = SimpleNamespace(
         pages=["README.md", "docs/results.md"],
         tables={
@@ -47,10 +43,7 @@ if "readme" not in PLAN.unavailable:
             "verdicts": PATHS.below("claims.json"),
         },
         figures={
-            **{
-                f"docs/images/moving.{kind}": PATHS.below(f"figures/moving.{kind}")
-                for kind in ("gif", "png")
-            },
+            **{f"docs/images/moving.{kind}": path for kind, path in MOVING.items()},
             **{
                 f"docs/images/fig{number:02}.png": PATHS.below(
                     BY_NAME[f"fig{number}"].files[0].replace(".pdf", ".png")
@@ -58,25 +51,17 @@ if "readme" not in PLAN.unavailable:
                 for number in (1, 2, 7)
             },
         },
-        made_from=TARGETS["report"],
+        targets=["report"],
     )
 
-    rule moving_picture:
-        input:
-            run=PATHS.log("track_sine_0p5_fprc_pd"),
-            alone=PATHS.log("track_sine_0p5_pd"),
-        output:
-            gif=PATHS.below("figures/moving.gif"),
-            png=PATHS.below("figures/moving.png"),
-        log:
-            PATHS.messages("moving_picture"),
-        params:
-            **stage("studies.moving_picture.draw_moving_picture"),
-        message:
-            "Moving picture: actuator, reservoir and tracking"
-        script:
-            "../scripts/stage.py"
-
+    STUDY_RESULTS["moving_picture"] = result_spec(
+        "figures/moving",
+        "moving picture",
+        "Actuator, reservoir and tracking",
+        {"run": PATHS.log("track_sine_0p5_fprc_pd"), "alone": PATHS.log("track_sine_0p5_pd")},
+        MOVING,
+        **stage("studies.moving_picture.draw_moving_picture"),
+    )
 
 for rule_name, shown in SHOWN_ON.items():
 
@@ -86,7 +71,7 @@ for rule_name, shown in SHOWN_ON.items():
         input:
             **shown.tables,
             figures=list(shown.figures.values()),
-            made_from=shown.made_from,
+            made_from=[(STUDY_TARGETS | TARGETS)[target] for target in shown.targets],
         log:
             PATHS.messages(rule_name),
         localrule: True

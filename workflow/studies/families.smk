@@ -47,7 +47,7 @@ CHUNK_FILES = {
 FAMILY_TABLES = ("errors", "claims", "answer")
 
 
-rule replicate_on_rig:
+use rule replicate as replicate_on_rig with:
     output:
         compared=PATHS.below("rigs/{rig}/models_{seed}.json"),
         cells=PATHS.below("rigs/{rig}/grids_{seed}.json"),
@@ -56,21 +56,14 @@ rule replicate_on_rig:
         PATHS.messages("replicate_on_rig_{rig}_{seed}"),
     wildcard_constraints:
         rig="|".join(OTHER_RIGS) or "none",
-    resources:
-        mem_mb=2000,
-        runtime=60,
     params:
         **stage("replicate.replicate", *MODELS),
         on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
         judgement=lambda wildcards: judgement(
             SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
         ),
-        values=pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y"),
-        tracking=SETTINGS["tracking"],
     message:
         "Rig {wildcards.rig}: tables, grids and closed loops with seed {wildcards.seed}"
-    script:
-        "../scripts/stage.py"
 
 
 wildcard_constraints:
@@ -88,36 +81,29 @@ LONG_JOBS["judge_family"] = judgement_spec(
     threads=1,  # the chunks run side by side
     families=lambda wildcards: [family_named(wildcards.family)],
     units=lambda wildcards: CHUNKS[wildcards.family][int(wildcards.chunk)],
-    how={
-        "tracking": SETTINGS["tracking"],
-        "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
-    },
+    how={"tracking": SETTINGS["tracking"], "judgement": EVERY_SEED["judgement"]},
 )
 
 
-rule families_summary:
-    input:
+STUDY_RESULTS["families_summary"] = result_spec(
+    "families/summary",
+    "verdicts",
+    "Families of rigs",
+    {
         **CHUNK_FILES,
-        published=PUBLISHED,
-        models=on_rigs("models"),
-        grids=on_rigs("grids"),
-        controls=on_rigs("control"),
-    output:
-        summary=PATHS.below("families/summary.json"),
-    log:
-        PATHS.messages("families_summary"),
-    params:
-        **stage("studies.families.compare_families"),
-        named=lambda wildcards: {
-            SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
-            **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
-        },
-        sets=SETS,
-    message:
-        "Families of rigs: verdicts"
-    script:
-        "../scripts/stage.py"
-
+        "published": PUBLISHED,
+        "models": on_rigs("models"),
+        "grids": on_rigs("grids"),
+        "controls": on_rigs("control"),
+    },
+    {"summary": PATHS.below("families/summary.json")},
+    **stage("studies.families.compare_families"),
+    named=lambda wildcards: {
+        SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
+        **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
+    },
+    sets=SETS,
+)
 
 for table in FAMILY_TABLES:
     STUDY_RESULTS[f"families_{table}"] = table_spec(
@@ -140,7 +126,6 @@ STUDY_TARGETS |= {
     "families": [
         *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
         PATHS.below("families/figure.pdf"),
-        *sum(CHUNK_FILES.values(), []),
-        *sum(map(on_rigs, ("models", "grids", "control")), []),
+        *STUDY_RESULTS["families_summary"].given.values(),
     ],
 }

@@ -37,4 +37,5 @@ STUDY_RESULTS["online_figure"] = figure_spec(
 STUDY_TARGETS["online"] = [
     *expand(PATHS.below("online/{table}.md"), table=("verdicts", "errors")),
     PATHS.below("online/figure.pdf"),
+    *STUDY_RESULTS["online_errors"].given.values(),
 ]

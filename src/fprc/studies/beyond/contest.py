@@ -16,7 +16,7 @@ from fprc.experiments.settings import RigSettings, Unit
 from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
-from fprc.registry import COMPETITORS, build, entry_of, parameters_of
+from fprc.registry import COMPETITORS, build, entry_of
 
 #: Models judged on every rig: those that a claim compares, and one competitor of every other kind.
 BRIEF = (
@@ -47,7 +47,6 @@ class Contest(NamedTuple):
 
     models: Mapping[str, Any]  #: section ``models`` of the configuration
     tuned: Mapping[str, Any]  #: settings that differ from the defaults, by name with suffix
-    restarts: int  #: starts of every fuzzy clustering
     tracking: Mapping[str, Any]  #: section of the configuration
     shifts_kpa: Sequence[float]  #: constant offsets of P_o
     drift_kpa: float  #: fall of P_o over the test log
@@ -55,15 +54,7 @@ class Contest(NamedTuple):
 
     def build(self, name: str, seed: int) -> SequenceModel:
         """Return the unfitted model of that name."""
-        return build_with(self.restarts, name, self.models, seed, self.tuned.get(name, {}))
-
-
-def build_with(
-    restarts: int, name: str, models: Mapping[str, Any], seed: int, settings: Mapping[str, Any]
-) -> SequenceModel:
-    """Return an unfitted model with some settings, and starts of its clustering if it has one."""
-    clusters = "restarts" in parameters_of(name, models)
-    return build(name, models, seed, **settings, **({"restarts": restarts} if clusters else {}))
+        return build(name, self.models, seed, **self.tuned.get(name, {}))
 
 
 def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[dict[str, Any]]:
@@ -120,13 +111,11 @@ def judge_rig(
         str(float(shift)): {name: inputs + [0.0, shift] for name, inputs in followed.items()}
         for shift in contest.shifts_kpa
     }
-    fprc = _trained("fprc", sweep, complex_, contest, seed)
     disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
     judged = {}
     for name in names:
         try:
-            trained = fprc if name == "fprc" else _trained(name, sweep, complex_, contest, seed)
-            model, errors = trained
+            model, errors = _trained(name, sweep, complex_, contest, seed)
             report: dict[str, Any] = {"forward": errors}
             if name not in FORWARD_ONLY:
                 _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
@@ -135,7 +124,7 @@ def judge_rig(
                 report["tracked_shifted"] = {
                     shift: _follow(bench, model, name, inputs) for shift, inputs in shifted.items()
                 }
-            judged[name] = report | _with_disturbed_p_o(model, name, disturbed, complex_, contest)
+            judged[name] = report | _with_disturbed_p_o(model, name, disturbed)
         except (FprcError, ValueError, np.linalg.LinAlgError) as error:
             judged[name] = {"failed": in_one_line(error)}
     return judged
@@ -203,14 +192,12 @@ def judge_settings(
         ``setting``, ``value``, and the error of each of the two models, kPa.
     """
     on_rig, seed = unit.rigs[0]
-    logs, models = simulate(on_rig, seed), contest["models"]
+    logs, entered = simulate(on_rig, seed), Contest(**contest, tuned=unit.family["tuned"])
     cells = []
     for setting, values in grids.items():
         for value in values:
-            fprc = {**models["fprc"], setting: value}
-            changed = Contest(
-                **{**contest, "models": {**models, "fprc": fprc}}, tuned=unit.family["tuned"]
-            )
+            fprc = {**entered.models["fprc"], setting: value}
+            changed = entered._replace(models={**entered.models, "fprc": fprc})
             errors = {
                 name: _trained(name, logs["sweep"], logs["complex"], changed, seed)[1]
                 for name in ("fprc", "fprc_lowpass")
@@ -249,42 +236,37 @@ def _follow(
 
 def _disturbed(
     on_rig: RigSettings, seed: int, test: Data, bench: Track, contest: Contest
-) -> dict[str, Data]:
-    """Return the test log with a P_o that drifts, is noisier, or whose reservoir is pushed."""
+) -> dict[str, dict[str, Data]]:
+    """Return the test log with a shifted P_o, and one that drifts, is noisier, or is pushed."""
     p_o_kpa = test.channels["p_o_kpa"]
     samples = len(p_o_kpa)
     ramp = np.linspace(0.0, -contest.drift_kpa, samples)
     noise = contest.noise_kpa * np.random.default_rng([seed, _NOISE]).standard_normal(samples)
     signal, pushes = on_rig.signals["complex"], bench.pushes(samples)
     pushed = acquire("complex", signal, on_rig.control, on_rig.rig, seed, pushes=pushes)
+    found = {
+        "shifted": {str(float(shift)): p_o_kpa + shift for shift in contest.shifts_kpa},
+        "disturbed": {
+            "drift": p_o_kpa + ramp, "noise": p_o_kpa + noise, "pushed": pushed["p_o_kpa"]
+        },
+    }  # fmt: skip
     return {
-        "drift": _with_p_o(test, p_o_kpa + ramp),
-        "noise": _with_p_o(test, p_o_kpa + noise),
-        "pushed": _with_p_o(test, pushed["p_o_kpa"]),
+        measure: {
+            kind: test._replace(channels={**test.channels, "p_o_kpa": values})
+            for kind, values in of_measure.items()
+        }
+        for measure, of_measure in found.items()
     }
-
-
-def _with_p_o(log: Data, p_o_kpa: np.ndarray) -> Data:
-    return log._replace(channels={**log.channels, "p_o_kpa": p_o_kpa})
 
 
 def _with_disturbed_p_o(
-    model: SequenceModel,
-    name: str,
-    disturbed: Mapping[str, Data],
-    test: Data,
-    contest: Contest,
+    model: SequenceModel, name: str, disturbed: Mapping[str, Mapping[str, Data]]
 ) -> dict[str, dict[str, float] | None]:
     if "p_o_kpa" not in entry_of(name).inputs:
-        return {"shifted": None, "disturbed": None}
-    p_o = test.channels["p_o_kpa"]
-    shifted = {
-        str(float(shift)): _error(model, name, _with_p_o(test, p_o + shift))
-        for shift in contest.shifts_kpa
-    }
+        return dict.fromkeys(disturbed)
     return {
-        "shifted": shifted,
-        "disturbed": {kind: _error(model, name, log) for kind, log in disturbed.items()},
+        measure: {kind: _error(model, name, log) for kind, log in logs.items()}
+        for measure, logs in disturbed.items()
     }
 
 

@@ -5,7 +5,6 @@ A family has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitt
 ``training_length`` and ``step_us``.
 """
 
-import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -78,24 +77,25 @@ def measured(family: Mapping[str, Any]) -> pd.DataFrame:
         ``open_loop`` and ``closed_loop`` (root mean square over the four references, deg),
         ``shifted/KPA`` and ``disturbed/KIND`` (forward test RMSE, kPa), and ``open_loop/KPA`` and
         ``closed_loop/KPA`` with P_o shifted.
-        A number that is missing, not finite or not positive has no row.
+        What was not measured has no row, and neither has a model that could not be judged.
     """
     rows = [
         (cell["unit"], cell["seed"], model, measure, float(value))
         for cell in family["cells"]
         for model, report in cell.get("models", {}).items()
         for measure, value in _numbers(report)
-        if _is_usable(value)
     ]
     return pd.DataFrame(rows, columns=["unit", "seed", "model", "measure", "value"])
 
 
-def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    yield "train", (report.get("forward") or {}).get("train_rmse_kpa")
+def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+    if "forward" in report:
+        yield "train", report["forward"]["train_rmse_kpa"]
     for direction in ("forward", "reversed"):
-        yield direction, (report.get(direction) or {}).get("test_rmse_kpa")
+        if direction in report:
+            yield direction, report[direction]["test_rmse_kpa"]
     yield from _tracking(report)
-    for offset, errors in (report.get("tracked_shifted") or {}).items():
+    for offset, errors in report.get("tracked_shifted", {}).items():
         yield from ((f"{loop}/{float(offset):g}", value) for loop, value in _tracking(errors))
     for offset, value in (report.get("shifted") or {}).items():
         yield f"shifted/{float(offset):g}", value
@@ -106,18 +106,13 @@ def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 def _tracking(report: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     """Give the root mean square over the four references of each loop, deg."""
     for loop in LOOPS:
-        errors = report.get(f"{loop}_deg") or {}
-        if all(_is_usable(errors.get(name)) for name in REFERENCES):
-            yield loop, over_references(errors)
+        if f"{loop}_deg" in report:
+            yield loop, over_references(report[f"{loop}_deg"])
 
 
 def over_references(errors_deg: Mapping[str, float]) -> float:
     """Return the root mean square of the errors over the references of Table IV."""
     return rms(np.array([errors_deg[name] for name in REFERENCES]))
-
-
-def _is_usable(value: Any) -> bool:
-    return isinstance(value, int | float) and math.isfinite(value) and value > 0
 
 
 def capacities(family: Mapping[str, Any]) -> pd.DataFrame:

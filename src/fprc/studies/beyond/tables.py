@@ -58,28 +58,27 @@ def models(families: Families) -> pd.DataFrame:
     return _means(families, of_family, "model", "measure")
 
 
-def models_page(table: pd.DataFrame, family: str, *, intervals: bool = False) -> pd.DataFrame:
+def models_page(table: pd.DataFrame, *, intervals: bool = False) -> pd.DataFrame:
     """Return the models of one family as a page, one row each."""
-    of_family = table[table["world"] == family]
     headings = {_heading(measure): measure for measure in MEASURES}
-    page = _wide(of_family, ["model"], "measure", headings, intervals=intervals)
-    units = of_family[of_family["measure"] != "step_us"].groupby("model")["units"]
+    page = _wide(table, ["model"], "measure", headings, intervals=intervals)
+    units = table[table["measure"] != "step_us"].groupby("model")["units"]
     words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
     page["Units"] = words.reindex(page.index).fillna("-")
     return _named(page, Model=title_of)
 
 
-def leaderboard(table: pd.DataFrame, family: str) -> pd.DataFrame:
+def leaderboard(table: pd.DataFrame) -> pd.DataFrame:
     """Return the models of one family as a page, the lowest forward test RMSE first.
 
     Models whose settings were chosen on the test log, or matched to another's, are left out.
     """
     offered = table[~table["model"].map(choice_of).isin(["oracle", "matched"])]
-    forward = offered[(offered["world"] == family) & (offered["measure"] == "forward")]
+    forward = offered[offered["measure"] == "forward"]
     order = forward.sort_values("mean", kind="stable")["model"].tolist()
     ranked = offered[offered["model"].isin(order)]
     ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
-    page = models_page(ranked, family, intervals=True)
+    page = models_page(ranked, intervals=True)
     return page[[name for name in page if not name.startswith("Closed loop")]]
 
 
@@ -154,16 +153,15 @@ def offsets(families: Families) -> pd.DataFrame:
     return _means(families, of_family, "model", "measure", "disturbance", "offset_kpa")
 
 
-def offsets_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
-    """Return one row per model and measure, one column per offset and disturbance; means alone."""
-    of_family = table[table["world"] == family]
-    offsets_kpa = sorted(of_family["offset_kpa"].unique())
+def offsets_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return one row per model and measure of one family, one column per change; means alone."""
+    offsets_kpa = sorted(table["offset_kpa"].unique())
     headings = {f"{kpa:+g}" if kpa else "0": ("none", kpa) for kpa in offsets_kpa}
-    kinds = of_family["disturbance"].unique()
+    kinds = table["disturbance"].unique()
     words = {"drift": "drift", "noise": "noise", "pushed": "push"}
     headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
     places = {measure: place for place, measure in enumerate(MEASURES)}
-    rows = of_family.sort_values("measure", key=lambda names: names.map(places), kind="stable")
+    rows = table.sort_values("measure", key=lambda names: names.map(places), kind="stable")
     shown = ["disturbance", "offset_kpa"]
     page = _wide(rows, ["model", "measure"], shown, headings, intervals=False)
     return _named(page, Model=title_of, Error=_heading)
@@ -186,14 +184,13 @@ def capacity(families: Families) -> pd.DataFrame:
     return _means(families, capacities, "set", "states", "quantity")
 
 
-def capacity_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
+def capacity_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the capacities of one family as a page, one row per set of states."""
-    of_family = table[table["world"] == family]
     # memory is the capacity of degree 1
     left_out = ("nonlinear", "degree 1")
-    quantities = [name for name in of_family["quantity"].unique() if name not in left_out]
+    quantities = [name for name in table["quantity"].unique() if name not in left_out]
     headings = {name.capitalize(): name for name in quantities}
-    page = _wide(of_family, ["set", "states"], "quantity", headings)
+    page = _wide(table, ["set", "states"], "quantity", headings)
     return _named(page, States=lambda name: SETS.get(name, name), Number=str)
 
 
@@ -223,11 +220,10 @@ def lengths(families: Families) -> pd.DataFrame:
     return _means(families, of_family, "model", "training")
 
 
-def lengths_page(table: pd.DataFrame, family: str) -> pd.DataFrame:
-    """Return one row per model and one column per length of the training log."""
-    of_family = table[table["world"] == family]
-    lengths = sorted(set(of_family["training"]), key=_seconds)
-    page = _wide(of_family, ["model"], "training", dict(zip(lengths, lengths, strict=True)))
+def lengths_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return one row per model of one family, one column per length of the training log."""
+    lengths = sorted(set(table["training"]), key=_seconds)
+    page = _wide(table, ["model"], "training", dict(zip(lengths, lengths, strict=True)))
     return _named(page, Model=title_of)
 
 
@@ -275,6 +271,7 @@ def pages(
         }
         for of_ratio in zip(*verdicts["beside"], strict=True)
     )
+    of_family = {name: table[table["world"] == family] for name, table in tables.items()}
     shown = {
         "worlds": pd.DataFrame(verdicts["worlds"]),
         "claims": claims_page(verdicts["ledgers"]),
@@ -282,15 +279,14 @@ def pages(
         "fitted": fitted_page(verdicts["ledgers"]),
         "details": details_page(verdicts["ledgers"]),
         "tracking": correlations_page(tables["tracking"]),
-        "models": models_page(tables["models"], family),
-        "offsets": offsets_page(tables["offsets"], family),
-        "capacities": capacity_page(tables["capacities"], family),
-        "lengths": lengths_page(tables["lengths"], family),
-        "leaderboard": leaderboard(tables["models"], family),
+        "models": models_page(of_family["models"]),
+        "offsets": offsets_page(of_family["offsets"]),
+        "capacities": capacity_page(of_family["capacities"]),
+        "lengths": lengths_page(of_family["lengths"]),
+        "leaderboard": leaderboard(of_family["models"]),
     }
     note = f"Data: {SOURCES[verdicts['source']]}."
-    offsets_of = tables["offsets"][tables["offsets"]["world"] == family]
-    half = float((offsets_of["high"] - offsets_of["low"]).max() / 2.0)
+    half = float((of_family["offsets"]["high"] - of_family["offsets"]["low"]).max() / 2.0)
     widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
     notes = {"offsets": f"{note} Means{widest}."}
     return {name: markdown(page, notes.get(name, note)) for name, page in shown.items()}

@@ -12,7 +12,7 @@ from sklearn.model_selection import ParameterSampler
 from fprc.evaluation import evaluate
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
-from fprc.studies.beyond.contest import build_with
+from fprc.registry import build
 
 log = logging.getLogger(__name__)
 
@@ -75,7 +75,6 @@ def judge_candidate(
     *,
     logs: Sequence[Mapping[str, Data]],
     judgement: Judgement,
-    restarts: int,
 ) -> dict[str, float]:
     """Return the training, validation and test error of one candidate.
 
@@ -90,7 +89,7 @@ def judge_candidate(
     """
     errors, name = [], cell["model"]
     for pair in logs:
-        model = build_with(restarts, name, judgement.models, judgement.seed, cell["settings"])
+        model = build(name, judgement.models, judgement.seed, **cell["settings"])
         samples = (pair[key].samples(name) for key in ("sweep", "complex"))
         found = evaluate(model, judgement.split_rows(pair["sweep"]), *samples)
         errors.append({measure: np.mean(values) for measure, values in found.items()})

@@ -174,7 +174,7 @@ def _searched(
         judge_seeds,
         models=judgement["models"],
         calibration=calibration,
-        grids=_in_order(grids, calibration["taps"]),
+        grids=grids,
         tracking=tracking,
     )
 
@@ -291,10 +291,9 @@ def judge_seeds(
     ``centers`` are those of ``judge_by_surrogate``, by seed.
     """
     wanted, centers = _measures(calibration), {} if centers is None else centers
-    surrogate = {key: calibration[key] for key in ("stride", "esn_nodes", "restarts")}
     return [
         judge_by_surrogate(
-            on_rig, seed, models, surrogate, grids, tracking,
+            on_rig, seed, models, calibration, grids, tracking,
             wanted if i < calibration["grid_seeds"] else wanted.difference(_GRIDS),
             centers.setdefault(seed, {}),
         )
@@ -358,13 +357,4 @@ def relative(
         }
         for measure in full[0]
         if measure in aim.printed
-    }
-
-
-def _in_order(grids: Mapping[str, Sequence[float]], taps: Sequence[int]) -> dict[str, Any]:
-    """Return the grids of the search, sorted: the objective compares neighbours."""
-    return {
-        "epsilon": sorted(grids["epsilon"], reverse=True),
-        "n_c": sorted(grids["n_c"]),
-        **dict.fromkeys(("n_u", "n_y"), sorted(taps)),
     }

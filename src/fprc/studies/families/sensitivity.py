@@ -152,7 +152,7 @@ def numbers_of(
     centers: Mapping[int, dict[str, np.ndarray]],
     *,
     models: Mapping[str, Any],
-    surrogate: Mapping[str, int],
+    surrogate: Mapping[str, Any],
     grids: Mapping[str, Sequence[float]],
     tracking: Mapping[str, Any],
 ) -> dict[str, dict[str, float]]:

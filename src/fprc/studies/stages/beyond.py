@@ -25,7 +25,6 @@ def tune_family(
     units: Sequence[int],
     candidates: int,
     seed: int,
-    restarts: int,
     judgement: Settings,
     **run: Any,
 ) -> None:
@@ -48,9 +47,9 @@ def tune_family(
     ]
     logs = [simulate(*unit_of(unit, family, near_print).rigs[0]) for unit in units]
     with judged_cells(
-        partial(judge_candidate, logs=logs, judgement=Judgement(**judgement), restarts=restarts),
+        partial(judge_candidate, logs=logs, judgement=Judgement(**judgement)),
         cells,
-        settings=[family, list(units), restarts, judgement],
+        settings=[family, list(units), judgement],
         files=[near_print],
         **run,
     ) as tried:

@@ -42,7 +42,7 @@ def contest():
         "candidate_kp_kpa_per_deg": [0.5, 2.0],
     }
     tuned = {"fprc_tuned": {}, "bank_tuned": {"alpha": 1.0}}
-    return Contest(SETTINGS["models"], tuned, 1, tracking, [-2.0, 0.0], 2.0, 1.0)
+    return Contest(SETTINGS["models"], tuned, tracking, [-2.0, 0.0], 2.0, 1.0)
 
 
 @pytest.fixture(scope="module")

@@ -45,7 +45,7 @@ def test_candidate_is_judged_on_blocks_of_rows_that_it_has_not_seen(pair, judgem
     X = pair["sweep"].channels["theta_deg"][:, None]
     y = pair["sweep"].channels["p_target_kpa"]
     found = judge_candidate(
-        {"model": "bank", "settings": {"alpha": 2.0}}, logs=[pair], judgement=judgement, restarts=1
+        {"model": "bank", "settings": {"alpha": 2.0}}, logs=[pair], judgement=judgement
     )
     rows = build("bank", MODELS, 1, alpha=2.0).make_features().fit(X).transform(X)
     rows = np.column_stack([np.ones(len(rows)), rows])
@@ -62,9 +62,7 @@ def test_candidate_is_judged_on_blocks_of_rows_that_it_has_not_seen(pair, judgem
 def test_errors_of_several_logs_are_averaged_by_their_logarithm(pair, judgement):
     swapped = {"sweep": pair["complex"], "complex": pair["sweep"]}
     one, other, both = (
-        judge_candidate(
-            {"model": "bank", "settings": {}}, logs=logs, judgement=judgement, restarts=1
-        )
+        judge_candidate({"model": "bank", "settings": {}}, logs=logs, judgement=judgement)
         for logs in ([pair], [swapped], [pair, swapped])
     )
     for name, value in both.items():

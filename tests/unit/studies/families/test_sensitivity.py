@@ -230,7 +230,7 @@ def test_rig_that_cannot_be_simulated_itself_is_an_error(by_stiffness, tmp_path)
 @pytest.mark.slow
 def test_every_number_of_the_surrogate_is_there(signals):
     settings = RigSettings(**on_rig(SETTINGS) | {"signals": signals})
-    how = {"stride": 5, "esn_nodes": 20, "restarts": 1}
+    how = {"stride": 5, "esn_nodes": 20, "restarts": 1, "taps": GRIDS["n_u"]}
     numbers = sensitivity.numbers_of(
         settings, {1: {}}, surrogate=how, grids=GRIDS,
         models=SETTINGS["models"], tracking=SETTINGS["tracking"],
