@@ -43,6 +43,10 @@ def test_answer_needs_both_comparisons(ratios, first):
     assert answer(rows).startswith(f"**{first}**: ")
 
 
+def test_too_few_blocks_are_named_as_why_nothing_is_decided():
+    assert "5 blocks decide nothing" in answer(judge_recording(report(blocks=5)))
+
+
 def test_clear_pairs_are_decided_and_named():
     results = report(fprc_lowpass=0.7, ridge_p_o=1.5)
     assert verdicts(results) == {"B1": "superior", "B4": "inferior", "R1": "equivalent"}
