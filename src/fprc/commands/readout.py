@@ -155,11 +155,12 @@ def _refuse_leftovers(raw: Path, parts: Mapping[str, Recordings]) -> None:
         for experiment, recordings in parts.items()
         for name, (path, _) in zip(log_names(experiment, len(recordings)), recordings, strict=True)
     }
-    found = {path: read_columns(path, ()).attributes for path in sorted(raw.glob("*.h5"))}
+    found = [path for path in sorted(raw.glob("*.h5")) if path.stem.partition("_")[0] in parts]
     left = [
         str(path)
-        for path, attributes in found.items()
-        if attributes.get("imported_sha256") != used.get(path.stem)
+        for path in found
+        if path.stem not in used
+        or read_columns(path, ()).attributes.get("imported_sha256") != used[path.stem]
     ]
     if left:
         raise LogError(

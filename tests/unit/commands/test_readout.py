@@ -274,6 +274,18 @@ def test_folder_with_another_recording_is_refused_and_kept(recording, tmp_path, 
     assert (tmp_path / "out/raw/sweep.h5").read_bytes() == kept
 
 
+@pytest.mark.usefixtures("stopped")
+@pytest.mark.parametrize(
+    ("name", "status"),
+    [("sweep", 1), ("sweep_2", 1), ("complex", 1), ("track_sine_fprc", 130)],  # 130: it began
+)
+def test_logs_that_no_import_wrote_are_refused_if_they_train_or_test(
+    recording, tmp_path, name, status
+):
+    write_columns(tmp_path / f"out/raw/{name}.h5", {"theta_deg": np.zeros(3)}, {})
+    assert run(tmp_path, recording()) == status
+
+
 def test_answer_is_doubtful_if_a_check_failed_or_theta_is_narrow(tmp_path):
     record = {"log": "sweep.h5", "checks": {"range": {"passed": True}}}
     first = {"p_o_kpa": {"sample": 7, "value": 1e5, "limits": [-5.0, 600.0]}}
