@@ -56,8 +56,8 @@ if "readme" not in PLAN.unavailable:
 
     STUDY_RESULTS["moving_picture"] = result_spec(
         "figures/moving",
-        "moving picture",
-        "Actuator, reservoir and tracking",
+        "animation",
+        "Moving picture: actuator, reservoir and tracking",
         {"run": PATHS.log("track_sine_0p5_fprc_pd"), "alone": PATHS.log("track_sine_0p5_pd")},
         MOVING,
         **stage("studies.moving_picture.draw_moving_picture"),

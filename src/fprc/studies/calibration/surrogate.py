@@ -49,7 +49,7 @@ def judge_by_surrogate(
     grids: Mapping[str, Sequence[float]],
     tracking: Mapping[str, Any],
     measures: Collection[str],
-    centers: dict[str, np.ndarray] | None = None,
+    centers: dict[str, np.ndarray],
 ) -> dict[str, Any]:
     """Return what the objective needs of a rig, for one seed.
 
@@ -63,7 +63,7 @@ def judge_by_surrogate(
         Section ``tracking`` of the configuration.
     measures : collection of str
         Which of ``MEASURES`` and ``FURTHER`` to compute.
-    centers : dict, optional
+    centers : dict
         Centres of every clustering. One that is in it begins there, and all others begin at random
         and are added.
 
@@ -80,10 +80,7 @@ def judge_by_surrogate(
         and in ``control`` what ``measure_control`` returns for FPRC.
     """
     logs = simulate(on_rig, seed)
-    thinned = _Thinned(
-        logs, _adapted(models, surrogate), seed, surrogate["stride"],
-        {} if centers is None else centers,
-    )  # fmt: skip
+    thinned = _Thinned(logs, _adapted(models, surrogate), seed, surrogate["stride"], centers)
     prepared = {name: thinned.prepare(name, logs) for name in MODELS}
     readouts = {
         (train, name): thinned.readout(prepared[name], train, f"{train}, {name}")

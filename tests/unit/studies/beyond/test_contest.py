@@ -37,10 +37,7 @@ def contest():
         name: reference | {"duration_s": 8.0}
         for name, reference in SETTINGS["tracking"]["references"].items()
     }
-    tracking = SETTINGS["tracking"] | {
-        "references": references,
-        "candidate_kp_kpa_per_deg": [0.5, 2.0],
-    }
+    tracking = SETTINGS["tracking"] | {"references": references}
     tuned = {"fprc_tuned": {}, "bank_tuned": {"alpha": 1.0}}
     return Contest(SETTINGS["models"], tuned, tracking, [-2.0, 0.0], 2.0, 1.0)
 

@@ -213,7 +213,7 @@ def remeasured(fitted, report, settings, on_rig):
     """Return what the surrogate measures on the fitted rig, with the ratios of the report."""
     seed = judge_by_surrogate(
         replace(on_rig, rig=written(fitted)), 21, settings["judgement"]["models"],
-        settings["calibration"], settings["grids"], settings["tracking"], MEASURES,
+        settings["calibration"], settings["grids"], settings["tracking"], MEASURES, {},
     )  # fmt: skip
     for measure, ratios in report["surrogate_ratios"].items():
         for key, ratio in ratios.items():
@@ -298,7 +298,8 @@ def test_surrogate_is_corrected_by_its_ratios_on_the_fitted_rig(
 ):
     models, on_rig = settings["judgement"]["models"], replace(on_rig, rig=written(fitted))
     measures = {"shares", *LOOPS}
-    cheap = judge_by_surrogate(on_rig, 21, models, SURROGATE, {}, settings["tracking"], measures)
+    tracking = settings["tracking"]
+    cheap = judge_by_surrogate(on_rig, 21, models, SURROGATE, {}, tracking, measures, {})
     assert set(report["surrogate_ratios"]) == {"errors", *measures}
     for measure, errors in full(on_rig).items():
         expected = {key: error / cheap[measure][key] for key, error in errors.items()}

@@ -60,6 +60,7 @@ def models():
 @pytest.fixture(scope="module")
 def judge(on_rig, models, tracking):
     def call(seed=SEED, stride=STRIDE, nodes=NODES, measures=(), centers=None):
+        centers = {} if centers is None else centers
         surrogate = {"stride": stride, "esn_nodes": nodes, "restarts": 1, "taps": TAPS}
         return judge_by_surrogate(
             on_rig, seed, models, surrogate, GRIDS, tracking, measures, centers
