@@ -42,9 +42,10 @@ def test_clean_recording_has_an_even_clock_and_nothing_else():
 
 def test_even_clock_is_described_without_a_sign():
     corrections = {"unordered_samples": 0, "repeated_samples": 0}
-    found = diagnose(np.arange(8000.0), {"theta_deg": wave()}, corrections=corrections)
-    lines = describe(found, {"theta_deg": "deg"})
-    assert "clock: steps of 1000 ms, 98 % of them within 0 % of that" in lines
+    for time_s, ms in ((np.arange(8000.0), 1000), (TIME_S, 5)):
+        found = diagnose(time_s, {"theta_deg": wave()}, corrections=corrections)
+        lines = describe(found, {"theta_deg": "deg"})
+        assert f"clock: steps of {ms} ms, 98 % of them within 0.001 % of that" in lines
 
 
 def test_record_is_json():
