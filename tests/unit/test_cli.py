@@ -72,7 +72,7 @@ def test_log_with_a_fault_is_reported_as_failed(write_log, recorded, capsys):
     (failed,) = [line for line in lines if "FAILED" in line]
     assert failed == (
         "  plausible values      FAILED channel theta_deg: sample 10 is 500 deg, outside of -45 to "
-        "120, and 9 more"
+        "120, in all 10"
     )
     assert lines[-1] == "  p_o_kpa                      a\\x1b"
 

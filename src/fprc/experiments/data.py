@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.channels import TARGETS
+from fprc.channels import TARGETS, unit_of
 from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import Columns, read_columns
@@ -24,6 +24,7 @@ class Data(NamedTuple):
 
     channels: Mapping[str, np.ndarray]
     attributes: Mapping[str, Any]
+    name: str = "log"  #: its files, for messages
 
     @property
     def lengths(self) -> list[int]:
@@ -56,8 +57,8 @@ class Data(NamedTuple):
         missing = [name for name in inputs if name not in self.channels]
         if missing:
             raise LogError(
-                f"the {self.attributes['experiment']} log has no {', '.join(missing)}, which "
-                f"{model} needs; import it with that channel, or use another model"
+                f"{self.name}: no {', '.join(missing)}, which {model} needs; import it with that "
+                "channel, or use another model"
             )
         X = np.column_stack([self.channels[name] for name in inputs])
         return X, self.channels["p_target_kpa"]
@@ -72,7 +73,7 @@ class Data(NamedTuple):
 def read_data(path: str) -> Data:
     """Read a preprocessed log."""
     file = read_columns(path, ("time_s", "p_target_kpa", "theta_deg"), optional=("p_o_kpa",))
-    return Data(file.channels, file.attributes)
+    return Data(file.channels, file.attributes, path)
 
 
 def judge_files(
@@ -92,13 +93,12 @@ def select_channels(source: Columns, target: str) -> Data:
     target : {"command", "measured"}
         P_exp that the models learn.
     """
-    for name, note in source.attributes.get("notes", {}).items():
-        is_other = substitute(name, source.attributes) is not None
-        say, begin = (log.warning, "warning: ") if is_other else (log.info, "")
-        say("%s%s: %s", begin, visible(name), visible(note))
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], source.path)
         target = next(name for name in TARGETS if name != target)
+    for name in (TARGETS[target], "theta_deg", "p_o_kpa"):
+        if (other := substitute(name, source.attributes)) is not None:
+            log.warning("warning: %s: not in %s: %s", name, unit_of(name), visible(other))
     channels = {
         "time_s": source.channels["time_s"],
         "p_target_kpa": source.channels[TARGETS[target]],
@@ -114,7 +114,7 @@ def select_channels(source: Columns, target: str) -> Data:
         "theta_unit": noted_unit("theta_deg", source.attributes),
         "p_o_unit": noted_unit("p_o_kpa", source.attributes),
     }
-    return Data(channels, attributes)
+    return Data(channels, attributes, str(source.path))
 
 
 def join(logs: Mapping[str, Data], period_s: float) -> Data:
@@ -150,7 +150,7 @@ def join(logs: Mapping[str, Data], period_s: float) -> Data:
         begin = float(times[-1][-1]) + period_s
     channels["time_s"] = np.concatenate(times)
     lengths = {name: len(log.channels["time_s"]) for name, log in logs.items()}
-    return Data(channels, {**one.attributes, "recordings": lengths})
+    return Data(channels, {**one.attributes, "recordings": lengths}, ", ".join(logs))
 
 
 def _differences(one: Data, other: Data) -> Iterator[tuple[str, Any, Any]]:

@@ -57,8 +57,8 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> C
     bad = np.flatnonzero(~np.isfinite(stamps))
     if bad.size:
         raise LogError(
-            f"{where}: {source.sample(bad[0])} is {stamps[bad[0]]}, and {bad.size - 1} more are "
-            "not finite; fill them in, delete those rows, or give time.rate_hz"
+            f"{where}: {source.sample(bad[0])} is {stamps[bad[0]]}; not finite in all: "
+            f"{bad.size}; fill them in, delete those rows, or give time.rate_hz"
         )
     latest = np.maximum.accumulate(stamps)
     late = np.flatnonzero(stamps < latest)

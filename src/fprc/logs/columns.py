@@ -154,8 +154,8 @@ def _unusable(values: np.ndarray) -> list[str]:
     if not bad.size:
         return []
     return [
-        f"sample {bad[0]} is {values[bad[0]]:g}, and {bad.size - 1} more are not finite or exceed "
-        f"{LARGEST:g}; cut them out or record again"
+        f"sample {bad[0]} is {values[bad[0]]:g}; not finite or beyond {LARGEST:g} in all: "
+        f"{bad.size}; cut them out or record again"
     ]
 
 

@@ -80,7 +80,7 @@ def read_text(
         raise LogError(
             f"{path}: the header has {len(names)} fields separated by "
             f"{_SEPARATORS.get(delimiter, delimiter)}, line {numbers[unfit[0]]} has "
-            f"{len(rows[unfit[0]])}, and {len(unfit) - 1} more lines do not match; repair them, or "
+            f"{len(rows[unfit[0]])}; lines that do not match in all: {len(unfit)}; repair them, or "
             "set csv.separator, csv.header_line and csv.data_line"
         )
     table = [fields for fields in fitted if fields is not None]

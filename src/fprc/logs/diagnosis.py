@@ -183,7 +183,7 @@ def _describe_clock(clock: Mapping[str, Any]) -> Iterator[str]:
     jitter_s = max(abs(clock["jitter_p1_s"]), abs(clock["jitter_p99_s"]))
     yield (
         f"steps of {1e3 / clock['median_hz']:.4g} ms, 98 % of them within "
-        f"{100 * jitter_s * clock['median_hz']:.2g} % of that"
+        f"{max(100 * jitter_s * clock['median_hz'], 0.001):.2g} % of that"
     )
     if clock["unordered_samples"]:
         yield f"samples out of order, sorted by time: {clock['unordered_samples']}"

@@ -153,8 +153,8 @@ def _convert(
     if bad.size:
         k = int(bad.min())
         raise LogError(
-            f"{where}: {source.sample(k)} is {values[k]}, and {bad.size - 1} more are not finite; "
-            "cut them off with start_s and end_s, or fill them in"
+            f"{where}: {source.sample(k)} is {values[k]}; not finite in all: {bad.size}; cut "
+            "them off with start_s and end_s, or fill them in"
         )
     with np.errstate(over="ignore", invalid="ignore"):
         scaled = (used * spec["scale"] + spec["offset"]) * FACTORS[spec["unit"]]
@@ -162,7 +162,7 @@ def _convert(
     if bad.size:
         k = int(bad.min())
         raise LogError(
-            f"{where}: {source.sample(k)} is {values[k]:g}; after scale, offset and unit it and "
-            f"{bad.size - 1} more exceed {LARGEST:g}; correct these settings, or the file"
+            f"{where}: {source.sample(k)} is {values[k]:g}; beyond {LARGEST:g} after scale, "
+            f"offset and unit in all: {bad.size}; correct these settings, or the file"
         )
     return scaled

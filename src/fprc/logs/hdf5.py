@@ -30,7 +30,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
         with open_given(path, error=LogError) as given:
             head = given.read(len(_MODEL))
         if head == _MODEL:
-            raise LogError(f"{path}: is a model, no log")
+            raise LogError(f"{path}: is a model, no log; give the log")
         if not head.startswith(SIGNATURE):
             raise LogError(
                 f"{path}: not an HDF5 file; `fprc import` makes a raw log from a recording of "

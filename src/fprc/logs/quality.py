@@ -128,8 +128,8 @@ def finding(name: str, check: Mapping[str, Any]) -> str:
     if name == "range":
         return "; ".join(
             f"channel {channel}: sample {first['sample']} is {first['value']:g} "
-            f"{unit_of(channel)}, outside of {first['limits'][0]:g} to {first['limits'][1]:g}, and "
-            f"{check['samples'][channel] - 1} more"
+            f"{unit_of(channel)}, outside of {first['limits'][0]:g} to {first['limits'][1]:g}, in "
+            f"all {check['samples'][channel]}"
             for channel, first in check["first"].items()
         )
     if name == "stuck":

@@ -53,7 +53,8 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
         return None
     basis = [column[known] for column in (np.ones_like(p_o), *_squeezings(drive, hz), minutes)]
     grid_s, p_o, minutes = grid_s[known], p_o[known], minutes[known]
-    starts = [0, *(np.flatnonzero(np.diff(grid_s) > 1.5 / hz) + 1)]
+    # a jump across a gap may be the drive's, which is not known there
+    resumed = np.flatnonzero(np.diff(grid_s) > 1.5 / hz) + 1
 
     steps: list[int] = []
     rejected: list[int] = []
@@ -61,7 +62,7 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
         weights, residual = _fit(basis, steps, p_o)
         if len(steps) + len(rejected) == _MAX_STEPS:
             break
-        jumps = _jumps(residual, [*steps, *rejected], starts, hz)
+        jumps = _jumps(residual, [*resumed, *steps, *rejected], hz)
         k = int(np.abs(jumps).argmax())
         scatter = 1.4826 * np.median(np.abs(jumps))
         if abs(jumps[k]) < max(6.0 * scatter, _STEP_SHARE * np.ptp(p_o)):
@@ -126,18 +127,15 @@ def _fit(
     return weights, values - columns @ weights
 
 
-def _jumps(residual: np.ndarray, known: list[int], starts: list[int], hz: float) -> np.ndarray:
-    """Return, for each sample, the mean of the 0.5 s after it minus that of the 0.5 s before.
-
-    It is 0 near ``known`` steps and ``starts`` of recorded stretches.
-    """
+def _jumps(residual: np.ndarray, known: list[int], hz: float) -> np.ndarray:
+    """Return, for each sample, the mean of the 0.5 s after it minus that of the 0.5 s before."""
     width = max(int(0.5 * hz), 1)
     total = np.concatenate([[0.0], np.cumsum(residual)])
     means = (total[width:] - total[:-width]) / width
     jumps = np.zeros(len(residual))
     jumps[width : len(residual) - width + 1] = means[width:] - means[:-width]
-    for k in starts:  # where the states of lags and plays are unknown
-        jumps[max(k - width, 0) : k + int(max(_LAGS_S) * hz)] = 0.0
+    # the initial states of lags and plays are unknown
+    jumps[: int(max(_LAGS_S) * hz)] = 0.0
     for k in known:
         jumps[max(k - 2 * width, 0) : k + 2 * width] = 0.0
     return jumps

@@ -259,9 +259,12 @@ def test_draft_of_names_that_tell_all_is_a_map_that_imports(recorded, tmp_path, 
 def test_draft_says_where_a_clock_was_reset(recorded, tmp_path, capsys):
     table = pd.DataFrame(recorded["sweep"])[["time_s", "theta_deg", "p_exp_kpa", "p_o_kpa"]]
     table.loc[2500:, "time_s"] -= 12.5
+    table["ramps"] = np.abs((np.arange(len(table)) + 400) % 800 - 400.0) / 100.0
+    table.loc[:1, "p_o_kpa"] = np.inf
     table.to_csv(tmp_path / "arm.csv", index=False)
     assert main(["import", str(tmp_path / "arm.csv"), "--draft"]) == 0
-    assert "# time_s goes back at sample 2500: " in capsys.readouterr().out
+    said = [line for line in capsys.readouterr().out.splitlines() if "goes back" in line]
+    assert said == ["# time_s goes back at sample 2500: a clock's reset?"]
 
 
 @given(name=st.text(min_size=1).filter(lambda name: name.isprintable()))

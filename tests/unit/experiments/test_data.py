@@ -1,14 +1,16 @@
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fprc.errors import LogError
 from fprc.experiments.comparison import compare_models, errors_over_starts
-from fprc.experiments.data import Data, join, read_data
+from fprc.experiments.data import Data, join, read_data, select_channels
 from fprc.experiments.grids import judge_cell, judge_grids
 from fprc.experiments.settings import Judgement
-from fprc.logs import write_columns
+from fprc.logs import Columns, write_columns
+from fprc.logs.quality import other_quantity
 from fprc.models import Learning, Online
 
 MODELS = {
@@ -69,6 +71,25 @@ def test_logs_that_do_not_go_together_are_refused_with_every_reason():
     assert [line.split(" is ")[0] for line in lines] == [
         "b.h5: source", "b.h5: target", "c.h5: list of channels"
     ]  # fmt: skip
+
+
+def test_missing_input_names_the_files():
+    logs = {name: recording(60, without=["p_o_kpa"]) for name in ("a.h5", "b.h5")}
+    with pytest.raises(LogError, match="^a.h5, b.h5: no p_o_kpa, which fprc needs"):
+        join(logs, 0.005).pair("fprc", MODELS)
+
+
+def test_only_another_quantity_in_a_channel_of_the_models_is_warned_of(caplog):
+    units = {"p_exp_kpa": "force [N]", "p_i_kpa": "current [A]"}
+    notes = {name: other_quantity(name) + unit for name, unit in units.items()}
+    data = recording()
+    channels = {**data.channels, "p_exp_kpa": data.channels["p_target_kpa"]}
+    attributes = {**data.attributes, "notes": notes | {"p_o_kpa": "read as absolute"}}
+    selected = select_channels(Columns(Path("a.h5"), channels, attributes), "measured")
+    assert selected.name == "a.h5"
+    assert [record.getMessage() for record in caplog.records] == [
+        "warning: p_exp_kpa: not in kPa: force [N]"
+    ]
 
 
 @pytest.mark.parametrize("other", [{"source": "sim"}, {"p_target_unit": "N"}])
