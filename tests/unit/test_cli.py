@@ -65,7 +65,8 @@ def test_log_with_a_fault_is_reported_as_failed(write_log, recorded, capsys):
     theta_deg = np.array(recorded["sweep"]["theta_deg"])
     theta_deg[10:20] = 500.0
     faulty = recorded["sweep"] | {"theta_deg": theta_deg}
-    path = write_log(changed=faulty, notes={"p_o_kpa": "a\x1b"})
+    statistics = {"ticks": 4000, "late_s": 1.23456e-5, "odd": None}
+    path = write_log(changed=faulty, notes={"p_o_kpa": "a\x1b"}, statistics=statistics)
     assert main(["log", "check", str(path)]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].endswith("4000 samples at 200 Hz; 1 of 7 checks failed")
@@ -74,7 +75,10 @@ def test_log_with_a_fault_is_reported_as_failed(write_log, recorded, capsys):
         "  plausible values      FAILED channel theta_deg: sample 10 is 500 deg, outside of -45 to "
         "120, in all 10"
     )
-    assert lines[-1] == "  p_o_kpa                      a\\x1b"
+    assert lines[-2:] == [
+        "  p_o_kpa                      a\\x1b",
+        "  loop                         ticks 4000, late_s 1.23e-05, odd None",
+    ]
 
 
 def test_unreadable_log_is_named_and_the_next_one_still_judged(

@@ -79,7 +79,11 @@ def _page(path: str, record: Mapping[str, Any]) -> list[str]:
     for channel, note in record.get("notes", {}).items():
         lines.append(f"  {channel:28} {note}")
     if statistics := record.get("loop"):
-        lines.append(f"  {'loop':28} {json.dumps(statistics)}")
+        shown = (
+            f"{key} {v:.3g}" if isinstance(v, float) else f"{key} {v}"
+            for key, v in statistics.items()
+        )
+        lines.append(f"  {'loop':28} {', '.join(shown)}")
     return [visible(line) for line in lines]
 
 

@@ -47,7 +47,7 @@ def run(
 ) -> None:
     """Run one experiment and write its raw log.
 
-    Unless armed, prints what would be run.
+    Unless armed, prints what would be run, and ends with exit code 1.
 
     Parameters
     ----------

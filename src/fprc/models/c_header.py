@@ -89,7 +89,7 @@ def c_header(
         readout,
         generated=GENERATED,
         model=_comment(f"{type(model).__name__}({parameters})"),
-        origin=_comment(origin),
+        origin=f"\n * {_comment(origin)}" if origin else "",
         inputs="\n".join(_describe_inputs(model)),
         name=name,
         guard=name.upper(),

@@ -4,8 +4,7 @@ from string import Template
 
 HEADER = Template("""\
 /* $generated
- * $model as C99 or C++, without memory allocation.
- * $origin
+ * $model as C99 or C++, without memory allocation.$origin
  *
  * $equation
  *

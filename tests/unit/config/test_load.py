@@ -51,6 +51,20 @@ def test_error_tells_place_value_limit_and_remedy():
     )
 
 
+@pytest.mark.parametrize(
+    ("config", "is_shown"),
+    [
+        ({"seed": -1}, True),
+        ({"control": {"feedforward": {"adapt": 3}}}, True),
+        ({"rig": {"valve": {"dead_zone": 1}}}, False),  # the chosen rig has another
+        ({"evaluation": {"target": "x"}}, True),
+        ({"models": {"others": 1}}, False),
+    ],
+)
+def test_default_is_shown_where_it_is_a_value_and_that_without_the_key(config, is_shown):
+    assert ("(default: " in message(config)) == is_shown
+
+
 def test_every_error_is_reported_at_once():
     text = message(
         {

@@ -243,6 +243,12 @@ def test_name_of_a_column_cannot_end_the_comment():
     assert "P_o __ int x; __" in comment
 
 
+def test_comment_holds_the_parts_of_the_model_and_no_empty_line_of_its_origin(fitted):
+    comment = c_header(fitted["ridge"], "pff").partition("#ifndef")[0]
+    assert "('plays', PlayOperators(n_plays=4), [1, 0])" in comment
+    assert " \n" not in comment
+
+
 def unexportable(features, readout=None):
     X = recording(100, 2)
     return FeatureModel(features, readout or RidgeReadout()).fit(X, X[:, 0])

@@ -1,4 +1,5 @@
 import importlib
+import logging
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -414,6 +415,21 @@ def test_rig_from_which_the_full_models_are_farther_than_from_the_start_is_warne
     assert found["full_seeds"] == [41, 42]
     assert (found["median_deviation"] > found["median_deviation_at_start"]) is warned
     assert any("closer to Tables II and III" in text for text in caplog.messages) is warned
+
+
+def test_lines_on_single_rigs_do_not_bury_those_of_the_search(
+    settings, tmp_path, monkeypatch, caplog
+):
+    def fit_rig(*given, **settings):
+        for name in ("fprc.experiments.comparison", "fprc.studies.calibration.fit"):
+            logging.getLogger(name).info(name)
+        raise EvaluationError("stopped")
+
+    monkeypatch.setattr("fprc.studies.stages.calibrate.fit_rig", fit_rig)
+    with caplog.at_level("INFO", logger="fprc"), pytest.raises(EvaluationError):
+        fit(tmp_path, settings)
+    assert caplog.messages == ["fprc.studies.calibration.fit"]
+    assert logging.getLogger("fprc.experiments").level == logging.NOTSET
 
 
 def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, monkeypatch):
