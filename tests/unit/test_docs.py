@@ -141,7 +141,7 @@ def text_of(page):
 
 def rows_of(block):
     """Return the rows of a generated table, each by the names of its columns."""
-    pages = " ".join((ROOT / name).read_text("utf-8") for name in (BEYOND, DETAILS, RESULTS))
+    pages = " ".join((ROOT / name).read_text("utf-8") for name in PAGES_OF_RESULTS)
     table = pages.partition(f"<!-- {block}: generated -->")[2].partition(f"<!-- {block}: end")[0]
     heads, _, *rows = [
         [cell.strip() for cell in line.split("|")[1:-1]]
@@ -154,6 +154,8 @@ def rows_of(block):
 OPEN, CLOSED, FORWARD = "Open loop [deg]", "Closed loop [deg]", "Forward test [kPa]"
 LOWPASS = "FPRC on low-passed theta_d"
 BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/results.md"
+DRIFT, RIGS = "docs/drift.md", "docs/calibration.md"
+PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, RIGS)
 
 
 @pytest.mark.parametrize(
@@ -222,6 +224,41 @@ BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/res
             r"on the default rig from (\S+) to (\S+) kPa\. .* \((\S+) instead of (\S+) deg",
             "beyond_models",
             [("FPRC", FORWARD), ("FPRC, tuned", FORWARD), ("FPRC, tuned", OPEN), ("FPRC", OPEN)],
+        ),
+        (
+            BEYOND,
+            r"nonlinear capacity\*\*: (\S+) of degree 2",
+            "beyond_capacities",
+            [("P_o", "Degree 2")],
+        ),
+        (
+            DRIFT,
+            r"Without an offset FPRC is (\S+) and (\S+) deg off",
+            "online_errors",
+            [("FPRC", "Open loop, as trained"), ("FPRC", "Closed loop, as trained")],
+        ),
+        (
+            DRIFT,
+            r"on \*paper\*, and (\S+) and (\S+) in \[beyond\.md\]",
+            "beyond_models",
+            [("FPRC", OPEN), ("FPRC", CLOSED)],
+        ),
+        (
+            DETAILS,
+            r"(\S+) here and \S+ there on \*paper\*, (\S+) and \S+ on \*dry\*, (\S+) and \S+ on "
+            r"viscous, (\S+) and",
+            "beyond_claims",
+            [("B1", rig) for rig in ("paper", "dry", "viscous", "drawn")],
+        ),
+        (
+            DETAILS,
+            r"here and (\S+) there on \*paper\*, \S+ and (\S+) on \*dry\*, \S+ and (\S+) on "
+            "viscous",
+            "families_answer",
+            [
+                (f"Rig {rig}", "FPRC / FPRC on low-passed theta_d, test RMSE")
+                for rig in ("paper", "dry", "viscous")
+            ],
         ),
         (
             BEYOND,

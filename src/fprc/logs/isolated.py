@@ -117,12 +117,13 @@ def _limit_process(limit_s: float, parent: int) -> None:
 def _ask(request: bytes, limit_s: float) -> tuple[bytes, str]:
     """Send a request to a new process; return its answers, and why it ended early."""
     code = f"from fprc.logs.isolated import answer; answer({limit_s}, {os.getpid()})"
+    wall_s = _PATIENCE * limit_s
     try:
         done = subprocess.run(
             [sys.executable, "-c", code],
             input=request,
             capture_output=True,
-            timeout=(wall_s := _PATIENCE * limit_s),
+            timeout=wall_s,
             check=False,
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread reserves memory
         )
