@@ -350,7 +350,7 @@ CLAIMS = (
                       1 / 1.2, 1.2)
         ],
         note="last / first quarter of the sweep",
-        shown_in=("fig5",),
+        fitted_by=("C18c",), shown_in=("fig5",),
     ),
     Claim(
         "C19", "the PI controller of the actuator's pressure is nearly ideal",

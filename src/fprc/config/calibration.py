@@ -35,7 +35,7 @@ class Plausible(Section):
 
 #: Terms of the objective, see ``fprc.studies.calibration.objective``.
 Term = Literal[
-    "tables", "orders", "plausible", "C8", "C9a", "C9b", "C11", "C12", "C18", "open_loop",
+    "tables", "orders", "plausible", "C8", "C9a", "C9b", "C11", "C12", "C18", "C18c", "open_loop",
     "closed_loop", "closed_sweep", "margin",
 ]  # fmt: skip
 
@@ -61,7 +61,7 @@ class FirstSearch(Section):
     """The first search, on the first seed; that for ``calibration.fit``, on all seeds, follows."""
 
     fit: tuple[Term, ...] = Field(
-        ("tables", "orders", "plausible", "C18", "open_loop"),
+        ("tables", "orders", "plausible", "C18", "C18c", "open_loop"),
         description="terms of its objective, of those in calibration.fit; none: no first search",
     )
     rounds: int = quantity(
@@ -138,7 +138,7 @@ class Calibration(Section):
     )
     fit: NotEmpty[Term] = Field(
         (
-            "tables", "orders", "plausible", "C8", "C9b", "C11", "C12", "C18", "open_loop",
+            "tables", "orders", "plausible", "C8", "C9b", "C11", "C12", "C18", "C18c", "open_loop",
             "closed_loop", "closed_sweep", "margin",
         ),
         description="terms of the objective: errors of Tables II and III, their orders (C1, C2, "
@@ -150,16 +150,13 @@ class Calibration(Section):
         (21, 22), (0, 2**31),
         "noise seeds of the objective; with few, the search fits the noise",
     )  # fmt: skip
-    grid_seeds: int = quantity(
-        1, (1, 1000), "number of these seeds that also judge the grids of C9, C11 and C12"
-    )
     full_seeds: NotEmpty[int] = quantity(
         (41, 42, 43, 44, 45, 46, 47, 48), (0, 2**31),
         "noise seeds on which the full models judge the rig where a round for calibration.fit "
         "begins, and the fitted one",
     )  # fmt: skip
     taps: Distinct[int] = quantity(
-        (2, 5, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
+        (2, 3, 5, 7, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
     )
     first: FirstSearch = FirstSearch()
     rounds: int = quantity(20, (1, 1000), "rounds of the search for calibration.fit")

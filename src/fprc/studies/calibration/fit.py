@@ -47,9 +47,6 @@ _NEEDS = {
     "closed_sweep": "closed_loop", "margin": "firm_loop",
 }  # fmt: skip
 
-#: Measures over grids, which take as long as all others together and vary little between seeds.
-_GRIDS = ("epsilon", "n_c", "taps")
-
 
 def fit_rig(
     printed: Mapping[str, Any],
@@ -286,19 +283,17 @@ def judge_seeds(
     tracking: Mapping[str, Any],
     centers: dict[int, dict[str, np.ndarray]] | None = None,
 ) -> list[dict[str, Any]]:
-    """Return the surrogate's measures of each seed; grids are judged on the first ones only.
+    """Return the surrogate's measures of each seed.
 
     ``centers`` are those of ``judge_by_surrogate``, by seed.
     """
     wanted, centers = _measures(calibration), {} if centers is None else centers
     return [
         judge_by_surrogate(
-            on_rig, seed, models, calibration, grids, tracking,
-            wanted if i < calibration["grid_seeds"] else wanted.difference(_GRIDS),
-            centers.setdefault(seed, {}),
+            on_rig, seed, models, calibration, grids, tracking, wanted, centers.setdefault(seed, {})
         )
-        for i, seed in enumerate(seeds)
-    ]  # fmt: skip
+        for seed in seeds
+    ]
 
 
 def _measures(calibration: Mapping[str, Any]) -> set[str]:

@@ -51,6 +51,7 @@ _LOOPS = {
     "angle_deg": "largest angle", "loop_kpa": "width of the loop", "loop_growth": "its growth",
     "measured_loop_growth": "growth, P measured", "p_o_swing_kpa": "swing of P_o",
     "p_o_loop": "width of P_o's loop", "p_o_loop_growth": "growth of P_o's loop",
+    "p_o_swing_growth": "growth of the swing",
 }  # fmt: skip
 
 

@@ -94,35 +94,6 @@ def with_calibration(settings, **changes):
     return {"calibration": settings["calibration"] | changes}
 
 
-# --- what is measured -----------------------------------------------------------------------------
-
-
-GRIDS = {"epsilon", "n_c", "taps"}
-
-
-@pytest.mark.parametrize(("grid_seeds", "first"), [(1, 1), (2, 2), (9, 3)])
-def test_grids_are_measured_on_the_first_seeds_only(
-    settings, on_rig, monkeypatch, grid_seeds, first
-):
-    asked = []
-
-    def judge(on_rig, seed, models, surrogate, grids, tracking, measures, centers):
-        asked.append((seed, set(measures)))
-        return {"errors": {}, "seed": seed}
-
-    monkeypatch.setattr(stage, "judge_by_surrogate", judge)
-    calibration = settings["calibration"] | {"grid_seeds": grid_seeds}
-    found = stage.judge_seeds(
-        on_rig, [4, 3, 9], models={}, calibration=calibration, grids={}, tracking={}
-    )
-    assert [seed["seed"] for seed in found] == [4, 3, 9]
-    all_of_them = set(MEASURES)
-    assert asked == [
-        (seed, all_of_them if number < first else all_of_them - GRIDS)
-        for number, seed in enumerate((4, 3, 9))
-    ]
-
-
 # --- logarithms at a point ------------------------------------------------------------------------
 
 

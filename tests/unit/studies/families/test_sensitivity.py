@@ -57,7 +57,7 @@ def judged_rig(error, tracking=1.0, seed=0):
         },
         "properties": dict.fromkeys(
             ("angle_deg", "loop_kpa", "loop_growth", "measured_loop_growth", "p_o_swing_kpa",
-             "p_o_loop", "p_o_loop_growth"), 7.0
+             "p_o_loop", "p_o_loop_growth", "p_o_swing_growth"), 7.0
         ),
     }  # fmt: skip
 
@@ -236,5 +236,5 @@ def test_every_number_of_the_surrogate_is_there(signals):
         models=SETTINGS["models"], tracking=SETTINGS["tracking"],
     )  # fmt: skip
     values = [value for group in numbers.values() for value in group.values()]
-    assert len(values) == len(sensitivity.NUMBERS) == 12 + 3 + 4 + 2 + 6 + 8 + 9 + 2 + 7
+    assert len(values) == len(sensitivity.NUMBERS) == 12 + 3 + 4 + 2 + 6 + 8 + 9 + 2 + 8
     assert np.isfinite(values).all()
