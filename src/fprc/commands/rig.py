@@ -1,6 +1,7 @@
 """`fprc rig`: check the real rig, or run an experiment on it."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from fprc.apparatus.guardian import guard
@@ -81,12 +82,13 @@ def run(
         return
     refuse_unknown(name, settings)
     results, folder = settings["folders"]["results"], settings["folders"]["raw"]
+    trained = f"{results}/models/sweep_{model_of_run(name)}.h5"
     record_on_rig(
         out or f"{folder}/{name}.h5",
         name=name,
         settings=settings,
         armed=armed,
-        model=model or f"{results}/models/sweep_{model_of_run(name)}.h5",
+        model=model or (trained if Path(trained).exists() else ""),
     )
 
 
