@@ -8,7 +8,9 @@ from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names, refuse_unknown
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files, local_files
-from fprc.registry import model_of_run
+from fprc.errors import ConfigError
+from fprc.paper import EXPERIMENTS, reference_and_controller
+from fprc.registry import feedforward_of, model_of_run
 from fprc.stages.record_on_rig import record_on_rig
 
 
@@ -72,7 +74,7 @@ def run(
     Raises
     ------
     ConfigError
-        There is no such experiment.
+        There is no such experiment, or it uses no model and one is given.
     ControlError
         The run was refused or stopped.
     """
@@ -81,6 +83,8 @@ def run(
         print("\n".join(names(settings)))
         return
     refuse_unknown(name, settings)
+    if model and (name in EXPERIMENTS or not feedforward_of(reference_and_controller(name)[1])):
+        raise ConfigError(f"{name} uses no model; leave out --model, or choose another experiment")
     results, folder = settings["folders"]["results"], settings["folders"]["raw"]
     trained = f"{results}/models/sweep_{model_of_run(name)}.h5"
     record_on_rig(
