@@ -102,8 +102,7 @@ def explaining(path: Path | str) -> Iterator[None]:
         else:
             raise
         raise OutputError(
-            f"{path}: cannot be written ({error.strerror}); {remedy} or choose another folder "
-            "with --config 'folders={results: ...}', then repeat the command"
+            f"{path}: cannot be written ({error.strerror}); {remedy} or choose another folder"
         ) from error
 
 

@@ -288,9 +288,10 @@ ALONE = "the guardian process has ended"
 CLOSED, KILLED = True, False
 #: What fails, how, settings, the message, what ends the run, and how the journal ends.
 FAULTS = [
-    ("SIGTERM to the guardian", send("SIGTERM"), {}, "by SIGTERM", AT_STOP, CLOSED),
-    ("Ctrl-C, SIGINT to the group", send("SIGINT", group=True), {}, "by SIGTERM", AT_STOP, CLOSED),
-    ("terminal closed, SIGHUP to the group", send("SIGHUP", group=True), {}, "by SIGTERM", AT_STOP,
+    ("SIGTERM to the guardian", send("SIGTERM"), {}, "by Ctrl-C or a signal", AT_STOP, CLOSED),
+    ("Ctrl-C, SIGINT to the group", send("SIGINT", group=True), {}, "by Ctrl-C or", AT_STOP,
+     CLOSED),
+    ("terminal closed, SIGHUP to the group", send("SIGHUP", group=True), {}, "or a signal", AT_STOP,
      CLOSED),
     ("SIGKILL to the loop", send("SIGKILL", loop=True), {}, "code -9", "the guardian", KILLED),
     ("SIGKILL to the loop, whose driver prints", send("SIGKILL", loop=True), {}, "code -9",

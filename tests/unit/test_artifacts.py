@@ -1,5 +1,7 @@
+import errno
 import fcntl
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -10,6 +12,7 @@ import pytest
 
 from fprc.artifacts import (
     exclusive,
+    explaining,
     is_json_with,
     leftovers,
     read_json,
@@ -141,6 +144,12 @@ def test_file_that_was_deleted_while_it_was_opened_is_opened_again(tmp_path, mon
     with exclusive(file) as held:
         assert len(opened) == 2
         assert os.path.samestat(os.fstat(held.fileno()), file.stat())
+
+
+def test_full_disk_is_no_reason_to_repeat_a_run_or_to_give_an_option_of_snakemake():
+    with pytest.raises(OutputError) as caught, explaining("sweep.h5"):
+        raise OSError(errno.ENOSPC, "No space left on device")
+    assert not re.search("--config|repeat", str(caught.value))
 
 
 # --- outputs that a user named ------------------------------------------------------------------

@@ -101,8 +101,14 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         how = "stopped responding and was killed" if end == "silent" else f"ended with code {code}"
         kept = ". Its samples are in the journal beside the log: fprc log repair"
         raise ControlError(
-            f"the process that drives the rig {how} in the middle of a run; {vented}"
+            f"the process that drives the rig {how} before it released the rig; {vented}"
             + (kept if request["what"] == "run" else "")
+        )
+    if code < 0:
+        raise ControlError(
+            f"the process that drives the rig was ended by {signal.Signals(-code).name}, before it "
+            "opened the boards or after it vented; a run that had begun is in the journal beside "
+            "its log: fprc log repair"
         )
     if code:
         raise ControlError(f"the rig process failed (exit code {code}); see its messages above")
@@ -194,7 +200,8 @@ def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) 
                 if written_s
                 else _NOT_VENTED,
                 now_s - began_s,
-                problem or "the driver has not answered yet",
+                problem
+                or f"the driver {'took the voltages' if written_s else 'has not answered yet'}",
             )
 
 

@@ -180,7 +180,7 @@ class Stop:
         return self._reason
 
     def _signalled(self, number: int, frame: Any) -> None:
-        self._reason = self._reason or f"stopped by {signal.Signals(number).name}"
+        self._reason = self._reason or "stopped by Ctrl-C or a signal"
 
     def _listen(self) -> None:
         while os.read(_pipes["in"], 64):

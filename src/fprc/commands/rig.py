@@ -1,13 +1,16 @@
 """`fprc rig`: check the real rig, or run an experiment on it."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names, refuse_unknown
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files, local_files
-from fprc.registry import model_of_run
+from fprc.errors import ConfigError
+from fprc.paper import EXPERIMENTS, reference_and_controller
+from fprc.registry import feedforward_of, model_of_run
 from fprc.stages.record_on_rig import record_on_rig
 
 
@@ -71,7 +74,7 @@ def run(
     Raises
     ------
     ConfigError
-        There is no such experiment.
+        There is no such experiment, or it uses no model and one is given.
     ControlError
         The run was refused or stopped.
     """
@@ -80,13 +83,16 @@ def run(
         print("\n".join(names(settings)))
         return
     refuse_unknown(name, settings)
+    if model and (name in EXPERIMENTS or not feedforward_of(reference_and_controller(name)[1])):
+        raise ConfigError(f"{name} uses no model; leave out --model, or choose another experiment")
     results, folder = settings["folders"]["results"], settings["folders"]["raw"]
+    trained = f"{results}/models/sweep_{model_of_run(name)}.h5"
     record_on_rig(
         out or f"{folder}/{name}.h5",
         name=name,
         settings=settings,
         armed=armed,
-        model=model or f"{results}/models/sweep_{model_of_run(name)}.h5",
+        model=model or (trained if Path(trained).exists() else ""),
     )
 
 

@@ -68,6 +68,7 @@ class CheckedRig:
             if not low <= value <= high:
                 problems.append(
                     f"{name} = {value:.1f} is outside {low:g} to {high:g} (hardware.limits.{name})"
+                    "; if that is not true, check the sensor's cable, channel and calibration"
                 )
             if abs(value - before) > step * periods:
                 problems.append(

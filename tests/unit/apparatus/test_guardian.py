@@ -10,6 +10,7 @@ import pytest
 from fprc.apparatus import guardian
 from fprc.apparatus.guardian import BEAT_S, _wait, _watch, vent_until_shown
 from fprc.devices import pneumatics
+from fprc.errors import ControlError
 
 
 @pytest.fixture
@@ -153,7 +154,7 @@ def test_terminal_that_takes_no_message_does_not_keep_from_venting(
 
 
 def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
-    settings, quick, monkeypatch
+    settings, quick, monkeypatch, caplog
 ):
     never = threading.Event()
 
@@ -166,6 +167,20 @@ def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
     message = vent_until_shown(settings["hardware"])
     never.set()
     assert "both valves were set to vent, but no pressure can be read: the driver" in message
+    assert caplog.messages
+    assert "has not answered" not in caplog.text  # it took the voltages
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGKILL"])
+def test_loop_that_a_signal_ends_before_it_opens_the_boards_is_named(
+    settings, tmp_path, monkeypatch, name
+):
+    python = tmp_path / "python"
+    python.write_text(f"#!/bin/sh\nkill -{name[3:]} $$\n")
+    python.chmod(0o755)
+    monkeypatch.setattr(guardian.sys, "executable", str(python))
+    with pytest.raises(ControlError, match=name):
+        guardian.guard({"what": "check", "settings": settings, "armed": False})
 
 
 def test_process_that_does_not_end_is_reported_and_awaited_until_the_user_gives_up(quick, caplog):
