@@ -86,7 +86,9 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     driver = feedforward_of(controller)
     attributes, fitted = bench.describe(reference, controller), None
     if driver and model:  # without a file the law refuses to start
-        fitted = load_model(model, outside_class(driver, settings["models"]))
+        fitted = load_model(
+            model, outside_class(driver, settings["models"]), settings["control"]["sample_rate_hz"]
+        )
         _refuse_other(fitted, driver, settings["models"], f"{model}, the model of {name}")
         try:  # which also compiles the step before the first tick
             fitted.step((0.0,) * fitted.n_features_in_)

@@ -131,7 +131,7 @@ def repair(source: str, *, out: str) -> int:
 def _losses(findings: Findings) -> list[str]:
     messages = []
     if findings.lost:
-        messages.append(f"{findings.lost} samples lost; `fprc log check` finds the gaps in time")
+        messages.append(f"lost samples: {findings.lost}; `fprc log check` finds the gaps in time")
     if findings.missed_ticks:
         messages.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
     if not findings.closed:

@@ -83,7 +83,7 @@ def train(
     with threadpool_limits(1):  # like the workflow; more threads change the last digits
         result = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
     with replacing(out) as temporary:
-        remembered = remembering(result.model, X, data.lengths)
+        remembered = remembering(result.model, X, data.lengths, data.period_s)
         save_model(remembered, temporary, outside_class(model, models))
     report = (
         f"{out}: {model}, trained on {', '.join(logs)}; fold {result.best + 1} of {len(folds)} is "
@@ -127,7 +127,8 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     refuse_output(out, ".csv", ".h5")
     settings = from_files(config or local_files()).model_dump(mode="json")
     models = settings["models"]
-    fitted = load_model(model, outside_classes(models))
+    rate_hz = settings["control"]["sample_rate_hz"]
+    fitted = load_model(model, outside_classes(models), rate_hz)
     name = _name_of(fitted, model, models)
     data = _read([raw], settings)
     X, y = data.pair(name, models)

@@ -63,7 +63,7 @@ def judge_directions(name: str, judgement: Judgement, logs: Mapping[str, Data]) 
                 label, fold + 1, judgement.folds, *errors,
             )  # fmt: skip
         X, _, parts = samples[train]
-        remembering(judged.model, X, parts)
+        remembering(judged.model, X, parts, logs[train].period_s)
         tested, expected = judged.model.readout_.predict(prepared.rows[test]), prepared.y[test]
         test_rmse = rmse(expected, tested)
         log.info("%s: best fold %d, test %.2f kPa", label, judged.best + 1, test_rmse)
@@ -114,5 +114,8 @@ def errors_over_starts(
         }
         if train == "sweep":
             X, _, parts = samples[train]
-            models = [remembering(prepared.fitted(readout), X, parts) for readout in readouts]
+            period_s = logs[train].period_s
+            models = [
+                remembering(prepared.fitted(readout), X, parts, period_s) for readout in readouts
+            ]
     return errors, models

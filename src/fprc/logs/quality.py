@@ -115,7 +115,7 @@ def warnings(record: Mapping[str, Any]) -> list[str]:
 def finding(name: str, check: Mapping[str, Any]) -> str:
     """Describe what one check of a quality record found; empty if there is nothing to say."""
     if name == "complete":
-        lost = f"; {check['lost_samples']} samples lost" if check["lost_samples"] else ""
+        lost = f"; lost samples: {check['lost_samples']}" if check["lost_samples"] else ""
         return "" if check["passed"] else f"{check['reason']}{lost}"
     if name == "rate":
         return f"{check['mean_hz']:.6g} Hz, jitter {1e3 * check['jitter_s']:.3f} ms"

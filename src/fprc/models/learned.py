@@ -16,6 +16,7 @@ from fprc.models.limits import MOST_FEATURES, Limit, Whole, check_limits
 #: far from it; beyond, sums over the features could exceed the range of double.
 USUAL = Limit(-1e30, 1e30)
 
+_RATE = Limit(1e-3, 1e6)
 _COLUMNS = Whole(1, MOST_FEATURES)
 
 
@@ -85,6 +86,8 @@ def check_learned(model: Any) -> None:
         return
     limits = getattr(model, "LIMITS", {})
     check_limits(model, limits)
+    if not _RATE.allows(rate := has.pop("sample_rate_hz_", 200.0)):
+        raise ValueError(f"sample_rate_hz_ = {rate!r:.60}; must be {_RATE}")
     columns, names = has.pop("n_features_in_", None), has.pop("feature_names_in_", None)
     if not _COLUMNS.allows(columns):
         raise ValueError(f"n_features_in_ = {columns!r:.60}; must be {_COLUMNS}")

@@ -220,8 +220,9 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         return float(readout.predict(row[None])[0])
 
 
-def remembering(model: Any, X: Recordings, lengths: ArrayLike | None = None) -> Any:
-    """Return a fitted model, which remembers its training data if it can learn online."""
+def remembering(model: Any, X: Recordings, lengths: ArrayLike, period_s: float) -> Any:
+    """Return a fitted model that knows its sample rate, and its training data to learn online."""
+    model.sample_rate_hz_ = 1.0 / period_s
     if isinstance(model, SequenceModel) and model.learns_online():
         return model.remember(X, lengths)
     return model

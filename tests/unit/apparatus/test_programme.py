@@ -5,7 +5,7 @@ from fprc.apparatus.programme import names, plan
 from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, Readings
 from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
-from fprc.models import FPRC, FuzzyLinear, TapFeatures, save_model
+from fprc.models import FPRC, FuzzyLinear, TapFeatures, load_model, remembering, save_model
 from fprc.stages.record_on_rig import record_on_rig
 
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)
@@ -113,6 +113,21 @@ def test_outside_model_is_compared_with_its_own_class(settings, files):
     assert planned.attributes["model"] == "FuzzyLinear"
     with pytest.raises(ConfigError, match="is a FPRC, must be a FuzzyLinear"):
         plan("track_sine_0p2_mine", settings, files["FPRC"])
+
+
+@pytest.mark.parametrize("period_s", [0.005, 0.00500001, 0.01, 0.001])
+def test_model_of_another_sample_rate_is_refused_before_the_rig_moves(
+    settings, fprc_file, recorded, tmp_path, period_s
+):
+    log = recorded["sweep"]
+    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
+    path = tmp_path / "model.h5"
+    save_model(remembering(load_model(fprc_file), X, [len(X)], period_s), path)
+    if 1.0 / period_s == pytest.approx(settings["control"]["sample_rate_hz"], rel=1e-3):
+        plan("track_sine_0p2_fprc", settings, str(path))
+    else:
+        with pytest.raises(FprcError, match=rf"{path}: was trained at {1.0 / period_s:g} Hz"):
+            plan("track_sine_0p2_fprc", settings, str(path))
 
 
 def test_step_that_fails_is_refused_before_the_rig_moves(settings, fprc_file, monkeypatch):
