@@ -19,6 +19,7 @@ TABLES = {
             "errors": lambda wildcards: [
                 PATHS.judged(TRAINED_ON[wildcards.number], model)["errors"] for model in PLAN.models
             ],
+            "quality": [PATHS.quality(log) for log in TRAINED_ON.values()],
         },
         **stage("tabulate.tabulate_comparison"),
         left_out=PLAN.left_out,

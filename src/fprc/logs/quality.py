@@ -62,16 +62,16 @@ def assess(
     return record | {name: content for name, content in more.items() if content}
 
 
-def implausible(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str]:
-    """Return one line that names all channels outside their ranges; no line if there is none.
+def warnings_of_run(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str]:
+    """Return a line if a closed-loop log is incomplete, and one on channels outside their ranges.
 
     Parameters
     ----------
     ranges : Mapping
         Ranges as for ``assess``; other keys are ignored.
     """
-    check = _outside(log, ranges)
-    return [] if check["passed"] else [_line(log.path.name, "range", check)]
+    checks = {"complete": _complete(log), "range": _outside(log, ranges)}
+    return warnings({"log": log.path.name, "checks": checks})
 
 
 def other_quantity(name: str) -> str:

@@ -11,7 +11,7 @@ from fprc.artifacts import read_json, write_csv, write_text
 from fprc.errors import LogError
 from fprc.logs import read_run
 from fprc.logs.isolated import isolated_each
-from fprc.logs.quality import implausible
+from fprc.logs.quality import warnings, warnings_of_run
 from fprc.paper import SOURCES
 from fprc.registry import title_of
 from fprc.tables import readout, timing, tracking
@@ -37,22 +37,35 @@ _COMPARISONS = {
 
 
 def tabulate_comparison(
-    published: str, errors: Sequence[str], *, left_out: Mapping[str, str], **files: str
+    published: str,
+    errors: Sequence[str],
+    quality: Sequence[str],
+    *,
+    left_out: Mapping[str, str],
+    **files: str,
 ) -> None:
     """Tables II and III: errors of the models, one seed, spread over folds.
 
+    ``quality`` are the quality records of the logs; failed checks stand below the table.
     ``left_out`` has the models that are not in the table, with reasons.
     """
     reports = [read_json(path) for path in errors]
     table = comparison(reports, read_yaml(published))
     first = reports[0]
+    checked = [read_json(path) for path in quality]
+    records = [record for content in checked for record in content.get("recordings", [content])]
     note = (
         f"{_COMPARISONS[first['trained_on']]}: mean ± standard deviation over "
         f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
         f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
-        f"{_without(left_out)}"
+        f"{_without(left_out)}{_failed(sum(map(warnings, records), []))}"
     )
     write_table(table, comparison_page(table), note, **files)
+
+
+def _failed(lines: Sequence[str]) -> str:
+    """Return the lines of a note with the failed quality checks of the logs."""
+    return "".join(f"\nFailed check: {line}." for line in lines)
 
 
 def _without(left_out: Mapping[str, str]) -> str:
@@ -98,7 +111,7 @@ def tabulate_tracking(
     feedback: str,
     **files: str,
 ) -> None:
-    """Table IV: errors of the closed-loop runs; warns of implausible channels in their logs.
+    """Table IV: errors of the closed-loop runs; failed checks of their logs stand below it.
 
     ``limits`` are plausible ranges, see ``fprc.logs.assess``; ``left_out`` are the runs of a
     complete Table IV that have no log; ``feedback`` describes the PD controller.
@@ -114,8 +127,6 @@ def tabulate_tracking(
         named = ", ".join(f"{source} ({path})" for source, path in kinds.items())
         raise LogError(f"closed-loop logs of different sources: {named}; use logs of one kind")
     (source,) = kinds
-    for line in sum((implausible(run, limits) for run in logs), []):
-        log.warning("warning: %s", line)
     table = tracking.tracking(logs, read_yaml(published))
     title = "Table IV. RMSE of tracking"
     if source == "sim":
@@ -123,6 +134,7 @@ def tabulate_tracking(
     note = f"{title}.\nData: {SOURCES[source]}. {feedback}"
     if left_out:
         note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
+    note += _failed([line for run in logs for line in warnings_of_run(run, limits)])
     write_table(table, tracking.tracking_page(table), note, **files)
 
 

@@ -6,6 +6,7 @@ import pytest
 from fprc.config import PUBLISHED, Settings
 from fprc.errors import LogError
 from fprc.stages.tabulate import tabulate_tracking
+from fprc.tables.text import read_markdown
 
 LIMITS = Settings().quality.model_dump()
 
@@ -23,19 +24,22 @@ def table_of(tmp_path):
     return make
 
 
-def test_error_is_that_after_the_settling_time(table_of, write_run, channels, caplog):
+def test_error_is_that_after_the_settling_time(table_of, write_run, channels, tmp_path):
     error = np.where(channels["time_s"] < 1.0, 20.0, 2.0)
     theta_d = channels["theta_deg"] + np.where(np.arange(400) % 2, error, -error)
     table = table_of(write_run(changed={"theta_d_deg": theta_d}))
     assert table["rmse_deg"].tolist() == pytest.approx([2.0])
-    assert caplog.text == ""
+    assert "Failed" not in (tmp_path / "table4.md").read_text(encoding="utf-8")
 
 
-def test_implausible_samples_are_named(table_of, write_run, changed, caplog):
+def test_failed_checks_of_runs_stand_below_the_table(table_of, write_run, changed, tmp_path):
     spoiled = changed("p_o_kpa", slice(7, 9), 5000.0) | {"p_fb_kpa": np.full(400, -2e3)}
-    assert len(table_of(write_run(changed=spoiled))) == 1
-    assert "p_o_kpa: sample 7" in caplog.text
-    assert "p_fb_kpa: sample 0" in caplog.text
+    cut = {"complete": False, "incomplete_reason": "the computer went off"}
+    assert len(table_of(write_run(changed=spoiled, **cut))) == 1
+    note = read_markdown((tmp_path / "table4.md").read_text(encoding="utf-8"))[0]
+    assert "p_o_kpa: sample 7" in note
+    assert "p_fb_kpa: sample 0" in note
+    assert "complete: the computer went off" in note
 
 
 def test_all_logs_that_are_not_whole_are_named_at_once(table_of, write_run, tmp_path):

@@ -276,7 +276,7 @@ def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones
 @pytest.mark.parametrize(
     ("tabulated", "results", "settings"),
     [
-        (tabulate.tabulate_comparison, REPORTS, {"left_out": {}}),
+        (tabulate.tabulate_comparison, REPORTS, {"quality": [], "left_out": {}}),
         # one seed has no deviation
         (tabulate.tabulate_seeds, REPLICATES[:1], {"trained_on": "sweep"}),
         (tabulate.tabulate_tracking_seeds, controls(1), {"feedback": "As configured."}),
@@ -292,6 +292,24 @@ def test_table_names_its_data_and_says_neither_nan_nor_none(tmp_path, tabulated,
         text = file.read_text(encoding="utf-8")
         assert not {"nan", "none"} & set(re.findall(r"\w+", text.lower())), file
     assert "simulated rig, not hardware" in text
+
+
+def test_failed_checks_of_the_logs_stand_below_tables_2_and_3(tmp_path):
+    cut = {"passed": False, "reason": "the computer went off", "lost_samples": 3}
+    whole = {"log": "monday.h5", "checks": {"complete": cut | {"passed": True}}}
+    half = {"log": "tuesday.h5", "checks": {"complete": cut}}
+    written = {"errors": REPORTS[0], "one": whole, "joined": {"recordings": [whole, half]}}
+    paths = {name: str(tmp_path / f"{name}.json") for name in written}
+    for name, path in paths.items():
+        write_json(path, written[name])
+    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md", "tex")}
+    tabulate.tabulate_comparison(
+        str(config.PUBLISHED), [paths["errors"]], [paths["one"], paths["joined"]], left_out={},
+        **files,
+    )  # fmt: skip
+    text = files["md"].read_text(encoding="utf-8")
+    assert "tuesday.h5: complete: the computer went off" in text
+    assert "monday.h5" not in text
 
 
 def test_table_4_has_the_spread_over_starts_of_the_clustering(tmp_path):
