@@ -172,15 +172,24 @@ def test_constant_error_of_the_model_is_learned(model):
 
 
 @pytest.mark.parametrize(
-    ("theta", "p_fb", "limit"),
-    [(0.4, 0.0, 1e6), (np.nan, 0.0, 1e6), (30.0, 1e6, 1e6), (30.0, -1e6, 1e6), (30.0, 0.0, 1.0)],
-    ids=["at the stop", "no angle", "above the limit", "below 0", "P_ff above the limit"],
+    ("error", "theta", "p_fb", "limit"),
+    [
+        pytest.param(5.0, 0.4, 0.0, 1e6, id="at the stop"),
+        pytest.param(5.0, np.nan, 0.0, 1e6, id="no angle"),
+        pytest.param(5.0, np.inf, 0.0, np.inf, id="infinite angle"),
+        pytest.param(np.inf, 30.0, 0.0, np.inf, id="infinite error"),
+        pytest.param(1e10, 30.0, 0.0, np.inf, id="error that is a fault"),
+        pytest.param(5.0, 30.0, np.nan, 1e6, id="unknown feedback"),
+        pytest.param(5.0, 30.0, 1e6, 1e6, id="above the limit"),
+        pytest.param(5.0, 30.0, -1e6, 1e6, id="below 0"),
+        pytest.param(5.0, 30.0, 0.0, 1.0, id="P_ff above the limit"),
+    ],
 )
-def test_nothing_is_learned_where_the_error_tells_nothing(model, theta, p_fb, limit):
+def test_nothing_is_learned_where_the_error_tells_nothing(model, error, theta, p_fb, limit):
     found, X = model
     online = Online(found, Learning(), PERIOD_S, limit)
     for x in X[:50]:
-        online.learn(5.0, theta)
+        online.learn(error, theta)
         online.step(x)
         online.sent(p_fb)
     assert not online.learned.any()
