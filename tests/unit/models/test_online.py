@@ -1,6 +1,8 @@
 import numpy as np
 import pytest
 from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+from sklearn.linear_model import LinearRegression
 
 from fprc.models import (
     ESN,
@@ -93,6 +95,27 @@ def test_model_that_remembers_nothing_or_has_too_many_weights_is_refused():
     esn = ESN(r=600, washout=10, random_state=1).fit(X[:, :1], y)
     with pytest.raises(ValueError, match="at most 512 weights"):
         esn.remember(X[:, :1])
+
+
+@pytest.mark.parametrize(
+    ("build", "why"),
+    [
+        pytest.param(lambda: ESN(r=600, washout=10), "at most 512 weights", id="network"),
+        pytest.param(lambda: FPRC(n_c=60), "at most 512 weights", id="many rules"),
+        pytest.param(
+            lambda: FeatureModel(TapFeatures(), LinearRegression()), "of this package", id="other"
+        ),
+        pytest.param(lambda: FPRC(n_c="8"), "n_c = '8'", id="wrong parameter"),
+        pytest.param(lambda: FPRC(n_c=1, n_y=400), "fewer taps", id="training that fails"),
+    ],
+)
+def test_model_that_cannot_learn_on_is_refused_before_it_is_trained(build, why):
+    X, y = log(300)
+    model = build()
+    with pytest.raises(ValueError, match=why):
+        model.partial_fit(X, y)
+    with pytest.raises(NotFittedError):
+        model.predict(X)
 
 
 def test_what_is_remembered_is_saved_and_loaded(model, tmp_path):
