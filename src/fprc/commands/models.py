@@ -19,7 +19,7 @@ from fprc.experiments.settings import Judgement
 from fprc.logs import write_columns
 from fprc.models import SequenceModel, load_model, remembering, save_model
 from fprc.plan.arguments import judgement
-from fprc.registry import build, entries, load_class, outside_class, outside_classes
+from fprc.registry import build, entries, entry_of, load_class, outside_class, outside_classes
 from fprc.stages.preprocess import read_recordings
 
 Settings = Mapping[str, Any]
@@ -76,7 +76,7 @@ def train(
     if model not in entries(models):
         choice = in_words(entries(models), "or")
         raise ConfigError(f"--model {model}: there is no such model; use {choice}")
-    data = _read(logs, settings)
+    data = _read(logs, settings, model)
     X, y = data.pair(model, models)
     folds = Judgement(**judgement(settings, model)).split_rows(data)
     unfitted = build(model, models, settings["seed"])
@@ -130,7 +130,7 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     rate_hz = settings["control"]["sample_rate_hz"]
     fitted = load_model(model, outside_classes(models), rate_hz)
     name = _name_of(fitted, model, models)
-    data = _read([raw], settings)
+    data = _read([raw], settings, name)
     X, y = data.pair(name, models)
     with threadpool_limits(1), refusals_of(fitted):
         output = fitted.predict(X)
@@ -167,7 +167,7 @@ def refuse_repeats(paths: Sequence[str], why: str) -> None:
         raise ConfigError(f"{', '.join(repeated)}: given twice; give each recording once: {why}")
 
 
-def _read(logs: Sequence[str], settings: Settings) -> Data:
+def _read(logs: Sequence[str], settings: Settings, model: str) -> Data:
     """Read raw logs as the workflow's preprocessing does; several become one."""
     rate_hz = settings["control"]["sample_rate_hz"]
     recordings, _ = read_recordings(
@@ -176,6 +176,7 @@ def _read(logs: Sequence[str], settings: Settings) -> Data:
         target=settings["evaluation"]["target"],
         sample_rate_hz=rate_hz,
         limits=settings["quality"],
+        inputs=entry_of(model, settings["models"]).inputs,
     )
     if len(recordings) == 1:
         return recordings[0]

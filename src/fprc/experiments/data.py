@@ -1,7 +1,7 @@
 """Preprocessed logs, the input of the models."""
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -83,7 +83,9 @@ def judge_files(
     return judge(cell, train=read_data(train), test=read_data(test), judgement=judgement)
 
 
-def select_channels(source: Columns, target: str) -> Data:
+def select_channels(
+    source: Columns, target: str, inputs: Sequence[str] = ("theta_deg", "p_o_kpa")
+) -> Data:
     """Return the channels and attributes of a raw log that the models need.
 
     An imported log may have only one P_exp, commanded or measured; then that one is used.
@@ -92,11 +94,13 @@ def select_channels(source: Columns, target: str) -> Data:
     ----------
     target : {"command", "measured"}
         P_exp that the models learn.
+    inputs : sequence of str
+        Channels that are read: only of these it is warned if they hold another quantity.
     """
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], source.path)
         target = next(name for name in TARGETS if name != target)
-    for name in (TARGETS[target], "theta_deg", "p_o_kpa"):
+    for name in (TARGETS[target], *inputs):
         if (other := substitute(name, source.attributes)) is not None:
             log.warning("warning: %s: not in %s: %s", name, unit_of(name), visible(other))
     channels = {

@@ -44,8 +44,9 @@ static inline void ${name}_reset(${name}_state *state, const ${name}_real x[$n_i
     static const int column[$n_row] = {$column};
     int i;
 
+    ${name}_init(state);
     state->streaming = 1;
-$restart    for (i = 0; i < $n_inputs; i++) {
+    for (i = 0; i < $n_inputs; i++) {
         if (!(x[i] >= -$largest && x[i] <= $largest)) {
             state->streaming = 0;
         }
@@ -182,6 +183,7 @@ $prior
 };
 """),
     "forget": Template("""\
+    state->k = 0;
     {
         int i, j;
         for (i = 0; i < $n_w; i++) {
@@ -192,7 +194,6 @@ $prior
         }
     }
 """),
-    "restart": Template("    state->k = 0;\n"),
     "learn": Template("""\
 
 /* Note the feedback in kPa that was added to the last P_ff. */

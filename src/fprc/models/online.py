@@ -11,6 +11,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc import control_laws
 from fprc.compiled import kernel
+from fprc.models.limits import LARGEST
 from fprc.models.ridge import solve_ridge
 from fprc.models.sequence import MOST_WEIGHTS, SequenceModel
 
@@ -109,11 +110,13 @@ class Online:
         self._model.reset(x)
 
     def learn(self, error_deg: float, theta_deg: float) -> None:
-        """Learn from the error of a sample, before its ``step``."""
+        """Learn from the error of a sample, before its ``step``; not from a fault or NaN."""
         if self._k < self.delay:
             return
         then = self._k % self.delay
         p_ff, p_fb = self._sent[then]
+        if not all(abs(number) <= LARGEST for number in (error_deg, theta_deg, p_fb)):
+            return  # a fault, or NaN
         target = control_laws.learning_target(
             error_deg, theta_deg, p_ff, p_fb, 0.0, self.limit_kpa,
             self.settings.kpa_per_deg, self.settings.stop_deg,

@@ -54,6 +54,7 @@ def read_recordings(
     target: str,
     sample_rate_hz: float,
     limits: Mapping[str, Any],
+    inputs: Sequence[str] = ("theta_deg", "p_o_kpa"),
 ) -> tuple[list[Data], list[dict[str, Any]]]:
     """Return the models' channels of raw logs, and their quality records.
 
@@ -61,6 +62,8 @@ def read_recordings(
     ----------
     experiment : str or None
         Expected experiment; None accepts any.
+    inputs : sequence of str
+        As ``select_channels`` takes them.
 
     Raises
     ------
@@ -80,7 +83,7 @@ def read_recordings(
         for warning in warnings(report):
             log.warning("warning: %s", warning)
         reports.append(report)
-        recordings.append(select_channels(source, target))
+        recordings.append(select_channels(source, target, inputs))
         passed = sum(check["passed"] for check in report["checks"].values())
         log.info("%d of %d quality checks passed", passed, len(report["checks"]))
     return recordings, reports

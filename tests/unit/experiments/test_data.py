@@ -79,16 +79,20 @@ def test_missing_input_names_the_files():
         join(logs, 0.005).pair("fprc", MODELS)
 
 
-def test_only_another_quantity_in_a_channel_of_the_models_is_warned_of(caplog):
-    units = {"p_exp_kpa": "force [N]", "p_i_kpa": "current [A]"}
+@pytest.mark.parametrize(
+    ("inputs", "warned"),
+    [(("theta_deg",), ["p_exp_kpa"]), (("theta_deg", "p_o_kpa"), ["p_exp_kpa", "p_o_kpa"])],
+)
+def test_only_another_quantity_in_a_channel_that_is_read_is_warned_of(inputs, warned, caplog):
+    units = {"p_exp_kpa": "force [N]", "p_i_kpa": "current [A]", "p_o_kpa": "strain [1]"}
     notes = {name: other_quantity(name) + unit for name, unit in units.items()}
     data = recording()
     channels = {**data.channels, "p_exp_kpa": data.channels["p_target_kpa"]}
-    attributes = {**data.attributes, "notes": notes | {"p_o_kpa": "read as absolute"}}
-    selected = select_channels(Columns(Path("a.h5"), channels, attributes), "measured")
+    attributes = {**data.attributes, "notes": notes | {"theta_deg": "from a camera"}}
+    selected = select_channels(Columns(Path("a.h5"), channels, attributes), "measured", inputs)
     assert selected.name == "a.h5"
     assert [record.getMessage() for record in caplog.records] == [
-        "warning: p_exp_kpa: not in kPa: force [N]"
+        f"warning: {name}: not in kPa: {units[name]}" for name in warned
     ]
 
 

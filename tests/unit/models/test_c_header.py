@@ -295,10 +295,12 @@ def test_header_learns_as_the_model_does(fitted, tmp_path_factory, name, command
     c = Stream(library_of(header, command, tmp_path_factory, "-DLEARNS"), np.float64)
     rng, learned = np.random.default_rng(1), []
     for k, x in enumerate(X):
-        error = 3.0 * np.sin(0.02 * k) if k % 50 else np.nan
-        theta = 30.0 * (k % 7 > 0)
-        p_fb = float(rng.choice([0.0, 5.0, 1e4, -1e4], p=(0.4, 0.4, 0.1, 0.1)))
+        error = 3.0 * np.sin(0.02 * k) if k % 50 else rng.choice([np.nan, np.inf, -1e10])
+        theta = 30.0 * (k % 7 > 0) if k % 40 else np.inf
+        p_fb = float(rng.choice([0.0, 5.0, 1e4, np.nan], p=(0.4, 0.4, 0.1, 0.1)))
         for stream in (online, c):
+            if k == 400:
+                stream.reset(x)
             stream.learn(error, theta)
         assert c.step(x) == pytest.approx(online.step(x), rel=1e-5, abs=1e-3)
         for stream in (online, c):

@@ -1,6 +1,8 @@
 import numpy as np
 import pytest
 from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+from sklearn.linear_model import LinearRegression
 
 from fprc.models import (
     ESN,
@@ -95,6 +97,27 @@ def test_model_that_remembers_nothing_or_has_too_many_weights_is_refused():
         esn.remember(X[:, :1])
 
 
+@pytest.mark.parametrize(
+    ("build", "why"),
+    [
+        pytest.param(lambda: ESN(r=600, washout=10), "at most 512 weights", id="network"),
+        pytest.param(lambda: FPRC(n_c=60), "at most 512 weights", id="many rules"),
+        pytest.param(
+            lambda: FeatureModel(TapFeatures(), LinearRegression()), "of this package", id="other"
+        ),
+        pytest.param(lambda: FPRC(n_c="8"), "n_c = '8'", id="wrong parameter"),
+        pytest.param(lambda: FPRC(n_c=1, n_y=400), "fewer taps", id="training that fails"),
+    ],
+)
+def test_model_that_cannot_learn_on_is_refused_before_it_is_trained(build, why):
+    X, y = log(300)
+    model = build()
+    with pytest.raises(ValueError, match=why):
+        model.partial_fit(X, y)
+    with pytest.raises(NotFittedError):
+        model.predict(X)
+
+
 def test_what_is_remembered_is_saved_and_loaded(model, tmp_path):
     found, _ = model
     save_model(found, tmp_path / "model.h5")
@@ -172,15 +195,24 @@ def test_constant_error_of_the_model_is_learned(model):
 
 
 @pytest.mark.parametrize(
-    ("theta", "p_fb", "limit"),
-    [(0.4, 0.0, 1e6), (np.nan, 0.0, 1e6), (30.0, 1e6, 1e6), (30.0, -1e6, 1e6), (30.0, 0.0, 1.0)],
-    ids=["at the stop", "no angle", "above the limit", "below 0", "P_ff above the limit"],
+    ("error", "theta", "p_fb", "limit"),
+    [
+        pytest.param(5.0, 0.4, 0.0, 1e6, id="at the stop"),
+        pytest.param(5.0, np.nan, 0.0, 1e6, id="no angle"),
+        pytest.param(5.0, np.inf, 0.0, np.inf, id="infinite angle"),
+        pytest.param(np.inf, 30.0, 0.0, np.inf, id="infinite error"),
+        pytest.param(1e10, 30.0, 0.0, np.inf, id="error that is a fault"),
+        pytest.param(5.0, 30.0, np.nan, 1e6, id="unknown feedback"),
+        pytest.param(5.0, 30.0, 1e6, 1e6, id="above the limit"),
+        pytest.param(5.0, 30.0, -1e6, 1e6, id="below 0"),
+        pytest.param(5.0, 30.0, 0.0, 1.0, id="P_ff above the limit"),
+    ],
 )
-def test_nothing_is_learned_where_the_error_tells_nothing(model, theta, p_fb, limit):
+def test_nothing_is_learned_where_the_error_tells_nothing(model, error, theta, p_fb, limit):
     found, X = model
     online = Online(found, Learning(), PERIOD_S, limit)
     for x in X[:50]:
-        online.learn(5.0, theta)
+        online.learn(error, theta)
         online.step(x)
         online.sent(p_fb)
     assert not online.learned.any()

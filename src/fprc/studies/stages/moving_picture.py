@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.axes import Axes
+from PIL import Image
 
 from fprc.artifacts import replacing
 from fprc.figures import soft_bodies as soft
@@ -17,6 +18,7 @@ from fprc.logs import Columns, read_columns
 #: What is shown of the runs, s, and the frames per second.
 SPAN_S, FRAMES_HZ = (10.0, 16.0), 12.0
 _DPI, _SIZE_IN = 110, (7.4, 2.7)
+_COLOURS = 64
 _CHANNELS = ("time_s", "theta_d_deg", "theta_deg", "p_exp_kpa", "p_i_kpa", "p_o_kpa", "phi_deg")
 
 
@@ -54,9 +56,25 @@ def draw_moving_picture(run: str, alone: str, gif: str, png: str) -> Mapping[str
         fig.savefig(temporary, dpi=2 * _DPI, metadata={"Software": None})
     with replacing(gif) as temporary:
         moving = FuncAnimation(fig, draw, frames=len(picked), init_func=lambda: [])
-        moving.save(temporary, writer=PillowWriter(fps=round(FRAMES_HZ)), dpi=_DPI)
+        moving.save(temporary, writer=_OnePalette(fps=round(FRAMES_HZ)), dpi=_DPI)
     plt.close(fig)
     return log.attributes
+
+
+class _OnePalette(PillowWriter):
+    """All frames have the same few colours: without noise between them, the file is small."""
+
+    _frames: list[Image.Image]
+
+    def finish(self) -> None:
+        """Write the file."""
+        frames = [frame.convert("RGB") for frame in self._frames]
+        some = Image.fromarray(np.vstack([np.asarray(frame) for frame in frames[::6]]))
+        palette = some.quantize(_COLOURS, Image.Quantize.MAXCOVERAGE)
+        self._frames = [
+            frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames
+        ]
+        super().finish()
 
 
 def _shown(
