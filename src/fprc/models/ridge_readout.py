@@ -36,11 +36,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
 
     def learned(self) -> Iterator[tuple[str, tuple[int, ...]]]:
         """Yield the shape of the weights, see ``fprc.models.learned``."""
-        yield "w_out_", (self.count_weights(self.n_features_in_),)
-
-    def count_weights(self, n_features: int) -> int:
-        """Return the number of weights for rows of so many features."""
-        return 1 + n_features
+        yield "w_out_", (1 + self.n_features_in_,)
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Solve the normal equations for one output."""

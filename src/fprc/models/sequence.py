@@ -106,7 +106,10 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         """
         check_is_fitted(self)
         if not self.learns_online():
-            raise self._cannot_learn_on()
+            raise ValueError(
+                f"{type(self).__name__} cannot learn on: that needs a readout of this package with "
+                f"at most {MOST_WEIGHTS} weights"
+            )
         rows, _, parts = join_recordings(self, X, None, lengths)
         phi = self.readout_.regressors(transform_each(self.features_, rows, parts))
         self.information_ = phi.T @ phi
@@ -130,13 +133,6 @@ class SequenceModel(RegressorMixin, BaseEstimator):
             As ``fit`` and ``remember``.
         """
         if not hasattr(self, "readout_"):
-            unfitted = clone(self)  # the training draws from random_state again
-            rows, _, _ = join_recordings(unfitted, X, y, lengths, first=True)
-            readout = unfitted.make_readout()
-            features = features_of(unfitted.make_features().fit(rows)) or 0  # 0 if unknown
-            weights = getattr(readout, "count_weights", lambda _: MOST_WEIGHTS + 1)(features)
-            if weights > MOST_WEIGHTS:
-                raise self._cannot_learn_on()
             return self.fit(X, y, lengths).remember(X, lengths)
 
         rows, targets, parts = join_recordings(self, X, y, lengths)
@@ -149,12 +145,6 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         self.readout_ = deepcopy(self.readout_)  # other models may share it
         self.readout_.weights[:] += change
         return self
-
-    def _cannot_learn_on(self) -> ValueError:
-        return ValueError(
-            f"{type(self).__name__} cannot learn on: that needs a readout of this package with at "
-            f"most {MOST_WEIGHTS} weights"
-        )
 
     def __sklearn_is_fitted__(self) -> bool:
         """Return whether ``fit`` has ended: one that failed leaves some attributes."""

@@ -73,11 +73,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         yield "centers_", (self.n_c, self.n_features_in_)
         yield "W_out_", (self.n_c, 1 + self.n_features_in_)
 
-    def count_weights(self, n_features: int) -> int:
-        """Return the number of weights for rows of so many features."""
-        check_limits(self, self.LIMITS)
-        return self.n_c * (1 + n_features)
-
     def fit(self, X: ArrayLike, y: ArrayLike, *, init: np.ndarray | None = None) -> Self:
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8).
 
