@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from fprc import __version__
-from fprc.channels import RAW_CHANNELS
+from fprc.channels import RAW_CHANNELS, unit_of
 from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
@@ -75,6 +75,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
 def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     # imported here because they take a second, for which the other experiments need not wait
     from fprc.experiments.tracking import Track, describe_model
+    from fprc.experiments.trained import refuse_other_data
     from fprc.models import load_model
 
     bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])
@@ -86,10 +87,11 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     driver = feedforward_of(controller)
     attributes, fitted = bench.describe(reference, controller), None
     if driver and model:  # without a file the law refuses to start
-        fitted = load_model(
-            model, outside_class(driver, settings["models"]), settings["control"]["sample_rate_hz"]
-        )
-        _refuse_other(fitted, driver, settings["models"], f"{model}, the model of {name}")
+        fitted = load_model(model, outside_class(driver, settings["models"]))
+        which, inputs = f"{model}, the model of {name}", entries(settings["models"])[driver].inputs
+        _refuse_other(fitted, driver, settings["models"], which)
+        units = [unit_of(channel) for channel in ("p_target_kpa", *inputs)]
+        refuse_other_data(fitted, which, settings["control"]["sample_rate_hz"], units)
         try:  # which also compiles the step before the first tick
             fitted.step((0.0,) * fitted.n_features_in_)
         except Exception as error:  # a class from outside may raise any error

@@ -16,8 +16,9 @@ from fprc.evaluation import cross_validate, rmse
 from fprc.evaluation.crossval import refusals_of
 from fprc.experiments.data import Data, join
 from fprc.experiments.settings import Judgement
+from fprc.experiments.trained import refuse_other_data, trained_on
 from fprc.logs import write_columns
-from fprc.models import SequenceModel, load_model, remembering, save_model
+from fprc.models import SequenceModel, load_model, save_model
 from fprc.plan.arguments import judgement
 from fprc.registry import build, entries, entry_of, load_class, outside_class, outside_classes
 from fprc.stages.preprocess import read_recordings
@@ -83,7 +84,7 @@ def train(
     with threadpool_limits(1):  # like the workflow; more threads change the last digits
         result = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
     with replacing(out) as temporary:
-        remembered = remembering(result.model, X, data.lengths, data.period_s)
+        remembered = trained_on(result.model, data, model, models)
         save_model(remembered, temporary, outside_class(model, models))
     report = (
         f"{out}: {model}, trained on {', '.join(logs)}; fold {result.best + 1} of {len(folds)} is "
@@ -127,11 +128,12 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     refuse_output(out, ".csv", ".h5")
     settings = from_files(config or local_files()).model_dump(mode="json")
     models = settings["models"]
-    rate_hz = settings["control"]["sample_rate_hz"]
-    fitted = load_model(model, outside_classes(models), rate_hz)
+    fitted = load_model(model, outside_classes(models))
     name = _name_of(fitted, model, models)
     data = _read([raw], settings, name)
     X, y = data.pair(name, models)
+    units = data.units(entry_of(name, models).inputs)
+    refuse_other_data(fitted, f"{model}, the model", settings["control"]["sample_rate_hz"], units)
     with threadpool_limits(1), refusals_of(fitted):
         output = fitted.predict(X)
     names = ("time_s", *entries(models)[name].inputs, "p_target_kpa")

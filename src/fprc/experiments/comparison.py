@@ -13,7 +13,8 @@ from fprc.evaluation.crossval import prepare
 from fprc.experiments.data import Data, refuse_mixture
 from fprc.experiments.grids import judge_cell, weight_shares
 from fprc.experiments.settings import Judgement
-from fprc.models import SequenceModel, remembering
+from fprc.experiments.trained import trained_on
+from fprc.models import SequenceModel
 from fprc.paper import DIRECTIONS, EXPERIMENTS
 from fprc.registry import build, entries
 
@@ -62,8 +63,7 @@ def judge_directions(name: str, judgement: Judgement, logs: Mapping[str, Data]) 
                 "%s: fold %d of %d: training %.2f, validation %.2f kPa",
                 label, fold + 1, judgement.folds, *errors,
             )  # fmt: skip
-        X, _, parts = samples[train]
-        remembering(judged.model, X, parts, logs[train].period_s)
+        trained_on(judged.model, logs[train], name, judgement.models)
         tested, expected = judged.model.readout_.predict(prepared.rows[test]), prepared.y[test]
         test_rmse = rmse(expected, tested)
         log.info("%s: best fold %d, test %.2f kPa", label, judged.best + 1, test_rmse)
@@ -113,9 +113,6 @@ def errors_over_starts(
             "test": [prepared.error(readout, test) for readout in readouts],
         }
         if train == "sweep":
-            X, _, parts = samples[train]
-            period_s = logs[train].period_s
-            models = [
-                remembering(prepared.fitted(readout), X, parts, period_s) for readout in readouts
-            ]
+            fitted = map(prepared.fitted, readouts)
+            models = [trained_on(model, logs[train], "fprc", judgement.models) for model in fitted]
     return errors, models

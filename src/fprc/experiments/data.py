@@ -43,6 +43,13 @@ class Data(NamedTuple):
         """Unit of P_exp, and so of every error: kPa, unless an import gives another."""
         return self.attributes.get("p_target_unit", "kPa")
 
+    def units(self, inputs: Sequence[str]) -> list[str]:
+        """Return the units of P_exp and of channels."""
+        return [
+            self.attributes.get(f"{name.rpartition('_')[0]}_unit", unit_of(name))
+            for name in ("p_target_kpa", *inputs)
+        ]
+
     def pair(
         self, model: str, models: Mapping[str, Any] | None = None
     ) -> tuple[np.ndarray, np.ndarray]:

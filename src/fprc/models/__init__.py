@@ -10,7 +10,7 @@ from fprc.models.nvar import NVAR
 from fprc.models.online import Learning, Online
 from fprc.models.plays import PlayOperators
 from fprc.models.ridge_readout import RidgeReadout
-from fprc.models.sequence import SequenceModel, remembering
+from fprc.models.sequence import SequenceModel
 from fprc.models.side_by_side import SideBySide
 from fprc.models.storage import load_model, save_model
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
@@ -33,7 +33,6 @@ __all__ = [
     "TapFeatures",
     "load_model",
     "lowpass",
-    "remembering",
     "save_model",
     "taps",
 ]

@@ -8,9 +8,9 @@ HEADER = Template("""\
  *
  * $equation
  *
- * Inputs of each sample, at the sample rate of the training log and in its units:
+ * Inputs of each sample, $rate:
 $inputs
- * Output: P_ff, kPa
+ * Output: P_ff, $unit
  *
  * Use:  ${name}_state state;
  *       ${name}_init(&state);

@@ -89,11 +89,14 @@ def check_learned(model: Any) -> None:
     if not _RATE.allows(rate := has.pop("sample_rate_hz_", 200.0)):
         raise ValueError(f"sample_rate_hz_ = {rate!r:.60}; must be {_RATE}")
     columns, names = has.pop("n_features_in_", None), has.pop("feature_names_in_", None)
+    units = has.pop("units_", None)
     if not _COLUMNS.allows(columns):
         raise ValueError(f"n_features_in_ = {columns!r:.60}; must be {_COLUMNS}")
-    listed = names.tolist() if isinstance(names, np.ndarray) else []
-    if names is not None and [isinstance(name, str) for name in listed] != [True] * columns:
-        raise ValueError(f"feature_names_in_: must be the names of {columns} columns")
+    texts = ("feature_names_in_", names, columns), ("units_", units, 1 + columns)
+    for key, words, count in texts:
+        listed = words.tolist() if isinstance(words, np.ndarray) else []
+        if words is not None and [isinstance(word, str) for word in listed] != [True] * count:
+            raise ValueError(f"{key}: must be {count} words")
     for key, expected in model.learned():
         found = has.pop(key, None)
         if isinstance(expected, LearnedPart):

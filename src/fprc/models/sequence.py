@@ -222,11 +222,3 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         if hasattr(readout, "output"):
             return readout.output(row)
         return float(readout.predict(row[None])[0])
-
-
-def remembering(model: Any, X: Recordings, lengths: ArrayLike, period_s: float) -> Any:
-    """Return a fitted model that knows its sample rate, and its training data to learn online."""
-    model.sample_rate_hz_ = 1.0 / period_s
-    if isinstance(model, SequenceModel) and model.learns_online():
-        return model.remember(X, lengths)
-    return model

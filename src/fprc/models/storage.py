@@ -1,7 +1,6 @@
 """Fitted models in files."""
 
 import json
-import math
 import sys
 from collections.abc import Collection, Mapping
 from pathlib import Path
@@ -62,24 +61,19 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     Path(path).write_bytes(model_file(text, arrays))
 
 
-def load_model(
-    path: Path | str, classes: Collection[type] = (), sample_rate_hz: float | None = None
-) -> BaseEstimator:
+def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimator:
     """Read a model that ``save_model`` wrote.
 
     Parameters
     ----------
     classes : collection of type
         As ``save_model`` takes them.
-    sample_rate_hz : float, optional
-        That of the samples that the model will get, whose memory counts samples.
 
     Raises
     ------
     FprcError
         The file cannot be opened, is too large, was changed, or holds no model of this package:
-        it names the file, and the part and attribute that is wrong. Or the model was trained at
-        another sample rate.
+        it names the file, and the part and attribute that is wrong.
     """
     known = _known_classes(classes)
     content = read_given(path, most_bytes=MOST_BYTES)
@@ -89,16 +83,6 @@ def load_model(
         if arrays:
             raise FprcError(f"{', '.join(arrays)}: is no part of the model; train it again")
         _check(model)
-        trained_hz = getattr(model, "sample_rate_hz_", None)
-        if (
-            sample_rate_hz
-            and trained_hz
-            and not math.isclose(trained_hz, sample_rate_hz, rel_tol=1e-3)
-        ):
-            raise FprcError(
-                f"was trained at {trained_hz:g} Hz, and control.sample_rate_hz is "
-                f"{sample_rate_hz:g}; train it again at this rate, or change the setting"
-            )
         if hasattr(model, "reset"):
             model.reset()
         return model

@@ -5,7 +5,9 @@ from fprc.apparatus.programme import names, plan
 from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, Readings
 from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
-from fprc.models import FPRC, FuzzyLinear, TapFeatures, load_model, remembering, save_model
+from fprc.experiments.data import Data
+from fprc.experiments.trained import trained_on
+from fprc.models import FPRC, FuzzyLinear, TapFeatures, load_model, save_model
 from fprc.stages.record_on_rig import record_on_rig
 
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)
@@ -115,19 +117,31 @@ def test_outside_model_is_compared_with_its_own_class(settings, files):
         plan("track_sine_0p2_mine", settings, files["FPRC"])
 
 
-@pytest.mark.parametrize("period_s", [0.005, 0.00500001, 0.01, 0.001])
-def test_model_of_another_sample_rate_is_refused_before_the_rig_moves(
-    settings, fprc_file, recorded, tmp_path, period_s
+@pytest.mark.parametrize(
+    ("period_s", "attributes", "why"),
+    [
+        (0.005, {}, ""),
+        (0.00500001, {}, ""),
+        (0.01, {}, "was trained at 100 Hz"),
+        (0.005, {"p_target_unit": "bar"}, "to give bar from deg, kPa, and here must give kPa from"),
+        (0.005, {"theta_unit": "rad"}, "to give kPa from rad, kPa"),
+        (0.005, {"p_o_unit": "% of its scale"}, "to give kPa from deg, % of its scale"),
+    ],
+)
+def test_model_of_other_rate_or_units_is_refused_before_the_rig_moves(
+    settings, fprc_file, recorded, tmp_path, period_s, attributes, why
 ):
     log = recorded["sweep"]
-    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
-    path = tmp_path / "model.h5"
-    save_model(remembering(load_model(fprc_file), X, [len(X)], period_s), path)
-    if 1.0 / period_s == pytest.approx(settings["control"]["sample_rate_hz"], rel=1e-3):
-        plan("track_sine_0p2_fprc", settings, str(path))
+    channels = {name: log[name] for name in ("theta_deg", "p_o_kpa")}
+    channels |= {"time_s": period_s * np.arange(len(log["theta_deg"]))}
+    channels |= {"p_target_kpa": log["p_exp_command_kpa"]}
+    path = str(tmp_path / "model.h5")
+    save_model(trained_on(load_model(fprc_file), Data(channels, attributes), "fprc"), path)
+    if why:
+        with pytest.raises(FprcError, match=why):
+            plan("track_sine_0p2_fprc", settings, path)
     else:
-        with pytest.raises(FprcError, match=rf"{path}: was trained at {1.0 / period_s:g} Hz"):
-            plan("track_sine_0p2_fprc", settings, str(path))
+        plan("track_sine_0p2_fprc", settings, path)
 
 
 def test_step_that_fails_is_refused_before_the_rig_moves(settings, fprc_file, monkeypatch):

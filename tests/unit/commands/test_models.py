@@ -93,7 +93,7 @@ def test_model_and_prediction_are_those_of_the_workflow(
     train = ("train", raw["sweep"], "--model", name, "--config", few, "--out", "mine.h5")
     assert run(*train) == 0
     assert (inside / "mine.h5").read_bytes() == (inside / "model0").read_bytes()
-    assert load_model("mine.h5", sample_rate_hz=200.0).sample_rate_hz_ == pytest.approx(200.0)
+    assert load_model("mine.h5").sample_rate_hz_ == pytest.approx(200.0)
     errors = read_json("errors0")
     best = errors["best_fold"]
     assert capsys.readouterr().out == (

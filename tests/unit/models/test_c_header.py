@@ -241,6 +241,18 @@ def test_name_of_a_column_cannot_end_the_comment():
     comment = c_header(model, "pff", origin="a\n*/ b").partition("#ifndef")[0]
     assert comment.count("*/") == 1
     assert "P_o __ int x; __" in comment
+    assert "x[0]: theta_d, deg (column theta)" in comment
+    assert "Output: P_ff, kPa" in comment
+
+
+def test_comment_has_rate_and_units_of_the_training():
+    X = recording(100, 2)
+    model = FPRC(n_c=2, random_state=1).fit(X, X[:, 0])
+    model.sample_rate_hz_, model.units_ = 1.0 / 0.01, np.array(["bar", "rad", "*/"], dtype=object)
+    comment = c_header(model, "pff").partition("#ifndef")[0]
+    for line in ("at 100 Hz:", "x[0]: theta_d, rad", "x[1]: P_o, __", "Output: P_ff, bar"):
+        assert line in comment
+    assert comment.count("*/") == 1
 
 
 def test_comment_holds_the_parts_of_the_model_and_no_empty_line_of_its_origin(fitted):

@@ -201,6 +201,8 @@ DESCRIPTIONS = {
     "columns": (FUZZY, put("learned", "n_features_in_", value=10**9), "n_features_in_ = 1000000"),
     "columns of a part": (FUZZY, put(*PART, "learned", "n_features_in_", value=5),
                           "readout_: is trained on 5 columns, but gets 8"),
+    "units": (FUZZY, put("learned", "units_", value=["kPa", "deg"]), "units_: must be 3 words"),
+    "rate": (FUZZY, put("learned", "sample_rate_hz_", value=0.0), "sample_rate_hz_ = 0.0; must"),
     "names": (FUZZY, put("learned", "feature_names_in_", value=["a"]), "feature_names_in_: must"),
     **{
         f"{name} = {value}": (FUZZY, setting(name, value), rf"readout_.*{name} = .*; must be")
