@@ -56,7 +56,8 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
     Raises
     ------
     ConfigError
-        There is no such experiment, or the file holds another model than the experiment's.
+        There is no such experiment, its commands are beyond ``hardware.limits``, or the file holds
+        another model than the experiment's.
     ControlError
         The reference is impossible, or a model is needed and there is none.
     FprcError
@@ -121,6 +122,12 @@ def _refuse_other(fitted: Any, driver: str, models: Mapping[str, Any], which: st
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
     control, signal = settings["control"], settings["experiments"][name]
     p_exp_kpa = pressure_command(signal, control["sample_rate_hz"])
+    highest, (_, limit) = p_exp_kpa.max(), settings["hardware"]["limits"]["p_exp_kpa"]
+    if highest > limit:
+        raise ConfigError(
+            f"experiments.{name} commands up to {highest:g} kPa, and a reading above {limit:g} "
+            "ends a run (hardware.limits.p_exp_kpa); lower its amplitude_kpa or offset_kpa"
+        )
     law = hysteresis_law(p_exp_kpa, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
     attributes = {
         "experiment": name,

@@ -32,6 +32,16 @@ def test_every_name_can_be_planned(settings, fprc_file):
             experiment.law(experiment.samples, NOW)
 
 
+@pytest.mark.parametrize(("limit_kpa", "refused"), [(349.0, True), (350.1, False)])
+def test_command_beyond_the_limit_of_the_readings_is_refused(settings, limit_kpa, refused):
+    settings["hardware"]["limits"]["p_exp_kpa"] = [-20.0, limit_kpa]
+    if refused:
+        with pytest.raises(ConfigError, match=r"up to 350 kPa.*hardware\.limits\.p_exp_kpa"):
+            plan("sweep", settings)
+    else:
+        plan("sweep", settings)
+
+
 @pytest.mark.parametrize("feedback", ["incremental", "positional"])
 def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feedback):
     settings["control"]["feedback"] = feedback
