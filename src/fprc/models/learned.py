@@ -77,7 +77,11 @@ def check_learned(model: Any) -> None:
         Names part and attribute.
     """
     has = {key: value for key, value in vars(model).items() if is_learned(key)}
+    if not _RATE.allows(rate := has.pop("sample_rate_hz_", 200.0)):
+        raise ValueError(f"sample_rate_hz_ = {rate!r:.60}; must be {_RATE}")
+    units = has.pop("units_", None)
     if not is_built_in(model):
+        _check_words("units_", units, np.size(units))
         for key, value in has.items():
             parts = enumerate(value) if isinstance(value, list) else []
             for place, part in [(key, value), *((f"{key}.{i}", element) for i, element in parts)]:
@@ -86,17 +90,11 @@ def check_learned(model: Any) -> None:
         return
     limits = getattr(model, "LIMITS", {})
     check_limits(model, limits)
-    if not _RATE.allows(rate := has.pop("sample_rate_hz_", 200.0)):
-        raise ValueError(f"sample_rate_hz_ = {rate!r:.60}; must be {_RATE}")
     columns, names = has.pop("n_features_in_", None), has.pop("feature_names_in_", None)
-    units = has.pop("units_", None)
     if not _COLUMNS.allows(columns):
         raise ValueError(f"n_features_in_ = {columns!r:.60}; must be {_COLUMNS}")
-    texts = ("feature_names_in_", names, columns), ("units_", units, 1 + columns)
-    for key, words, count in texts:
-        listed = words.tolist() if isinstance(words, np.ndarray) else []
-        if words is not None and [isinstance(word, str) for word in listed] != [True] * count:
-            raise ValueError(f"{key}: must be {count} words")
+    _check_words("feature_names_in_", names, columns)
+    _check_words("units_", units, 1 + columns)
     for key, expected in model.learned():
         found = has.pop(key, None)
         if isinstance(expected, LearnedPart):
@@ -110,6 +108,12 @@ def check_learned(model: Any) -> None:
             _check_array(key, found, expected, limits.get(key, USUAL))
     if has:
         raise ValueError(f"{', '.join(has)}: {type(model).__name__} learns no such attribute")
+
+
+def _check_words(key: str, words: Any, count: int) -> None:
+    listed = words.tolist() if isinstance(words, np.ndarray) else []
+    if words is not None and [isinstance(word, str) for word in listed] != [True] * count:
+        raise ValueError(f"{key}: must be {count} words")
 
 
 def _check_within(place: str, part: BaseEstimator) -> None:

@@ -346,6 +346,15 @@ def test_model_from_outside_is_loaded_with_what_it_learned(outside, path):
     assert np.array_equal(loaded.inner_[0].w_out_, outside.inner_[0].w_out_)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"), [("units_", 3.0), ("units_", [1.0, 2.0]), ("sample_rate_hz_", "fast")]
+)
+def test_origin_of_a_model_from_outside_is_checked(name, value, outside, path):
+    setattr(outside, name, value)
+    with pytest.raises(FprcError, match=f"{name}.*train the model again"):
+        save_model(outside, path, [Outside])
+
+
 @pytest.mark.parametrize("value", [np.nan, [1.0, np.inf]])
 def test_model_from_outside_that_is_not_finite_is_not_saved(value, outside, path):
     outside.offset_ = value
