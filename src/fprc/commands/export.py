@@ -8,6 +8,7 @@ from fprc.artifacts import refuse_output, write_text
 from fprc.config import from_files, local_files
 from fprc.errors import FprcError
 from fprc.experiments.tracking import Track
+from fprc.experiments.trained import refuse_other_data
 from fprc.given import read_given
 from fprc.models.c_header import GENERATED, c_header
 from fprc.models.storage import load_model
@@ -46,7 +47,7 @@ def export_c(
     ConfigError
         The configuration is wrong.
     FprcError
-        ``model`` holds no model that can be exported, or that can learn.
+        ``model`` holds no model that can be exported, or that can learn at the configured rate.
     OutputError
         ``c`` does not end in ``.h``, is a file that this command did not write, or cannot be
         written.
@@ -55,6 +56,10 @@ def export_c(
     refuse_output(path, ".h", ours=lambda old: GENERATED.encode() in read_given(old))
     settings = from_files(config or local_files()).model_dump(mode="json")
     fitted = load_model(model, outside_classes(settings["models"]))
+    if learn:
+        units = getattr(fitted, "units_", ())  # whatever they are, the header names them
+        rate_hz = settings["control"]["sample_rate_hz"]
+        refuse_other_data(fitted, f"{model}, the model", rate_hz, units)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
     try:
         online = None

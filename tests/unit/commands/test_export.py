@@ -132,3 +132,17 @@ def test_model_that_learns_needs_its_training(tmp_path, monkeypatch, capsys):
     assert main(command) == 0
     assert "new_learn(" in (tmp_path / "new.h").read_text()
     assert "3.25 * error" in (tmp_path / "new.h").read_text()
+
+
+def test_model_of_another_rate_does_not_learn(header, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    X = np.random.default_rng(1).normal(100.0, 10.0, (200, 2))
+    model = FPRC(n_c=2, random_state=1).partial_fit(X, X[:, 0])
+    model.sample_rate_hz_ = 100.0
+    save_model(model, "slow.h5")
+    assert main(["export", "slow.h5", "--c", str(header), "--learn"]) == 1
+    assert "100 Hz" in capsys.readouterr().err
+    assert not header.exists()
+    (tmp_path / "slow.yaml").write_text("control: {sample_rate_hz: 100}")
+    command = ["export", "slow.h5", "--c", str(header), "--learn", "--config", "slow.yaml"]
+    assert main(command) == 0
