@@ -64,7 +64,10 @@ TABLES = {
     "readout_table": table_spec(
         "readout/readout",
         "Value of the readout: table",
-        {"cells": PATHS.below("readout/cells.json")},
+        {
+            "cells": PATHS.below("readout/cells.json"),
+            "quality": [PATHS.quality(log) for log in TRAINED_ON.values()],
+        },
         **stage("tabulate.tabulate_readout"),
     ),
 }

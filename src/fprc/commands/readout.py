@@ -13,7 +13,14 @@ from fprc.claims.recording import answer, sentences
 from fprc.commands.import_recording import import_mapped, own_rate
 from fprc.commands.models import refuse_repeats
 from fprc.commands.processes import processes
-from fprc.commands.readout_page import Recordings, cautions, log_names, rates_in_words, report_page
+from fprc.commands.readout_page import (
+    Recordings,
+    cautions,
+    log_names,
+    quality_records,
+    rates_in_words,
+    report_page,
+)
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap, read_map
@@ -266,7 +273,7 @@ def _judge(
         version=fingerprint("fprc.stages.readout", *map(class_module, ("fprc", "fuzzy_linear"))),
     )
     files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex")}
-    tabulate_readout(cells, parts=parts, **files)
+    tabulate_readout(cells, quality_records(folder.parent), parts=parts, **files)
     attributes = draw_readout(cells, pdf, png)
     origin = describe(attributes, inputs=[cells], outputs=[pdf, png], settings=settings)
     write_json(folder / "readout.json", origin)

@@ -13,9 +13,9 @@ from fprc.config import from_files
 from fprc.config.importing import ImportMap
 from fprc.escape import code
 from fprc.logs import read_columns
-from fprc.logs.quality import warnings
 from fprc.paper import SOURCES
 from fprc.provenance import sha256
+from fprc.stages.tabulate import failed_checks
 from fprc.tables import readout
 
 #: Recordings of one role, training or test: files with their maps.
@@ -151,11 +151,14 @@ def what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
     return f"Trained before {mapping.test_from_s:g} s{also}, tested after"
 
 
+def quality_records(folder: Path) -> list[str]:
+    """Return the files with the quality records of both logs."""
+    return [str(folder / f"quality/{part}.json") for part in ("sweep", "complex")]
+
+
 def cautions(folder: Path, settings: Mapping[str, Any]) -> list[str]:
     """Return what makes the answer doubtful: failed checks of the logs, and a narrow theta."""
-    reports = [read_json(folder / f"quality/{part}.json") for part in ("sweep", "complex")]
-    records = [record for report in reports for record in report.get("recordings", [report])]
-    lines = [line for record in records for line in warnings(record)]
+    lines = failed_checks(quality_records(folder))
     (theta,) = read_columns(folder / "data/sweep.h5", ("theta_deg",)).channels.values()
     sigma = settings["models"]["fprc"]["sigma"]
     if (spread := np.std(theta)) < sigma:

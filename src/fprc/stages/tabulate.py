@@ -52,15 +52,20 @@ def tabulate_comparison(
     reports = [read_json(path) for path in errors]
     table = comparison(reports, read_yaml(published))
     first = reports[0]
-    checked = [read_json(path) for path in quality]
-    records = [record for content in checked for record in content.get("recordings", [content])]
     note = (
         f"{_COMPARISONS[first['trained_on']]}: mean ± standard deviation over "
         f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
         f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
-        f"{_without(left_out)}{_failed(sum(map(warnings, records), []))}"
+        f"{_without(left_out)}{_failed(failed_checks(quality))}"
     )
     write_table(table, comparison_page(table), note, **files)
+
+
+def failed_checks(quality: Sequence[str]) -> list[str]:
+    """Return a line on each log with failed checks, from files of quality records."""
+    checked = [read_json(path) for path in quality]
+    records = [record for content in checked for record in content.get("recordings", [content])]
+    return sum(map(warnings, records), [])
 
 
 def _failed(lines: Sequence[str]) -> str:
@@ -176,10 +181,15 @@ _FOLDS = {
 
 
 def tabulate_readout(
-    cells: str, *, parts: tuple[str, str] = ("the sweep", "the complex log"), **files: str
+    cells: str,
+    quality: Sequence[str],
+    *,
+    parts: tuple[str, str] = ("the sweep", "the complex log"),
+    **files: str,
 ) -> None:
     """Compare FPRC with P_o, without it, and with substitutes for it.
 
+    ``quality`` are the quality records of the logs; failed checks stand below the table.
     ``parts`` are the names of the training log and the test log.
     """
     report = read_json(cells)
@@ -190,7 +200,7 @@ def tabulate_readout(
         f"{settings['epsilon']:g} and n_u = {settings['n_u']}, mean ± standard deviation over "
         "folds.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
-        f"tested on {parts[1]}. {_FOLDS[readout.held_out(table)]}"
+        f"tested on {parts[1]}. {_FOLDS[readout.held_out(table)]}{_failed(failed_checks(quality))}"
     )
     write_table(table, readout.readout_page(table, settings), note, **files)
 
