@@ -28,7 +28,6 @@ KINDS = {
     "settle_s": float,
     "complete": bool,
     "incomplete_reason": str,
-    "aborted": str,  # incomplete_reason, in logs of simulated runs of earlier versions
     "lost_samples": int,
     "started": str,
     "statistics": dict,

@@ -150,11 +150,10 @@ def _line(log: str, name: str, check: Mapping[str, Any]) -> str:
 
 def _complete(log: Columns) -> dict[str, Any]:
     attributes = log.attributes
-    complete = attributes.get("complete", "aborted" not in attributes)
-    reason = attributes.get("incomplete_reason") or attributes.get("aborted") or "unknown"
+    complete = attributes.get("complete", True)
     return {
         "passed": complete,
-        "reason": None if complete else reason,
+        "reason": None if complete else attributes.get("incomplete_reason", "unknown"),
         "lost_samples": attributes.get("lost_samples", 0),
     }
 

@@ -65,7 +65,6 @@ WRONG = {
     "source": [1, np.bytes_(b"\xff"), ["sim", "rig"]],
     "complete": ["no", 5, "false", [True, False]],
     "incomplete_reason": [5, np.bytes_(b"\xff\xfe")],
-    "aborted": [5],
     "software": [np.bytes_(b"LabVIEW \xb5"), ["a", "b"], h5py.Empty("f8")],
     "simulated": [1, "yes"],
     "sample_rate_hz": [np.inf, np.nan, "200", True],

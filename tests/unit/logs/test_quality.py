@@ -205,7 +205,6 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
             "not closed",
             3,
         ),
-        ({"aborted": "run stopped at sample 7"}, "run stopped at sample 7", 0),
         ({"complete": False}, "unknown", 0),
     ],
 )
