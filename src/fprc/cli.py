@@ -5,7 +5,6 @@ import os
 import signal
 import sys
 import threading
-from _thread import interrupt_main
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -80,26 +79,17 @@ def _prepare_output() -> None:
 def _noting_interrupts() -> Iterator[list[int]]:
     """Record Ctrl-C in the list that is yielded, and raise KeyboardInterrupt."""
     interrupts: list[int] = []
-    before, report = signal.getsignal(signal.SIGINT), sys.unraisablehook
+    before = signal.getsignal(signal.SIGINT)
 
     def note(number: int, frame: Any) -> None:
         interrupts.append(number)
         raise KeyboardInterrupt
 
-    def repeat(unraisable: Any) -> None:
-        # in a callback, as while an object is deleted, Python ignores exceptions: raise it later
-        if isinstance(unraisable.exc_value, KeyboardInterrupt):
-            threading.Timer(0.01, interrupt_main).start()
-        else:
-            report(unraisable)
-
     usual = before is signal.default_int_handler  # not under nohup
     if usual and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, note)
-        sys.unraisablehook = repeat
     try:
         yield interrupts
     finally:
-        if sys.unraisablehook is repeat:
+        if signal.getsignal(signal.SIGINT) is note:
             signal.signal(signal.SIGINT, before)
-            sys.unraisablehook = report
