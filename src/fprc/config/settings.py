@@ -195,24 +195,3 @@ class Settings(Section):
         if problems:
             raise ValueError("\n  ".join(problems))
         return self
-
-    @model_validator(mode="after")
-    def _logs_are_long_enough(self) -> "Settings":
-        if self.source == "recorded":
-            return self
-        models, folds = self.models, self.evaluation.folds
-        needs = {"n_y": models.n_y, "n_u": models.fprc.n_u, "n_c": models.fprc.n_c}
-        problems = []
-        for name in ("sweep", "complex"):
-            duration_s = getattr(self.experiments, name).duration_s
-            samples = round(duration_s * self.control.sample_rate_hz)
-            training = samples - -(-samples // folds)
-            problems += [
-                f"experiments.{name} leaves {training} samples to train on, fewer than "
-                f"{key} = {need}; lengthen its duration_s or reduce {key}"
-                for key, need in needs.items()
-                if training < need
-            ]
-        if problems:
-            raise ValueError("\n  ".join(problems))
-        return self

@@ -188,22 +188,6 @@ def test_weights_sum_to_one(key):
     assert value_at(check(set_to(key, weights)), key) == tuple(weights)
 
 
-@pytest.mark.parametrize(
-    ("experiment", "models", "need"),
-    [
-        ("sweep", {"fprc": {"n_c": 64}}, "n_c = 64"),
-        ("complex", {"fprc": {"n_c": 64}}, "n_c = 64"),
-        ("sweep", {"fprc": {"n_u": 100}}, "n_u = 100"),
-        ("sweep", {"n_y": 100}, "n_y = 100"),
-    ],
-)
-def test_log_too_short_to_train_on_is_refused(experiment, models, need):
-    config = {"control": {"sample_rate_hz": 50}, "models": models}
-    with pytest.raises(ConfigError, match=rf"experiments\.{experiment}.*{need}"):
-        check(config | {"experiments": {experiment: {"duration_s": 1}}})
-    assert check(config | {"experiments": {experiment: {"duration_s": 4}}})
-
-
 def test_scikit_fuzzy_is_refused_where_it_is_not_installed(monkeypatch):
     assert check(set_to("models.fprc.clustering", "scikit-fuzzy")).models.fprc.restarts == 1
     monkeypatch.setattr("fprc.config.models.find_spec", lambda name: None)
