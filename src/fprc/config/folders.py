@@ -20,10 +20,6 @@ RESULT_FOLDERS = frozenset(
     }
 )  # fmt: skip
 
-_LIMIT_NAME = 255  # of Linux
-#: Linux allows 4096, but Snakemake keeps records of files under paths a third longer.
-_LIMIT_PATH = 1000
-
 
 def _path_parts(folder: str) -> tuple[str, ...]:
     """Return the parts of a folder's path, relative to the working directory."""
@@ -35,22 +31,17 @@ def _path_parts(folder: str) -> tuple[str, ...]:
 
 def _reasons_to_refuse(folder: str) -> list[str]:
     """Return every reason to refuse a folder."""
-    names = PurePath(folder).parts
     reasons = []
     if not folder.isprintable():
         reasons.append("contains characters that cannot be printed")
     if "{" in folder or "}" in folder:
         reasons.append("contains a brace, which is a wildcard for Snakemake")
-    if any(name != name.strip() for name in names):
+    if any(name != name.strip() for name in PurePath(folder).parts):
         reasons.append("contains a name that begins or ends with a blank")
     if folder.startswith("~"):
         reasons.append("begins with ~, which is not expanded; write out your home folder")
     if folder.startswith("-"):
         reasons.append("begins with -, which commands read as an option")
-    if any(len(name.encode()) > _LIMIT_NAME for name in names):
-        reasons.append(f"contains a name of more than {_LIMIT_NAME} bytes")
-    if len(folder.encode()) > _LIMIT_PATH:
-        reasons.append(f"is longer than {_LIMIT_PATH} bytes")
     place = _path_parts(folder)
     if set(place) <= {".."}:
         reasons.append("is the project's folder, or contains it")

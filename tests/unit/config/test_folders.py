@@ -57,9 +57,6 @@ def project(tmp_path, monkeypatch):
         ("a\u2028b", "cannot be printed"),
         ("a{b}", "a brace"),
         ("a}", "a brace"),
-        ("a" * 300, "more than 255 bytes"),
-        ("x/" + "ü" * 128, "more than 255 bytes"),
-        ("abc/" * 300, "longer than 1000 bytes"),
         (" a", "a blank"),
         ("a /b", "a blank"),
         (" ", "a blank"),
@@ -81,9 +78,9 @@ def test_folder_that_would_do_harm_is_refused_with_a_reason(project, key, folder
 
 
 def test_every_reason_is_given_at_once():
-    message = refused(raw="src/{x\n", results="~" + "y" * 300)
+    message = refused(raw="src/{x\n", results="~")
     assert message.startswith("2 errors in the configuration:\n")
-    for reason in ("a brace", "cannot be printed", "is in src", "begins with ~", "255 bytes"):
+    for reason in ("a brace", "cannot be printed", "is in src", "begins with ~"):
         assert reason in message
 
 
