@@ -148,21 +148,15 @@ def _convert(
     source: Source, where: str, values: np.ndarray, spec: Mapping[str, Any], clock: Clock
 ) -> np.ndarray:
     """Return the clock's samples of a column, converted to the unit of a raw log."""
-    used = values[clock.samples]
-    bad = clock.samples[~np.isfinite(used)]
-    if bad.size:
-        k = int(bad.min())
-        raise LogError(
-            f"{where}: {source.sample(k)} is {values[k]}; not finite in all: {bad.size}; cut "
-            "them off with start_s and end_s, or fill them in"
-        )
     with np.errstate(over="ignore", invalid="ignore"):
-        scaled = (used * spec["scale"] + spec["offset"]) * FACTORS[spec["unit"]]
-    bad = clock.samples[~(np.abs(scaled) <= LARGEST)]
+        scaled = values[clock.samples] * spec["scale"] + spec["offset"]
+        scaled *= FACTORS[spec["unit"]]
+    bad = clock.samples[~(np.abs(scaled) <= LARGEST)]  # NaN is neither
     if bad.size:
         k = int(bad.min())
         raise LogError(
-            f"{where}: {source.sample(k)} is {values[k]:g}; beyond {LARGEST:g} after scale, "
-            f"offset and unit in all: {bad.size}; correct these settings, or the file"
+            f"{where}: {source.sample(k)} is {values[k]:g}; not finite or beyond {LARGEST:g} after "
+            f"scale, offset and unit in all: {bad.size}; correct these settings, cut the samples "
+            "off with start_s and end_s, or fill them in"
         )
     return scaled

@@ -126,7 +126,7 @@ def test_value_that_is_kept_and_not_finite_is_named_with_its_sample(tmp_path, wr
         content = read(tmp_path / file)
         message = problem(gather, content, **asked(name, start_s=0.1))
         assert (
-            f"p_exp_kpa: {name.format('force')}: {content.sample(30)} is nan; not finite in all: 2"
+            f"p_exp_kpa: {name.format('force')}: {content.sample(30)} is nan; not finite or beyond"
             in message
         )
         assert len(gather(content, **asked(name, end_s=0.295)).time_s) == 30
@@ -198,7 +198,7 @@ def test_value_that_is_not_kept_may_be_missing(csv):
     time = {"column": "t", "unit": "s"}
     gather(source, **asked("{}") | {"time": time | {"repeated": "first"}})
     message = problem(gather, source, **asked("{}") | {"time": time | {"repeated": "mean"}})
-    assert "p_exp_kpa: force: sample 1 (line 3) is nan; not finite in all: 1" in message
+    assert "p_exp_kpa: force: sample 1 (line 3) is nan; not finite or beyond" in message
 
 
 def test_cut_is_counted_from_the_first_sample(csv):
