@@ -64,14 +64,11 @@ def _clock(time_s: np.ndarray, gap_periods: float) -> dict[str, Any]:
     median = float(np.median(steps))
     gaps = gaps_of(time_s, gap_periods * median)
     late = np.delete(steps, gaps) - median  # a gap is no jitter
-    low, high = np.percentile(late, [1, 99])
     return {
         "mean_hz": float(1.0 / steps.mean()),
         "median_hz": 1.0 / median,
         "running_hz": rate_of(time_s),
-        "jitter_p1_s": float(low),
-        "jitter_p99_s": float(high),
-        "jitter_max_s": float(np.abs(late).max()),
+        "jitter_s": float(np.abs(np.percentile(late, [1, 99])).max()),
         "gaps": [
             {
                 "from_s": float(time_s[k]),
@@ -99,7 +96,6 @@ def _channel(time_s: np.ndarray, values: np.ndarray, longest: float) -> dict[str
             {
                 "from_s": float(time_s[begins[k]]),
                 "to_s": float(time_s[begins[k] + lengths[k] - 1]),
-                "value": float(values[begins[k]]),
             }
             for k in frozen
         ],
@@ -180,10 +176,9 @@ def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str
 
 
 def _describe_clock(clock: Mapping[str, Any]) -> Iterator[str]:
-    jitter_s = max(abs(clock["jitter_p1_s"]), abs(clock["jitter_p99_s"]))
     yield (
         f"steps of {1e3 / clock['median_hz']:.4g} ms, 98 % of them within "
-        f"{max(100 * jitter_s * clock['median_hz'], 0.001):.2g} % of that"
+        f"{max(100 * clock['jitter_s'] * clock['median_hz'], 0.001):.2g} % of that"
     )
     if clock["unordered_samples"]:
         yield f"samples out of order, sorted by time: {clock['unordered_samples']}"
