@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.metrics import r2_score
-from sklearn.utils.validation import check_is_fitted
+from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.learned import Learned, LearnedPart, features_of
-from fprc.models.recordings import are_several, join_recordings, split_recordings, transform_each
+from fprc.models.recordings import are_several, joined, transform_each
 from fprc.models.ridge import solve_ridge
 
 Part = TypeVar("Part", bound=BaseEstimator)
+
 #: Samples of one recording, or a list with one array per recording.
 Recordings = Any
 
@@ -66,9 +67,11 @@ class SequenceModel(RegressorMixin, BaseEstimator):
             ``X`` or ``y`` is not finite, a recording is shorter than the taps, or ``lengths`` do
             not add up to the samples.
         """
-        X, y, lengths = join_recordings(self, X, y, lengths, first=True)
-        self.features_ = self.make_features().fit(X)
-        self.readout_ = self.make_readout().fit(transform_each(self.features_, X, lengths), y)
+        X, y, lengths = joined(X, y, lengths)
+        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        self.features_ = self.make_features().fit(rows)
+        features = transform_each(self.features_, rows, lengths)
+        self.readout_ = self.make_readout().fit(features, targets)
         return self
 
     def predict(self, X: Recordings, lengths: ArrayLike | None = None) -> Any:
@@ -85,9 +88,10 @@ class SequenceModel(RegressorMixin, BaseEstimator):
             A list if ``X`` is one.
         """
         check_is_fitted(self)
-        rows, _, parts = join_recordings(self, X, None, lengths)
+        samples, _, parts = joined(X, None, lengths)
+        rows = validate_data(self, samples, reset=False, dtype=np.float64)
         output = self.readout_.predict(transform_each(self.features_, rows, parts))
-        return split_recordings(output, parts) if are_several(X) else output
+        return np.split(output, np.cumsum(parts)[:-1]) if are_several(X) else output
 
     def learns_online(self) -> bool:
         """Return whether the fitted model can learn on: its readout is linear in few weights."""
@@ -110,8 +114,9 @@ class SequenceModel(RegressorMixin, BaseEstimator):
                 f"{type(self).__name__} cannot learn on: that needs a readout of this package with "
                 f"at most {MOST_WEIGHTS} weights"
             )
-        rows, _, parts = join_recordings(self, X, None, lengths)
-        phi = self.readout_.regressors(transform_each(self.features_, rows, parts))
+        X, _, lengths = joined(X, None, lengths)
+        rows = validate_data(self, X, reset=False, dtype=np.float64)
+        phi = self.readout_.regressors(transform_each(self.features_, rows, lengths))
         self.information_ = phi.T @ phi
         return self
 
@@ -132,13 +137,13 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         ValueError
             As ``fit`` and ``remember``.
         """
+        X, y, lengths = joined(X, y, lengths)
         if not hasattr(self, "readout_"):
             return self.fit(X, y, lengths).remember(X, lengths)
-
-        rows, targets, parts = join_recordings(self, X, y, lengths)
+        rows, targets = validate_data(self, X, y, reset=False, y_numeric=True, dtype=np.float64)
         if not hasattr(self, "information_"):
             self.remember(X, lengths)
-        phi = self.readout_.regressors(transform_each(self.features_, rows, parts))
+        phi = self.readout_.regressors(transform_each(self.features_, rows, lengths))
         self.information_ = self.information_ + phi.T @ phi
         missing = phi.T @ (targets - phi @ self.readout_.weights)
         change = solve_ridge(self.information_, missing, self.readout_.alpha)
@@ -166,10 +171,8 @@ class SequenceModel(RegressorMixin, BaseEstimator):
         sample_weight : array-like of shape (n_samples,), optional
             Weight of each sample, over all recordings.
         """
-        output = self.predict(X, lengths)
-        if are_several(X):
-            y, output = np.concatenate(y), np.concatenate(output)
-        return r2_score(y, output, sample_weight=sample_weight)
+        X, y, lengths = joined(X, y, lengths)
+        return r2_score(y, self.predict(X, lengths), sample_weight=sample_weight)
 
     def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> Self:
         """Return a fitted copy of this model made of fitted parts, with a separate stream."""
