@@ -5,7 +5,6 @@ compiles them together with the simulated rig. They import nothing that takes ti
 starts fast.
 """
 
-import math
 from typing import Any
 
 #: Voltage that closes a proportional valve, V.
@@ -41,68 +40,63 @@ def pressure_step(
     return volts, summed
 
 
-def learning_target(
-    error_deg: float,
-    theta_deg: float,
-    p_ff_kpa: float,
-    p_fb_kpa: float,
-    low: float,
-    high: float,
-    kpa_per_deg: float,
-    stop_deg: float,
-) -> float:
-    """Return the pressure that a model that learns should have given, kPa; NaN if unknown.
-
-    It is unknown where the command was at a limit, and where the actuator is at its stop: there its
-    angle does not depend on the pressure.
-
-    Parameters
-    ----------
-    error_deg, theta_deg : float
-        theta_d - theta, and theta, of this sample.
-    p_ff_kpa, p_fb_kpa : float
-        What was commanded some samples ago, which this angle follows from.
-    low, high : float
-        Limits of P_d = P_ff + P_fb, kPa.
-    kpa_per_deg : float
-        Pressure that a degree needs.
-    stop_deg : float
-        Largest angle at the stop.
-    """
-    p_d = p_ff_kpa + p_fb_kpa
-    if p_d <= low or p_d >= high or not theta_deg > stop_deg:
-        return math.nan
-    return p_ff_kpa + kpa_per_deg * error_deg
-
-
-def may_learn(p_learned_kpa: float, innovation_kpa: float, limit_kpa: float) -> bool:
-    """Return whether the learned part of P_ff is within its limit, or is led back to it."""
-    return abs(p_learned_kpa) < limit_kpa or p_learned_kpa * innovation_kpa < 0.0
-
-
 def learn_step(
     weights: Any,
     covariance: Any,
     prior: Any,
     regressors: Any,
-    innovation_kpa: float,
+    base_kpa: float,
+    error_deg: float,
+    theta_deg: float,
+    p_ff_kpa: float,
+    p_fb_kpa: float,
+    high: float,
+    kpa_per_deg: float,
+    stop_deg: float,
+    limit_kpa: float,
     mixing: float,
     gains: Any,
 ) -> None:
     """Make one step of recursive least squares, in place; see ``fprc.models.Online``.
 
+    Nothing is learned where the command was at a limit, and where the actuator is at its stop:
+    there its angle does not depend on the pressure. A learned part that has reached its limit is
+    only led back.
+
     Parameters
     ----------
-    weights, regressors : ndarray of shape (n_weights,)
+    weights : ndarray of shape (n_weights,)
+        What was learned, to be added to the trained weights.
     covariance, prior : ndarray of shape (n_weights, n_weights)
         Symmetric. After the update the covariance moves towards the prior by the share ``mixing``:
         it stays below the prior, and so do the gains.
-    innovation_kpa : float
-        By how much the output should have been higher.
+    regressors : ndarray of shape (n_weights,)
+        Of the sample some time ago which this sample's angle follows from.
+    base_kpa, p_ff_kpa, p_fb_kpa : float
+        P_ff of that sample as the model was trained, and as it was commanded; and its P_fb.
+    error_deg, theta_deg : float
+        theta_d - theta, and theta, of this sample.
+    high : float
+        Highest P_d = P_ff + P_fb, kPa; the lowest is 0.
+    kpa_per_deg : float
+        Pressure that a degree needs.
+    stop_deg : float
+        Largest angle at the stop.
+    limit_kpa : float
+        Most that learning may add to P_ff, or take from it.
     gains : ndarray of shape (n_weights,)
         Overwritten.
     """
+    p_d = p_ff_kpa + p_fb_kpa
+    if p_d <= 0.0 or p_d >= high or not theta_deg > stop_deg:
+        return
     size = len(weights)
+    given = 0.0
+    for i in range(size):
+        given += weights[i] * regressors[i]
+    innovation = p_ff_kpa + kpa_per_deg * error_deg - base_kpa - given
+    if not (abs(given) < limit_kpa or given * innovation < 0.0):
+        return
     for i in range(size):
         gains[i] = 0.0
     for j in range(size):  # columns outside: the inner loop needs no sum, and is vectorised
@@ -113,7 +107,7 @@ def learn_step(
         scale += regressors[i] * gains[i]
     inverse = 1.0 / scale
     for i in range(size):
-        weights[i] += gains[i] * inverse * innovation_kpa
+        weights[i] += gains[i] * inverse * innovation
     for j in range(size):
         for i in range(size):
             updated = covariance[j, i] - gains[j] * gains[i] * inverse

@@ -97,8 +97,7 @@ class Online:
         self._gains = np.empty_like(self.learned)
         self._phi = np.zeros((self.delay, len(self.learned)))
         self.reset()
-        self._learn(self._phi[0], 0.0)  # compiles
-        self.reset()
+        self._learn(0, 0.0, 0.0)  # compiles; from no command, nothing is learned
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Forget what was learned, and begin a new stream as ``SequenceModel.reset``."""
@@ -111,23 +110,10 @@ class Online:
 
     def learn(self, error_deg: float, theta_deg: float) -> None:
         """Learn from the error of a sample, before its ``step``; not from a fault or NaN."""
-        if self._k < self.delay:
-            return
         then = self._k % self.delay
-        p_ff, p_fb = self._sent[then]
-        if not all(abs(number) <= LARGEST for number in (error_deg, theta_deg, p_fb)):
-            return  # a fault, or NaN
-        target = control_laws.learning_target(
-            error_deg, theta_deg, p_ff, p_fb, 0.0, self.limit_kpa,
-            self.settings.kpa_per_deg, self.settings.stop_deg,
-        )  # fmt: skip
-        if target != target:
-            return
-        phi = self._phi[then]
-        given = float(self.learned @ phi)
-        innovation = target - float(self._readout.weights @ phi) - given
-        if control_laws.may_learn(given, innovation, self.settings.limit_kpa):
-            self._learn(phi, innovation)
+        numbers = error_deg, theta_deg, self._sent[then][1]
+        if self._k >= self.delay and all(abs(number) <= LARGEST for number in numbers):
+            self._learn(then, float(error_deg), float(theta_deg))
 
     def step(self, x: ArrayLike) -> float:
         """Return P_ff of the next sample, kPa; see ``SequenceModel.step``."""
@@ -153,10 +139,14 @@ class Online:
         model.reset()
         return model
 
-    def _learn(self, phi: np.ndarray, innovation: float) -> None:
+    def _learn(self, then: int, error_deg: float, theta_deg: float) -> None:
+        phi, settings = self._phi[then], self.settings
+        base_kpa = float(self._readout.weights @ phi)
         _learn_step(
-            self.learned, self.covariance, self.prior, phi, innovation, self.mixing, self._gains
-        )
+            self.learned, self.covariance, self.prior, phi, base_kpa, error_deg, theta_deg,
+            *self._sent[then], self.limit_kpa, settings.kpa_per_deg, settings.stop_deg,
+            settings.limit_kpa, self.mixing, self._gains,
+        )  # fmt: skip
 
 
 #: Added to the diagonal of the information, for directions that the training never moved.

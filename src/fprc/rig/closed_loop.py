@@ -16,8 +16,6 @@ from fprc.rig.simulator import advance
 _clamp = kernel(control_laws.clamp)
 _pressure_step = kernel(control_laws.pressure_step)
 _pd_step = kernel(control_laws.pd_step)
-_learning_target = kernel(control_laws.learning_target)
-_may_learn = kernel(control_laws.may_learn)
 _learn_step = kernel(control_laws.learn_step)
 
 #: A record of ``rows``: every channel of a log.
@@ -88,20 +86,12 @@ def close_loop(
         p_learned = 0.0
         if size and k >= delay:
             then = k - delay
-            target = _learning_target(
-                theta_d - theta, theta, rows[then].p_ff_kpa, rows[then].p_fb_kpa, low, high,
-                learning.kpa_per_deg, learning.stop_deg,
+            _learn_step(
+                learned, covariance, prior, regressors[then], setpoints[then, 0],
+                theta_d - theta, theta, rows[then].p_ff_kpa, rows[then].p_fb_kpa, high,
+                learning.kpa_per_deg, learning.stop_deg, learning.limit_kpa, learning.mixing,
+                gains,
             )  # fmt: skip
-            if not math.isnan(target):
-                given = 0.0
-                for i in range(size):
-                    given += learned[i] * regressors[then, i]
-                innovation = target - setpoints[then, 0] - given
-                if _may_learn(given, innovation, learning.limit_kpa):
-                    _learn_step(
-                        learned, covariance, prior, regressors[then], innovation, learning.mixing,
-                        gains,
-                    )  # fmt: skip
         squared = 0.0
         for i in range(size):
             p_learned += learned[i] * regressors[k, i]
