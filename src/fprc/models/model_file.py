@@ -94,13 +94,8 @@ def _checked_image(content: bytes) -> bytes:
     block, image = content[:_BLOCK], content[_BLOCK:]
     if block == _block(image):
         return image
-    if content.startswith(_HDF5):
-        if b"time_s" in content:  # the name of a channel
-            raise FprcError("is a log, no model; give the model of `fprc train` here")
-        raise FprcError(
-            "holds no model of fprc, or one that an earlier version saved without a checksum; "
-            f"{_AGAIN}"
-        )
+    if content.startswith(_HDF5) and b"time_s" in content:  # the name of a channel
+        raise FprcError("is a log, no model; give the model of `fprc train` here")
     if not content.startswith(_FORMAT):
         raise FprcError(f"holds no model of fprc; {_AGAIN}")
     raise FprcError(

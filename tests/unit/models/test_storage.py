@@ -126,13 +126,6 @@ def test_file_larger_than_any_model_is_not_read(path):
         load_model(path)
 
 
-def test_file_without_a_checksum_is_refused_as_one_of_an_earlier_version(path):
-    with h5py.File(path, "w") as file:
-        file.create_dataset("theta_deg", data=np.arange(3.0))
-    with pytest.raises(FprcError, match=r"model\.h5: .*earlier version.*train the model again"):
-        load_model(path)
-
-
 # --- a file that is not as it was saved -------------------------------------------------------
 
 
