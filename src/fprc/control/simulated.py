@@ -1,7 +1,7 @@
 """Whole runs on the simulated rig in compiled code: a few milliseconds instead of seconds."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,14 @@ if TYPE_CHECKING:
 _NO_LEARNING = dict.fromkeys(
     ("kpa_per_deg", "stop_deg", "limit_kpa", "delay_samples", "mixing"), 0.0
 )
+
+
+class Precomputed(NamedTuple):
+    """The feedforward of a whole reference."""
+
+    p_ff_kpa: np.ndarray  #: as the model was trained
+    online: "Online | None" = None  #: learns as the run goes on, and is changed
+    regressors: np.ndarray | None = None  #: those of ``online``, of shape (n_samples, n_weights)
 
 
 def simulate_hysteresis(
@@ -44,13 +52,11 @@ def simulate_tracking(
     device: SimulatedRig,
     control: Mapping[str, Any],
     theta_d_deg: np.ndarray,
-    p_ff_kpa: np.ndarray,
+    feedforward: np.ndarray | Precomputed,
     pressure_limit_kpa: float,
     *,
     feedback: bool,
     push_kpa: np.ndarray | None = None,
-    online: "Online | None" = None,
-    regressors: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
     """Return what ``run`` with ``tracking_law`` returns, given P_ff of every sample.
 
@@ -58,20 +64,20 @@ def simulate_tracking(
     ----------
     control : Mapping
         Section ``control`` of the configuration.
+    feedforward : ndarray of shape (n_samples,) or Precomputed
+        P_ff in kPa; or also the model that learns.
     feedback : bool
         Whether the PD controller acts; without it P_fb = 0.
     push_kpa : ndarray of shape (n_samples,), optional
         Push on the reservoir at every sample; none by default.
-    online : Online, optional
-        Learns as the run goes on, and is changed; without it, nothing is learned.
-    regressors : ndarray of shape (n_samples, n_weights), optional
-        Those of ``online`` at every sample.
 
     Raises
     ------
     ControlError
         P_ff is not finite.
     """
+    given = feedforward if isinstance(feedforward, Precomputed) else Precomputed(feedforward)
+    p_ff_kpa, online, regressors = given
     bad = np.flatnonzero(~np.isfinite(p_ff_kpa))
     if bad.size:
         raise ControlError(
@@ -84,9 +90,9 @@ def simulate_tracking(
     if online is None or regressors is None:
         channels = device.follow(controllers, setpoints)
         return {name: channels[name] for name in channels if name not in LEARNING_CHANNELS}
+    names = ("kpa_per_deg", "stop_deg", "limit_kpa")
     controllers["learning"] = {
-        **{name: getattr(online.settings, name) for name in ("kpa_per_deg", "stop_deg")},
-        "limit_kpa": online.settings.limit_kpa,
+        **{name: getattr(online.settings, name) for name in names},
         "delay_samples": online.delay,
         "mixing": online.mixing,
     }

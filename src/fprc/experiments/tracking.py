@@ -17,7 +17,7 @@ from fprc.control import (
     run,
     tracking_law,
 )
-from fprc.control.simulated import simulate_tracking
+from fprc.control.simulated import Precomputed, simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.evaluation import rmse
@@ -154,7 +154,7 @@ class Track(NamedTuple):
         at_rest = self.simulate(reference, np.zeros(len(theta_d)), pushes, feedback=False)
         return np.column_stack([theta_d, at_rest["p_o_kpa"]])
 
-    def precompute(self, model: SequenceModel, inputs: np.ndarray) -> "Precomputed":
+    def precompute(self, model: SequenceModel, inputs: np.ndarray) -> Precomputed:
         """Return P_ff of a model for a whole reference, and the model that learns, if it does."""
         X = inputs[:, : model.n_features_in_]
         X = X + np.array([0.0, self.control["feedforward"]["p_o_shift_kpa"]])[: X.shape[1]]
@@ -177,7 +177,7 @@ class Track(NamedTuple):
     def simulate(
         self,
         reference: str,
-        precomputed: "np.ndarray | Precomputed",
+        precomputed: np.ndarray | Precomputed,
         pushes: np.ndarray | None = None,
         *,
         feedback: bool,
@@ -185,23 +185,20 @@ class Track(NamedTuple):
         """Do as ``follow``, in compiled code, with P_ff in kPa, or as ``precompute`` gives it."""
         rate_hz, number = self.control["sample_rate_hz"], TRACKING_RUNS[reference]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
-        given = precomputed if isinstance(precomputed, Precomputed) else Precomputed(precomputed)
         return simulate_tracking(
             device,
             self.control,
             self.reference(reference),
-            given.p_ff_kpa,
+            precomputed,
             self.tracking["pressure_limit_kpa"],
             feedback=feedback,
             push_kpa=pushes,
-            online=given.online,
-            regressors=given.regressors,
         )
 
     def error(
         self,
         reference: str,
-        precomputed: "np.ndarray | Precomputed",
+        precomputed: np.ndarray | Precomputed,
         pushes: np.ndarray | None = None,
         *,
         feedback: bool,
@@ -209,14 +206,6 @@ class Track(NamedTuple):
         """Follow a reference as ``simulate`` does, and return the RMSE, deg."""
         run = self.simulate(reference, precomputed, pushes, feedback=feedback)
         return tracking_rmse(run, self.tracking["references"][reference]["settle_s"])
-
-
-class Precomputed(NamedTuple):
-    """The feedforward of a whole reference."""
-
-    p_ff_kpa: np.ndarray  #: as the model was trained
-    online: Online | None = None
-    regressors: np.ndarray | None = None  #: of shape (n_samples, n_weights)
 
 
 def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
