@@ -86,32 +86,28 @@ class SideBySide(FeatureMap):
         ]
 
     def _check_columns(self) -> None:
-        n_inputs = self.n_features_in_
         try:
-            names = [str(name) for name, _, _ in self.maps]
+            parts = [
+                (str(name), part, [] if columns is None else list(columns))
+                for name, part, columns in self.maps
+            ]
         except (TypeError, ValueError) as error:
             raise ValueError(
                 f"SideBySide: maps = {self.maps!r:.60}; must be a list of (name, map, columns)"
             ) from error
+        names, last = [name for name, *_ in parts], self.n_features_in_ - 1
         problems = [] if names else ["there are no maps"]
-        for name, part, columns in self.maps:
+        for name, part, columns in parts:
             if not isinstance(part, FeatureMap):
                 problems.append(f"{name!r} is {type(part).__name__}; must be a FeatureMap")
-            if names.count(str(name)) > 1:
+            if names.count(name) > 1:
                 problems.append(f"{name!r} is repeated")
-            if "__" in str(name) or name == "maps":
+            if "__" in name or name == "maps":
                 problems.append(f"{name!r} must not contain __ or be 'maps'")
-            if columns is None:
-                continue
-            if not _are_whole(columns):
-                problems.append(
-                    f"{name!r} has columns {columns!r:.60}; must be None or a list of whole numbers"
-                )
-                continue
             problems += [
-                f"{name!r} needs column {column}, but the columns are 0 to {n_inputs - 1}"
+                f"{name!r} needs column {column}, but the columns are 0 to {last}"
                 for column in columns
-                if not 0 <= column < n_inputs
+                if not (isinstance(column, Integral) and 0 <= column <= last)
             ]
         if problems:
             raise ValueError("\n".join(f"SideBySide: maps: {problem}" for problem in problems))
@@ -147,8 +143,3 @@ class SideBySide(FeatureMap):
         for part, columns, place in self._parts:
             self._row[place] = part.advance(x[columns])
         return self._row
-
-
-def _are_whole(columns: Any) -> bool:
-    is_list = isinstance(columns, Sequence | np.ndarray) and len(columns) > 0
-    return is_list and all(isinstance(column, Integral) for column in columns)

@@ -198,7 +198,6 @@ def test_defaults_are_those_of_the_paper():
         (EchoStates(r=4000, washout=1000), "washout"),
         (EchoStates(r=5, random_state="1"), "random_state"),
         (TakagiSugenoReadout(n_c=2, restarts=2.5), "restarts"),
-        (SideBySide([("a", TapFeatures(), [])]), "columns"),
         (SideBySide([(1, PlayOperators("2"), None)]), "n_plays"),
         (FeatureModel(3, RidgeReadout()), "features"),
         (FeatureModel(TapFeatures(), TapFeatures()), "readout"),
