@@ -92,11 +92,11 @@ CLAIMS = {
         "FPRC whose P_o is 2 kPa low still beats Fuzzy-linear, forward and in tracking, open and "
         "closed loop",
         [
-            Pair(("fprc", f"{measure}/-2"), ("fuzzy_linear", of), f"{words}, P_o 2 kPa low")
-            for measure, of, words in (
-                ("shifted", "forward", "forward"),
-                ("open_loop", "open_loop", "open loop"),
-                ("closed_loop", "closed_loop", "closed loop"),
+            Pair(("fprc", f"{measure}/-2"), ("fuzzy_linear", measure), f"{words}, P_o 2 kPa low")
+            for measure, words in (
+                ("forward", "forward"),
+                ("open_loop", "open loop"),
+                ("closed_loop", "closed loop"),
             )
         ],
         {"tables": _BOTH, "orders": _LOWEST},

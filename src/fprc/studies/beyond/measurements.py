@@ -5,7 +5,7 @@ A family has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitt
 ``training_length`` and ``step_us``.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -72,42 +72,18 @@ def measured(family: Mapping[str, Any]) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``unit``, ``seed``, ``model``, ``measure``, ``value``. Measures are ``train`` (training
-        RMSE of the forward direction, kPa), ``forward`` and ``reversed`` (test RMSE, kPa),
-        ``open_loop`` and ``closed_loop`` (root mean square over the four references, deg),
-        ``shifted/KPA`` and ``disturbed/KIND`` (forward test RMSE, kPa), and ``open_loop/KPA`` and
-        ``closed_loop/KPA`` with P_o shifted.
-        What was not measured has no row, and neither has a model that could not be judged.
+        ``unit``, ``seed``, ``model``, ``measure`` and ``value``, see ``contest.judge_rig``. What
+        was not measured has no row, and neither has a model that could not be judged.
     """
     rows = [
-        (cell["unit"], cell["seed"], model, measure, float(value))
+        (cell["unit"], cell["seed"], model, measure, value)
         for cell in family["cells"]
         for model, report in cell.get("models", {}).items()
-        for measure, value in _numbers(report)
+        if "failed" not in report
+        for measure, value in report.items()
     ]
-    return pd.DataFrame(rows, columns=["unit", "seed", "model", "measure", "value"])
-
-
-def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    if "forward" in report:
-        yield "train", report["forward"]["train_rmse_kpa"]
-    for direction in ("forward", "reversed"):
-        if direction in report:
-            yield direction, report[direction]["test_rmse_kpa"]
-    yield from _tracking(report)
-    for offset, errors in report.get("tracked_shifted", {}).items():
-        yield from ((f"{loop}/{float(offset):g}", value) for loop, value in _tracking(errors))
-    for offset, value in (report.get("shifted") or {}).items():
-        yield f"shifted/{float(offset):g}", value
-    for kind, value in (report.get("disturbed") or {}).items():
-        yield f"disturbed/{kind}", value
-
-
-def _tracking(report: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    """Give the root mean square over the four references of each loop, deg."""
-    for loop in LOOPS:
-        if f"{loop}_deg" in report:
-            yield loop, over_references(report[f"{loop}_deg"])
+    columns = ["unit", "seed", "model", "measure", "value"]
+    return pd.DataFrame(rows, columns=columns).astype({"value": float})
 
 
 def over_references(errors_deg: Mapping[str, float]) -> float:

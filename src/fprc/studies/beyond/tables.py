@@ -141,14 +141,13 @@ def offsets(families: Families) -> pd.DataFrame:
 
     def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
         table = measured(family)
-        kind = table["measure"].str.extract("^([a-z_]*)/(.*)$")
-        disturbed = kind[0] == "disturbed"
-        without = table["measure"].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
-        table["measure"] = kind[0].where(kind[0].isin(LOOPS), table["measure"])
-        table["measure"] = table["measure"].where(without | kind[0].isin(LOOPS), "forward")
-        table["disturbance"] = kind[1].where(disturbed, "none")
-        table["offset_kpa"] = kind[1].where(~disturbed).fillna("0").astype(float)
-        return table[kind[0].notna() | without]
+        parts = table["measure"].str.extract("^([a-z_]*)/?(.*)$")
+        changed, offset_kpa = parts[1] != "", pd.to_numeric(parts[1], errors="coerce")
+        table["measure"] = parts[0]
+        table["disturbance"] = parts[1].where(changed & offset_kpa.isna(), "none")
+        table["offset_kpa"] = offset_kpa.fillna(0.0)
+        without = parts[0].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
+        return table[changed | without]
 
     return _means(families, of_family, "model", "measure", "disturbance", "offset_kpa")
 
@@ -210,10 +209,10 @@ def lengths(families: Families) -> pd.DataFrame:
                 "unit": entry["seed"],
                 "model": model,
                 "training": "two logs" if entry.get("two_logs") else f"{entry['seconds']:g} s",
-                "value": float(errors["test_rmse_kpa"]),
+                "value": error,
             }
             for entry in family.get("training_length") or ()
-            for model, errors in entry["models"].items()
+            for model, error in entry["models"].items()
         ]
         return pd.DataFrame(rows, columns=["unit", "model", "training", "value"])
 

@@ -19,9 +19,7 @@ def rows_of(table, family):
 
 
 def means(family, measure, name):
-    rows = [
-        (cell["unit"], cell["models"][name][measure]["test_rmse_kpa"]) for cell in family["cells"]
-    ]
+    rows = [(cell["unit"], cell["models"][name][measure]) for cell in family["cells"]]
     return pd.DataFrame(rows).groupby(0)[1].mean().to_numpy()
 
 
