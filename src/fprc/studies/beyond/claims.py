@@ -10,14 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from fprc.claims.paired import (
-    LEAST_UNITS,
-    NOT_JUDGED,
-    Part,
-    judge_together,
-    verdict_in_words,
-)
-from fprc.escape import in_words
+from fprc.claims.paired import Part, judge_together, verdict_in_words
 from fprc.registry import title_of
 from fprc.studies.beyond.measurements import capacities, family_title, measured
 
@@ -123,13 +116,12 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        ``world``, ``title``, ``unit``, ``source``, ``id``, ``claim``, ``verdict``, ``words`` (the
-        verdict, as readers see it), ``p`` (after Holm), ``level``, ``stable`` (share of subsets, or
-        None), ``units``, ``dropped`` (simulated rigs without the pair), ``fitted`` (the
-        fits that bear on the claim: what each favours, and what was fitted), ``reason`` (why a
-        claim is not judged, or that there are too few units), and ``parts``: ``text``, ``ratio``,
-        ``mean``, ``low``, ``high`` (interval at the level that Holm's procedure gives),
-        ``verdict``. A ratio below 1 supports the claim, as does a difference above 0.
+        ``world``, ``title``, ``source``, ``id``, ``claim``, ``verdict``, ``words`` (the verdict, as
+        readers see it), ``p`` (after Holm), ``stable`` (share of subsets, or None), ``units``,
+        ``dropped`` (simulated rigs without the pair), ``fitted`` (the fits that bear on the claim:
+        what each favours, and what was fitted), and ``parts``: ``text``, ``ratio``, ``mean``,
+        ``low``, ``high`` (interval at the level that Holm's procedure gives). A ratio below 1
+        supports the claim, as does a difference above 0.
     """
     numbers = _numbers(family)
     found = [[_part(pair, numbers, family) for pair in claim.parts] for claim in CLAIMS.values()]
@@ -137,20 +129,20 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
     for (name, claim), parts, judged in zip(
         CLAIMS.items(), found, judge_together(found), strict=True
     ):
-        units = min(len(part.values) for part in parts)
         rows.append(
             {
-                **{key: family[key] for key in ("unit", "source")},
                 "world": family["name"],
                 "title": family_title(family["name"]),
+                "source": family["source"],
                 "id": name,
                 "claim": claim.text,
-                **judged._asdict(),
+                "verdict": judged.verdict,
                 "words": verdict_in_words(judged.verdict, claim.parts[0].ratio, judged.turned),
-                "units": units,
+                "p": judged.p,
+                "stable": judged.stable,
+                "units": min(len(part.values) for part in parts),
                 "dropped": max(part.dropped for part in parts),
                 "fitted": [why for term, why in claim.favours.items() if term in family["fitted"]],
-                "reason": _reason(parts, judged.verdict, family["unit"]),
                 "parts": [_shown(part, judged.level) for part in parts if len(part.values) > 1],
             }
         )
@@ -206,14 +198,4 @@ def _part(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
 
 
 def _shown(part: Part, level: float) -> dict[str, Any]:
-    kept = {"text": part.text, "ratio": part.ratio}
-    return {**kept, **part.ends(level), "verdict": part.verdict(level)}
-
-
-def _reason(parts: Sequence[Part], verdict: str, unit: str) -> str:
-    """Return why a claim is not judged, or why it is undecided before any statistics."""
-    missing = [part.text for part in parts if len(part.values) < 2]
-    if verdict == NOT_JUDGED:
-        return f"not measured here: {in_words(missing)}"
-    units = min(len(part.values) for part in parts)
-    return f"{units} {unit}s; at least {LEAST_UNITS} decide" if units < LEAST_UNITS else ""
+    return {"text": part.text, "ratio": part.ratio, **part.ends(level)}

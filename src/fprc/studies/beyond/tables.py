@@ -17,7 +17,13 @@ from fprc.studies.beyond.measurements import (
     family_title,
     measured,
 )
-from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
+from fprc.studies.beyond.verdicts import (
+    Ledgers,
+    beside_page,
+    claims_page,
+    details_page,
+    fitted_page,
+)
 from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, markdown, three_digits
 
@@ -243,7 +249,8 @@ def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def pages(
-    verdicts: Mapping[str, Any],
+    families: Families,
+    ledgers: Ledgers,
     tables: Mapping[str, pd.DataFrame],
     family: str,
 ) -> dict[str, str]:
@@ -251,32 +258,20 @@ def pages(
 
     Parameters
     ----------
-    verdicts : Mapping
-        ``source``, ``worlds`` (rows of ``families_page``), and ``ledgers``: of
-        each family, the rows of ``beyond.claims.judge_family``.
+    ledgers : sequence
+        Of each family, the rows of ``beyond.claims.judge_family``.
     tables : Mapping
         ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
     family : str
         The family that the tables of models, offsets, capacities and lengths show.
     """
-    titles = [ledger[0]["title"] for ledger in verdicts["ledgers"]]
-    beside = pd.DataFrame(
-        {
-            "Ratio": of_ratio[0]["text"],
-            **{
-                title: "-" if row["mean"] is None else format_mean(row, "mean")
-                for title, row in zip(titles, of_ratio, strict=True)
-            },
-        }
-        for of_ratio in zip(*verdicts["beside"], strict=True)
-    )
     of_family = {name: table[table["world"] == family] for name, table in tables.items()}
     shown = {
-        "worlds": pd.DataFrame(verdicts["worlds"]),
-        "claims": claims_page(verdicts["ledgers"]),
-        "beside": beside,
-        "fitted": fitted_page(verdicts["ledgers"]),
-        "details": details_page(verdicts["ledgers"]),
+        "worlds": families_page(families),
+        "claims": claims_page(ledgers),
+        "beside": beside_page(families),
+        "fitted": fitted_page(ledgers),
+        "details": details_page(ledgers),
         "tracking": correlations_page(tables["tracking"]),
         "models": models_page(of_family["models"]),
         "offsets": offsets_page(of_family["offsets"]),
@@ -284,7 +279,7 @@ def pages(
         "lengths": lengths_page(of_family["lengths"]),
         "leaderboard": leaderboard(of_family["models"]),
     }
-    note = f"Data: {SOURCES[verdicts['source']]}."
+    note = f"Data: {SOURCES['sim']}."
     half = float((of_family["offsets"]["high"] - of_family["offsets"]["low"]).max() / 2.0)
     widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
     notes = {"offsets": f"{note} Means{widest}."}
