@@ -160,8 +160,8 @@ def _judged(
 
 def tabulate_families(summary: str, *, table: str, **files: str) -> None:
     """Write one of the tables of the families: errors, claims, or answer."""
-    tidy, page, note = tables.TABLES[table](read_json(summary)["families"])
-    write_table(tidy, page, f"{note}\nData: {SOURCES['sim']}.", **files)
+    page, note = tables.TABLES[table](read_json(summary)["families"])
+    write_table(page, page, f"{note}\nData: {SOURCES['sim']}.", **files)
 
 
 def draw_claims(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
