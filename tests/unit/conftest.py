@@ -269,16 +269,14 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
             )
     return {
         "name": name,
-        "source": "sim",
         "unit": "rig" if repeats > 1 else "seed",
         "fitted": ["tables", "orders", "open_loop"],
         "cells": cells,
         "capacity": [_capacity(unit, random) for unit in range(units)],
         "training_length": [
-            {"seed": 601, "seconds": seconds, "models": _over_length(seconds)}
-            for seconds in (15.0, 30.0, 60.0)
-        ]
-        + [{"seed": 601, "two_logs": True, "models": _over_length(240.0)}],
+            {"seed": 601, "training": training, "models": _over_length(seconds)}
+            for training, seconds in {"15 s": 15, "30 s": 30, "60 s": 60, "two logs": 240}.items()
+        ],
         "step_us": {model: 1.0 + ratio for model, ratio in ratios.items()},
     } | more
 

@@ -116,7 +116,7 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        ``world``, ``title``, ``source``, ``id``, ``claim``, ``verdict``, ``words`` (the verdict, as
+        ``world``, ``title``, ``id``, ``claim``, ``verdict``, ``words`` (the verdict, as
         readers see it), ``p`` (after Holm), ``stable`` (share of subsets, or None), ``units``,
         ``dropped`` (simulated rigs without the pair), ``fitted`` (the fits that bear on the claim:
         what each favours, and what was fitted), and ``parts``: ``text``, ``ratio``, ``mean``,
@@ -133,7 +133,6 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
             {
                 "world": family["name"],
                 "title": family_title(family["name"]),
-                "source": family["source"],
                 "id": name,
                 "claim": claim.text,
                 "verdict": judged.verdict,
@@ -175,12 +174,10 @@ _NONE = pd.Series(index=pd.MultiIndex.from_arrays([[], []], names=["unit", "seed
 
 
 def _numbers(family: Mapping[str, Any]) -> Numbers:
-    tables = (measured(family), ["model", "measure"]), (capacities(family), ["set", "quantity"])
-    return {
-        (name, measure): rows.set_index(["unit", "seed"])["value"]
-        for table, columns in tables
-        for (name, measure), rows in table.groupby(columns)
-    }
+    of_states = {"set": "model", "quantity": "measure"}
+    found = pd.concat([measured([family]), capacities([family]).rename(columns=of_states)])
+    by_name = found.set_index(["unit", "seed"]).groupby(["model", "measure"])["value"]
+    return dict(iter(by_name))
 
 
 def _part(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
@@ -191,7 +188,7 @@ def _part(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
     # simulations of one rig with several seeds are one unit
     by_unit = values.groupby(level="unit").mean().to_dict()
     if not pair.ratio:
-        dropped = len(family.get("capacity") or ()) - len(values)
+        dropped = len(family.get("capacity", ())) - len(values)
         return Part(pair.words, by_unit, False, operator.neg, dropped)
     text = f"{title_of(pair.ours[0])} / {title_of(pair.theirs[0])} ({pair.words})"
     return Part(text, by_unit, dropped=len(family["cells"]) - len(values))

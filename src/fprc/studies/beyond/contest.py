@@ -169,13 +169,13 @@ def judge_lengths(
     judged: list[dict[str, Any]] = [
         {
             "seed": seed,
-            "seconds": length,
+            "training": f"{length:g} s",
             "models": errors([recorded({**sweep, "duration_s": length})]),
         }
         for length in seconds
     ]
     both = [recorded(sweep), recorded(second_log, _SECOND_RUN)]
-    return [*judged, {"seed": seed, "two_logs": True, "models": errors(both)}]
+    return [*judged, {"seed": seed, "training": "two logs", "models": errors(both)}]
 
 
 def judge_settings(

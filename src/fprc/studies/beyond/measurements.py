@@ -1,11 +1,11 @@
 """Read the measurements of a family of the target ``beyond``; a family is one rig or a set of rigs.
 
-A family has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to), ``unit``
-(seed or rig), ``cells`` (one per rig and seed, with the errors of each model), ``capacity``,
+A family has ``name``, ``fitted`` (the terms that its rigs were fitted to), ``unit`` (seed or rig),
+``cells`` (one per rig and seed, with the errors of each model), and may have ``capacity``,
 ``training_length`` and ``step_us``.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -58,7 +58,7 @@ FAMILIES = {
 def family_of(report: Mapping[str, Any]) -> dict[str, Any]:
     """Return the one family of a report of ``fprc.studies.stages.judge`` with what was measured."""
     ((name, described),) = report["families"].items()
-    return {"name": name, "source": report["source"], **described, "cells": report["cells"]}
+    return {"name": name, **described, "cells": report["cells"]}
 
 
 def family_title(name: str) -> str:
@@ -66,23 +66,25 @@ def family_title(name: str) -> str:
     return FAMILIES[name][0] if name in FAMILIES else name.replace("_", "-")
 
 
-def measured(family: Mapping[str, Any]) -> pd.DataFrame:
-    """Return every number of the models in a family, tidy.
+def measured(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return every number of the models in families, tidy.
 
     Returns
     -------
     DataFrame
-        ``unit``, ``seed``, ``model``, ``measure`` and ``value``, see ``contest.judge_rig``. What
-        was not measured has no row, and neither has a model that could not be judged.
+        ``world``, ``unit``, ``seed``, ``model``, ``measure`` and ``value``, see
+        ``contest.judge_rig``. What was not measured has no row, and neither has a model that could
+        not be judged.
     """
     rows = [
-        (cell["unit"], cell["seed"], model, measure, value)
+        (family["name"], cell["unit"], cell["seed"], model, measure, value)
+        for family in families
         for cell in family["cells"]
         for model, report in cell.get("models", {}).items()
         if "failed" not in report
         for measure, value in report.items()
     ]
-    columns = ["unit", "seed", "model", "measure", "value"]
+    columns = ["world", "unit", "seed", "model", "measure", "value"]
     return pd.DataFrame(rows, columns=columns).astype({"value": float})
 
 
@@ -91,25 +93,25 @@ def over_references(errors_deg: Mapping[str, float]) -> float:
     return rms(np.array([errors_deg[name] for name in REFERENCES]))
 
 
-def capacities(family: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the capacities of every set of states in a family, tidy.
+def capacities(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return the capacities of every set of states in families, tidy.
 
     Returns
     -------
     DataFrame
-        ``unit``, ``seed``, ``set``, ``quantity``, ``value``, ``states``. Quantities are
+        ``world``, ``unit``, ``seed``, ``set``, ``states``, ``quantity``, ``value``. Quantities are
         ``memory``, ``total``, ``degree N`` for each degree, and ``nonlinear``, which sums the
         degrees from 2 on.
     """
     rows = []
-    for entry in family.get("capacity") or ():
-        for name, found in entry["sets"].items():
-            degrees = found["by_degree"]
+    found = [(family["name"], entry) for family in families for entry in family.get("capacity", ())]
+    for family, entry in found:
+        for name, of_set in entry["sets"].items():
+            degrees = of_set["by_degree"]
             numbers = {"memory": degrees["1"], "total": sum(degrees.values())}
             numbers |= {f"degree {n}": value for n, value in degrees.items()}
             numbers["nonlinear"] = sum(value for n, value in degrees.items() if int(n) > 1)
-            rows += [
-                (entry["unit"], entry["seed"], name, quantity, value, found["states"])
-                for quantity, value in numbers.items()
-            ]
-    return pd.DataFrame(rows, columns=["unit", "seed", "set", "quantity", "value", "states"])
+            of_states = (family, entry["unit"], entry["seed"], name, of_set["states"])
+            rows += [(*of_states, *number) for number in numbers.items()]
+    columns = ["world", "unit", "seed", "set", "states", "quantity", "value"]
+    return pd.DataFrame(rows, columns=columns).astype({"value": float})

@@ -51,17 +51,14 @@ def models(families: Families) -> pd.DataFrame:
         ``world``, ``model``, ``measure``, ``mean``, ``low``, ``high`` (95 % interval over units;
         empty for a single one), ``units``, ``source``.
     """
-
-    def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
-        table = measured(family)
-        steps = [
-            {"unit": 0, "model": model, "measure": "step_us", "value": value}
-            for model, value in (family.get("step_us") or {}).items()
-        ]
-        kept = table[table["measure"].isin(list(MEASURES))]
-        return pd.concat([kept, pd.DataFrame(steps)]) if steps else kept
-
-    return _means(families, of_family, "model", "measure")
+    table = measured(families)
+    steps = [
+        (family["name"], 0, 0, model, "step_us", value)
+        for family in families
+        for model, value in family.get("step_us", {}).items()
+    ]
+    table = pd.concat([table, pd.DataFrame(steps, columns=table.columns).astype(table.dtypes)])
+    return _means(table[table["measure"].isin(list(MEASURES))], "model", "measure")
 
 
 def models_page(table: pd.DataFrame, *, intervals: bool = False) -> pd.DataFrame:
@@ -115,7 +112,7 @@ def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
                 rho = of_family["forward"].rank().corr(of_family["tracking"].rank())
                 parts.append(of_family.assign(models=len(of_family), rank_correlation=rho))
     order = "world model forward loop tracking models rank_correlation source".split()
-    return _joined(parts or [pd.DataFrame(columns=order)])[order]
+    return pd.concat(parts or [pd.DataFrame(columns=order)], ignore_index=True)[order]
 
 
 def correlations_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -144,18 +141,14 @@ def offsets(families: Families) -> pd.DataFrame:
         (none, drift, noise or pushed), ``offset_kpa``, ``mean``, ``low``, ``high``, ``units``,
         ``source``; and the errors of Fuzzy-linear, which has no P_o, at no offset.
     """
-
-    def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
-        table = measured(family)
-        parts = table["measure"].str.extract("^([a-z_]*)/?(.*)$")
-        changed, offset_kpa = parts[1] != "", pd.to_numeric(parts[1], errors="coerce")
-        table["measure"] = parts[0]
-        table["disturbance"] = parts[1].where(changed & offset_kpa.isna(), "none")
-        table["offset_kpa"] = offset_kpa.fillna(0.0)
-        without = parts[0].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
-        return table[changed | without]
-
-    return _means(families, of_family, "model", "measure", "disturbance", "offset_kpa")
+    table = measured(families)
+    parts = table["measure"].str.extract("^([a-z_]*)/?(.*)$")
+    changed, offset_kpa = parts[1] != "", pd.to_numeric(parts[1], errors="coerce")
+    table["measure"] = parts[0]
+    table["disturbance"] = parts[1].where(changed & offset_kpa.isna(), "none")
+    table["offset_kpa"] = offset_kpa.fillna(0.0)
+    without = parts[0].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
+    return _means(table[changed | without], "model", "measure", "disturbance", "offset_kpa")
 
 
 def offsets_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -186,7 +179,7 @@ def capacity(families: Families) -> pd.DataFrame:
         ``world``, ``set``, ``states``, ``quantity`` (see ``measurements.capacities``), ``mean``,
         ``low``, ``high``, ``units``, ``source``.
     """
-    return _means(families, capacities, "set", "states", "quantity")
+    return _means(capacities(families), "set", "states", "quantity")
 
 
 def capacity_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -208,21 +201,14 @@ def lengths(families: Families) -> pd.DataFrame:
         ``world``, ``model``, ``training`` (seconds of one log, or two logs), ``mean``, ``low``,
         ``high``, ``units``, ``source``.
     """
-
-    def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
-        rows = [
-            {
-                "unit": entry["seed"],
-                "model": model,
-                "training": "two logs" if entry.get("two_logs") else f"{entry['seconds']:g} s",
-                "value": error,
-            }
-            for entry in family.get("training_length") or ()
-            for model, error in entry["models"].items()
-        ]
-        return pd.DataFrame(rows, columns=["unit", "model", "training", "value"])
-
-    return _means(families, of_family, "model", "training")
+    rows = [
+        (family["name"], entry["seed"], model, entry["training"], error)
+        for family in families
+        for entry in family.get("training_length", ())
+        for model, error in entry["models"].items()
+    ]
+    table = pd.DataFrame(rows, columns=["world", "unit", "model", "training", "value"])
+    return _means(table, "model", "training")
 
 
 def lengths_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -290,23 +276,12 @@ def _seconds(training: str) -> float:
     return float("inf") if training == "two logs" else float(training.removesuffix(" s"))
 
 
-def _means(
-    families: Families, of_family: Callable[[Mapping[str, Any]], pd.DataFrame], *keys: str
-) -> pd.DataFrame:
+def _means(table: pd.DataFrame, *keys: str) -> pd.DataFrame:
     """Return the mean over the units of each family, and its interval, for values of the keys."""
-    tables = []
-    for family in families:
-        # simulations of one rig with several seeds are one unit
-        by_unit = of_family(family).groupby(["unit", *keys], sort=False)["value"].mean()
-        means = means_of(by_unit.reset_index(), *keys, count="units")
-        means.insert(0, "world", family["name"])
-        tables.append(means.drop(columns=["std", "min", "max"]).assign(source=family["source"]))
-    return _joined(tables)
-
-
-def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Return the tables below each other; empty ones would change the types of the columns."""
-    return pd.concat([table for table in tables if len(table)] or tables[:1], ignore_index=True)
+    # simulations of one rig with several seeds are one unit
+    by_unit = table.groupby(["world", "unit", *keys], sort=False)["value"].mean().reset_index()
+    means = means_of(by_unit, "world", *keys, count="units")
+    return means.drop(columns=["std", "min", "max"]).assign(source="sim")
 
 
 def _wide(

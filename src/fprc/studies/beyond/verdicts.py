@@ -28,11 +28,11 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
     -------
     DataFrame
         ``world``, ``id``, ``claim``, ``part``, ``ratio`` (a difference if not), ``mean``, ``low``,
-        ``high``, ``verdict`` (the claim's), ``p``, ``stable``, ``units``, ``dropped``, ``source``,
-        ``favours`` (what the fit of the rigs favours) and ``fitted`` (what they were fitted to). A
-        claim that is not judged has no numbers.
+        ``high``, ``verdict`` (the claim's), ``p``, ``stable``, ``units``, ``dropped``,
+        ``favours`` (what the fit of the rigs favours), ``fitted`` (what they were fitted to) and
+        ``source``. A claim that is not judged has no numbers.
     """
-    kept = ("verdict", "p", "stable", "units", "dropped", "source")
+    kept = ("verdict", "p", "stable", "units", "dropped")
     nothing = {"text": "", "ratio": "", "mean": None, "low": None, "high": None}
     return pd.DataFrame(
         {
@@ -42,6 +42,7 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
             **{key: row[key] for key in kept},
             "favours": in_words(dict.fromkeys(whom for whom, _ in row["fitted"])) or "nobody",
             "fitted": "; ".join(what for _, what in row["fitted"]),
+            "source": "sim",
         }
         for ledger in ledgers
         for row in ledger

@@ -70,7 +70,7 @@ def test_missing_numbers_leave_their_pairs_only(make_family):
 
 
 def test_claim_without_its_model_is_not_judged(make_family):
-    rows = judged(make_family(models=("fprc", "fuzzy_linear"), capacity=None))
+    rows = judged(make_family(models=("fprc", "fuzzy_linear"), capacity=[]))
     assert {name for name, row in rows.items() if row["verdict"] != "not judged"} == {"B7"}
     assert rows["B5"]["parts"] == []
 

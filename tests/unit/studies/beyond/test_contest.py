@@ -119,7 +119,7 @@ def test_length_of_the_usual_log_gives_the_usual_error(judged, on_rig, unit, how
     )
     assert usual["models"]["fprc"] == judged["fprc"]["forward"]
     assert short["models"] != usual["models"]
-    assert both["two_logs"] is True
+    assert (usual["training"], both["training"]) == (f"{sweep['duration_s']:g} s", "two logs")
     # the second log is the test log's signal, with other noise
     assert both["models"]["fprc"] < usual["models"]["fprc"]
 
