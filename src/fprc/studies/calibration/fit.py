@@ -169,8 +169,9 @@ class Judge(NamedTuple):
         centers = {} if centers is None else centers
         return [
             judge_by_surrogate(
-                on_rig, seed, self.judgement["models"], self.calibration, self.grids,
-                self.tracking, self.measures(), centers.setdefault(seed, {}),
+                on_rig, seed, self.measures(), centers.setdefault(seed, {}),
+                models=self.judgement["models"], surrogate=self.calibration, grids=self.grids,
+                tracking=self.tracking,
             )
             for seed in self.calibration["seeds"]
         ]  # fmt: skip

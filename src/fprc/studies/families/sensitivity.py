@@ -149,20 +149,14 @@ NUMBERS: dict[tuple[str, str], Callable[[Judged], float]] = {
 
 
 def numbers_of(
-    on_rig: RigSettings,
-    centers: Mapping[int, dict[str, np.ndarray]],
-    *,
-    models: Mapping[str, Any],
-    surrogate: Mapping[str, Any],
-    grids: Mapping[str, Sequence[float]],
-    tracking: Mapping[str, Any],
+    on_rig: RigSettings, centers: Mapping[int, dict[str, np.ndarray]], **how: Any
 ) -> dict[str, dict[str, float]]:
     """Return the surrogate's numbers on a rig, means over seeds, by group and name.
 
-    ``centers`` are those of ``judge_by_surrogate``, by seed.
+    ``centers`` are those of ``judge_by_surrogate``, by seed, and ``how`` its settings.
     """
     judged = [
-        judge_by_surrogate(on_rig, seed, models, surrogate, grids, tracking, _MEASURES, of_seed)
+        judge_by_surrogate(on_rig, seed, _MEASURES, of_seed, **how)
         for seed, of_seed in centers.items()
     ]
     numbers: dict[str, dict[str, float]] = {group: {} for group in _GROUPS}

@@ -42,7 +42,7 @@ def measure_sensitivity(
     on_rig : Mapping
         Arguments of ``RigSettings``.
     how : Mapping
-        ``models``, ``surrogate``, ``grids`` and ``tracking`` of ``numbers_of``.
+        ``models``, ``surrogate``, ``grids`` and ``tracking`` of ``judge_by_surrogate``.
     **run
         ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
     """

@@ -186,8 +186,9 @@ def report(fitted):
 def remeasured(fitted, report, settings, on_rig):
     """Return what the surrogate measures on the fitted rig, with the ratios of the report."""
     seed = judge_by_surrogate(
-        replace(on_rig, rig=written(fitted)), 21, settings["judgement"]["models"],
-        settings["calibration"], settings["grids"], settings["tracking"], MEASURES, {},
+        replace(on_rig, rig=written(fitted)), 21, MEASURES, {},
+        models=settings["judgement"]["models"], surrogate=settings["calibration"],
+        grids=settings["grids"], tracking=settings["tracking"],
     )  # fmt: skip
     for measure, ratios in report["surrogate_ratios"].items():
         for key, ratio in ratios.items():
@@ -272,8 +273,10 @@ def test_surrogate_is_corrected_by_its_ratios_on_the_fitted_rig(
 ):
     models, on_rig = settings["judgement"]["models"], replace(on_rig, rig=written(fitted))
     measures = {"shares", *LOOPS}
-    tracking = settings["tracking"]
-    cheap = judge_by_surrogate(on_rig, 21, models, SURROGATE, {}, tracking, measures, {})
+    cheap = judge_by_surrogate(
+        on_rig, 21, measures, {}, models=models, surrogate=SURROGATE, grids={},
+        tracking=settings["tracking"],
+    )  # fmt: skip
     assert set(report["surrogate_ratios"]) == {"errors", *measures}
     for measure, errors in full(on_rig).items():
         expected = {key: error / cheap[measure][key] for key, error in errors.items()}

@@ -72,7 +72,7 @@ def begun():
 def by_stiffness(monkeypatch, begun):
     """Numbers that depend on the stiffness alone; the softest rig is impossible."""
 
-    def judge(on_rig, seed, models, surrogate, grids, tracking, measures, centers):
+    def judge(on_rig, seed, measures, centers, **how):
         stiffness = on_rig.rig["bending"]["stiffness_kpa_per_deg"]
         begun.append(dict(centers))
         centers.setdefault("readout", f"seed {seed}, {stiffness:g}")
