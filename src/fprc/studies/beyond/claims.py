@@ -142,7 +142,11 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
                 "units": min(len(part.values) for part in parts),
                 "dropped": max(part.dropped for part in parts),
                 "fitted": [why for term, why in claim.favours.items() if term in family["fitted"]],
-                "parts": [_shown(part, judged.level) for part in parts if len(part.values) > 1],
+                "parts": [
+                    {"text": part.text, "ratio": part.ratio, **part.ends(judged.level)}
+                    for part in parts
+                    if len(part.values) > 1
+                ],
             }
         )
     return rows
@@ -157,15 +161,13 @@ BESIDE = (
 )
 
 
-def beside_b1(family: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return ``text``, ``mean``, ``low``, ``high`` (95 %) of ``BESIDE``; None if not measured."""
-    numbers = _numbers(family)
-    rows = []
+def beside_b1(family: Mapping[str, Any]) -> dict[str, dict[str, float] | None]:
+    """Return ``mean``, ``low`` and ``high`` (95 %) of ``BESIDE``; None if not measured."""
+    numbers, found = _numbers(family), {}
     for text, ours, theirs in BESIDE:
-        part = _part(Pair((ours, "forward"), (theirs, "forward"), "forward"), numbers, family)
-        shown = _shown(part, 0.05) if len(part.values) > 1 else {}
-        rows.append({"text": text, **{key: shown.get(key) for key in ("mean", "low", "high")}})
-    return rows
+        part = _part(_of_fprc(theirs, ours=ours), numbers, family)
+        found[text] = part.ends(0.05) if len(part.values) > 1 else None
+    return found
 
 
 #: Numbers by model and measure, or by set of states and quantity, one per simulated rig.
@@ -192,7 +194,3 @@ def _part(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
         return Part(pair.words, by_unit, False, operator.neg, dropped)
     text = f"{title_of(pair.ours[0])} / {title_of(pair.theirs[0])} ({pair.words})"
     return Part(text, by_unit, dropped=len(family["cells"]) - len(values))
-
-
-def _shown(part: Part, level: float) -> dict[str, Any]:
-    return {"text": part.text, "ratio": part.ratio, **part.ends(level)}

@@ -123,8 +123,8 @@ def beside_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """Return the ratios of ``beside_b1`` with their intervals, a column per family."""
     columns = {
         family_title(family["name"]): {
-            row["text"]: "-" if row["mean"] is None else format_mean(row, "mean")
-            for row in beside_b1(family)
+            text: format_mean(ends, "mean") if ends else "-"
+            for text, ends in beside_b1(family).items()
         }
         for family in families
     }

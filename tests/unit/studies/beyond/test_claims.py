@@ -115,10 +115,10 @@ def test_ratios_beside_b1_are_those_of_the_models(make_family):
         ("fprc", "bank"),
         ("fprc_tuned", "bank_tuned"),
     ]
-    found = [row["mean"] for row in beside_b1(family)]
+    found = [ends["mean"] for ends in beside_b1(family).values()]
     assert found == pytest.approx(
         [errors[ours] / errors[theirs] for ours, theirs in compared], rel=0.01
     )
     for cell in family["cells"]:
         cell["models"].pop("bank", None)
-    assert [row["mean"] is None for row in beside_b1(family)] == [False, True, False]
+    assert [ends is None for ends in beside_b1(family).values()] == [False, True, False]
