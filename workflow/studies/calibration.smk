@@ -101,7 +101,6 @@ STUDY_RESULTS["targets_table"] = table_spec(
         "controls": PLAN.replicates("control", TARGET_NAMES),
     },
     **stage("studies.families.tabulate_targets"),
-    names=TARGET_NAMES,
 )
 
 STUDY_RESULTS["channels_figure"] = figure_spec(
