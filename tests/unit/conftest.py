@@ -12,7 +12,6 @@ from fprc.experiments.hysteresis import acquire
 from fprc.figures import style
 from fprc.logs import write_columns, write_raw
 from fprc.models import FPRC, save_model
-from fprc.paper import REFERENCES
 from fprc.plan.arguments import of_pressures
 from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
@@ -270,43 +269,31 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
             )
     return {
         "name": name,
-        "source": "sim",
         "unit": "rig" if repeats > 1 else "seed",
         "fitted": ["tables", "orders", "open_loop"],
         "cells": cells,
         "capacity": [_capacity(unit, random) for unit in range(units)],
         "training_length": [
-            {"seed": 601, "seconds": seconds, "models": _over_length(seconds)}
-            for seconds in (15.0, 30.0, 60.0)
-        ]
-        + [{"seed": 601, "two_logs": True, "models": _over_length(240.0)}],
+            {"seed": 601, "training": training, "models": _over_length(seconds)}
+            for training, seconds in {"15 s": 15, "30 s": 30, "60 s": 60, "two logs": 240}.items()
+        ],
         "step_us": {model: 1.0 + ratio for model, ratio in ratios.items()},
     } | more
 
 
 def _model(name, error):
-    # a test error and tracking go together, but not exactly
-    deg = {ref: 0.15 * error * f for ref, f in zip(REFERENCES, (0.8, 1.0, 1.1, 1.2), strict=True)}
     reads_p_o = name.startswith("fprc") and "lowpass" not in name or name.endswith("p_o")
-    shifted = {str(kpa): float(np.hypot(error, (5.0 + (kpa > 0)) * kpa)) for kpa in OFFSETS}
-    loops = {
-        "open_loop_deg": deg,
-        "closed_loop_deg": {reference: 0.5 * value for reference, value in deg.items()},
-    }
-    tracked = {
-        kpa: {
-            loop: {ref: value * moved / error for ref, value in of_loop.items()}
-            for loop, of_loop in loops.items()
-        }
-        for kpa, moved in shifted.items()
-    }
-    return loops | {
-        "forward": {"train_rmse_kpa": 0.9 * error, "test_rmse_kpa": error},
-        "reversed": {"train_rmse_kpa": 0.8 * error, "test_rmse_kpa": 2.0 * error},
-        **({"tracked_shifted": tracked} if name == "fprc" else {}),
-        "shifted": shifted if reads_p_o else None,
-        "disturbed": {"drift": 1.1 * error, "pushed": 1.3 * error} if reads_p_o else None,
-    }
+    loops = {"open_loop": 0.15 * error, "closed_loop": 0.08 * error}
+    found = {"train": 0.9 * error, "forward": error, "reversed": 2.0 * error, **loops}
+    shifted = {kpa: float(np.hypot(error, (5.0 + (kpa > 0)) * kpa)) for kpa in OFFSETS}
+    for kpa, moved in shifted.items():
+        if name == "fprc":
+            found |= {f"{loop}/{kpa:g}": of * moved / error for loop, of in loops.items()}
+        if reads_p_o:
+            found[f"forward/{kpa:g}"] = moved
+    if reads_p_o:
+        found |= {"forward/drift": 1.1 * error, "forward/pushed": 1.3 * error}
+    return found
 
 
 def _capacity(unit, random):
@@ -328,6 +315,6 @@ def _capacity(unit, random):
 
 def _over_length(seconds):
     return {
-        model: {"test_rmse_kpa": 10.0 * RATIOS[model] * (1.0 + 10.0 / seconds)}
+        model: 10.0 * RATIOS[model] * (1.0 + 10.0 / seconds)
         for model in ("fprc", "fprc_lowpass", "bank")
     }

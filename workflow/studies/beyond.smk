@@ -138,7 +138,6 @@ STUDY_RESULTS["beyond_tables"] = result_spec(
     },
     {
         **{name: PATHS.below(f"beyond/{name}.csv") for name in (*PAGES_BEYOND[:6], "settings")},
-        "verdicts": PATHS.below("beyond/claims.json"),
         "pages": expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
     },
     **stage("studies.show_beyond.tabulate_beyond"),
@@ -159,7 +158,7 @@ for figure, (table, words) in FIGURES_BEYOND.items():
 STUDY_TARGETS |= {
     "tuned": PATHS.below("beyond/tuned.yaml"),
     "beyond": [
-        PATHS.below("beyond/claims.json"),
+        PATHS.below("beyond/claims.md"),
         *expand(PATHS.below("beyond/figure_{name}.pdf"), name=FIGURES_BEYOND),
         *STUDY_RESULTS["beyond_tables"].given.values(),
     ],

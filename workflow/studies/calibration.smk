@@ -26,17 +26,18 @@ LONG_JOBS["fit_rig"] = long_spec(
     tracking=SETTINGS["tracking"],
 )
 
-LONG_JOBS["measure_sensitivity"] = long_spec(
+LONG_JOBS["measure_sensitivity"] = judgement_spec(
     "calibration/sensitivity",
     "Sensitivity of all numbers to each parameter of the rig",
-    {"effects": PATHS.below("calibration/sensitivity.json")},
+    "families.sensitivity.judge_parameter",
+    *MODELS,
     runtime=240,
-    **stage("studies.sensitivity.measure_sensitivity", *MODELS, key="version"),
-    on_rig=on_rig(SETTINGS),
-    paths=SETTINGS["calibration"]["free"],
-    steps=DRAWN["sensitivity_steps"],
-    seeds=SETTINGS["evaluation"]["replicate_seeds"][:2],
+    families=lambda wildcards: [family_named(SETTINGS["fitted"]["name"])],
+    units=list(range(len(SETTINGS["calibration"]["free"]))),
     how={
+        "paths": SETTINGS["calibration"]["free"],
+        "steps": DRAWN["sensitivity_steps"],
+        "seeds": SETTINGS["evaluation"]["replicate_seeds"][:2],
         "models": paper_models(SETTINGS),
         "tracking": SETTINGS["tracking"],
         "surrogate": pick(SETTINGS["calibration"], "stride", "esn_nodes", "restarts", "taps"),
@@ -101,7 +102,6 @@ STUDY_RESULTS["targets_table"] = table_spec(
         "controls": PLAN.replicates("control", TARGET_NAMES),
     },
     **stage("studies.families.tabulate_targets"),
-    names=TARGET_NAMES,
 )
 
 STUDY_RESULTS["channels_figure"] = figure_spec(

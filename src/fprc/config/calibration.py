@@ -123,8 +123,8 @@ class Calibration(Section):
             "bend_sensor.noise_deg",
             "bend_sensor.slow_error_deg",
         ),
-        description="parameters of the rig that may change within their ranges; a list is scaled "
-        "as a whole unless one of its numbers is named",
+        description="parameters of the rig that may change within their ranges; those in lists "
+        "have their place in it as the last part of the name",
     )
     ranges: dict[str, tuple[float, float]] = Field(
         {

@@ -284,8 +284,7 @@ def free_ranges(
     Parameters
     ----------
     paths : sequence of str
-        As ``fprc.studies.calibration.space.Free`` takes them. The range of a whole list is that of
-        its first number.
+        As ``fprc.studies.calibration.space.Free`` takes them.
 
     Raises
     ------
@@ -321,22 +320,15 @@ def free_ranges(
 
 @cache
 def _physical() -> dict[str, tuple[float, float]]:
-    """Return the range of each number of the rig, of each list, and of each of its numbers."""
-    ranges = {}
+    """Return the range of each number of the rig, also of those in lists."""
+    ranges: dict[str, tuple[float, float]] = {}
     for key, default, field, _ in fields(Rig):
         if (limits := limits_of(field)) is None:
             continue
-        numbers = default if isinstance(default, tuple) else ()
-        of_each = {f"{key}.{index}": limits for index in range(len(numbers))}
-        if key.endswith(".slip_weight"):
-            # they sum to 1, so the last one follows, and they cannot be scaled as a whole
-            of_each.popitem()
+        if isinstance(default, tuple):
+            # weights sum to 1, so the last one follows
+            count = len(default) - key.endswith(".slip_weight")
+            ranges |= {f"{key}.{index}": limits for index in range(count)}
         else:
-            scales = [number / numbers[0] for number in numbers] or [1.0]
-            low, high = limits
-            ranges[key] = (
-                max(low / scale for scale in scales),
-                min(high / scale for scale in scales),
-            )
-        ranges |= of_each
+            ranges[key] = limits
     return ranges

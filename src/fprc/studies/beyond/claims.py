@@ -10,14 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from fprc.claims.paired import (
-    LEAST_UNITS,
-    NOT_JUDGED,
-    Part,
-    judge_together,
-    verdict_in_words,
-)
-from fprc.escape import in_words
+from fprc.claims.paired import Part, judge_together, verdict_in_words
 from fprc.registry import title_of
 from fprc.studies.beyond.measurements import capacities, family_title, measured
 
@@ -92,11 +85,11 @@ CLAIMS = {
         "FPRC whose P_o is 2 kPa low still beats Fuzzy-linear, forward and in tracking, open and "
         "closed loop",
         [
-            Pair(("fprc", f"{measure}/-2"), ("fuzzy_linear", of), f"{words}, P_o 2 kPa low")
-            for measure, of, words in (
-                ("shifted", "forward", "forward"),
-                ("open_loop", "open_loop", "open loop"),
-                ("closed_loop", "closed_loop", "closed loop"),
+            Pair(("fprc", f"{measure}/-2"), ("fuzzy_linear", measure), f"{words}, P_o 2 kPa low")
+            for measure, words in (
+                ("forward", "forward"),
+                ("open_loop", "open loop"),
+                ("closed_loop", "closed loop"),
             )
         ],
         {"tables": _BOTH, "orders": _LOWEST},
@@ -123,13 +116,12 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        ``world``, ``title``, ``unit``, ``source``, ``id``, ``claim``, ``verdict``, ``words`` (the
-        verdict, as readers see it), ``p`` (after Holm), ``level``, ``stable`` (share of subsets, or
-        None), ``units``, ``dropped`` (simulated rigs without the pair), ``fitted`` (the
-        fits that bear on the claim: what each favours, and what was fitted), ``reason`` (why a
-        claim is not judged, or that there are too few units), and ``parts``: ``text``, ``ratio``,
-        ``mean``, ``low``, ``high`` (interval at the level that Holm's procedure gives),
-        ``verdict``. A ratio below 1 supports the claim, as does a difference above 0.
+        ``world``, ``title``, ``id``, ``claim``, ``verdict``, ``words`` (the verdict, as
+        readers see it), ``p`` (after Holm), ``stable`` (share of subsets, or None), ``units``,
+        ``dropped`` (simulated rigs without the pair), ``fitted`` (the fits that bear on the claim:
+        what each favours, and what was fitted), and ``parts``: ``text``, ``ratio``, ``mean``,
+        ``low``, ``high`` (interval at the level that Holm's procedure gives). A ratio below 1
+        supports the claim, as does a difference above 0.
     """
     numbers = _numbers(family)
     found = [[_part(pair, numbers, family) for pair in claim.parts] for claim in CLAIMS.values()]
@@ -137,21 +129,24 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
     for (name, claim), parts, judged in zip(
         CLAIMS.items(), found, judge_together(found), strict=True
     ):
-        units = min(len(part.values) for part in parts)
         rows.append(
             {
-                **{key: family[key] for key in ("unit", "source")},
                 "world": family["name"],
                 "title": family_title(family["name"]),
                 "id": name,
                 "claim": claim.text,
-                **judged._asdict(),
+                "verdict": judged.verdict,
                 "words": verdict_in_words(judged.verdict, claim.parts[0].ratio, judged.turned),
-                "units": units,
+                "p": judged.p,
+                "stable": judged.stable,
+                "units": min(len(part.values) for part in parts),
                 "dropped": max(part.dropped for part in parts),
                 "fitted": [why for term, why in claim.favours.items() if term in family["fitted"]],
-                "reason": _reason(parts, judged.verdict, family["unit"]),
-                "parts": [_shown(part, judged.level) for part in parts if len(part.values) > 1],
+                "parts": [
+                    {"text": part.text, "ratio": part.ratio, **part.ends(judged.level)}
+                    for part in parts
+                    if len(part.values) > 1
+                ],
             }
         )
     return rows
@@ -166,15 +161,13 @@ BESIDE = (
 )
 
 
-def beside_b1(family: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return ``text``, ``mean``, ``low``, ``high`` (95 %) of ``BESIDE``; None if not measured."""
-    numbers = _numbers(family)
-    rows = []
+def beside_b1(family: Mapping[str, Any]) -> dict[str, dict[str, float] | None]:
+    """Return ``mean``, ``low`` and ``high`` (95 %) of ``BESIDE``; None if not measured."""
+    numbers, found = _numbers(family), {}
     for text, ours, theirs in BESIDE:
-        part = _part(Pair((ours, "forward"), (theirs, "forward"), "forward"), numbers, family)
-        shown = _shown(part, 0.05) if len(part.values) > 1 else {}
-        rows.append({"text": text, **{key: shown.get(key) for key in ("mean", "low", "high")}})
-    return rows
+        part = _part(_of_fprc(theirs, ours=ours), numbers, family)
+        found[text] = part.ends(0.05) if len(part.values) > 1 else None
+    return found
 
 
 #: Numbers by model and measure, or by set of states and quantity, one per simulated rig.
@@ -183,12 +176,10 @@ _NONE = pd.Series(index=pd.MultiIndex.from_arrays([[], []], names=["unit", "seed
 
 
 def _numbers(family: Mapping[str, Any]) -> Numbers:
-    tables = (measured(family), ["model", "measure"]), (capacities(family), ["set", "quantity"])
-    return {
-        (name, measure): rows.set_index(["unit", "seed"])["value"]
-        for table, columns in tables
-        for (name, measure), rows in table.groupby(columns)
-    }
+    of_states = {"set": "model", "quantity": "measure"}
+    found = pd.concat([measured([family]), capacities([family]).rename(columns=of_states)])
+    by_name = found.set_index(["unit", "seed"]).groupby(["model", "measure"])["value"]
+    return dict(iter(by_name))
 
 
 def _part(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
@@ -199,21 +190,7 @@ def _part(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
     # simulations of one rig with several seeds are one unit
     by_unit = values.groupby(level="unit").mean().to_dict()
     if not pair.ratio:
-        dropped = len(family.get("capacity") or ()) - len(values)
+        dropped = len(family.get("capacity", ())) - len(values)
         return Part(pair.words, by_unit, False, operator.neg, dropped)
     text = f"{title_of(pair.ours[0])} / {title_of(pair.theirs[0])} ({pair.words})"
     return Part(text, by_unit, dropped=len(family["cells"]) - len(values))
-
-
-def _shown(part: Part, level: float) -> dict[str, Any]:
-    kept = {"text": part.text, "ratio": part.ratio}
-    return {**kept, **part.ends(level), "verdict": part.verdict(level)}
-
-
-def _reason(parts: Sequence[Part], verdict: str, unit: str) -> str:
-    """Return why a claim is not judged, or why it is undecided before any statistics."""
-    missing = [part.text for part in parts if len(part.values) < 2]
-    if verdict == NOT_JUDGED:
-        return f"not measured here: {in_words(missing)}"
-    units = min(len(part.values) for part in parts)
-    return f"{units} {unit}s; at least {LEAST_UNITS} decide" if units < LEAST_UNITS else ""

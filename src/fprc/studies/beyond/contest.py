@@ -17,6 +17,7 @@ from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
 from fprc.registry import COMPETITORS, build, entry_of
+from fprc.studies.beyond.measurements import LOOPS, over_references
 
 #: Models judged on every rig: those that a claim compares, and one competitor of every other kind.
 BRIEF = (
@@ -96,35 +97,36 @@ def judge_rig(
     Returns
     -------
     dict of dict
-        By model: ``forward`` and ``reversed`` with ``train_rmse_kpa`` and ``test_rmse_kpa``;
-        ``open_loop_deg`` and ``closed_loop_deg`` by reference; ``shifted`` and ``disturbed`` with
-        the forward test error, or None for a model without P_o; of FPRC, ``tracked_shifted``, the
-        same two by reference at each offset of P_o. Models of ``FORWARD_ONLY`` have
-        neither ``reversed`` nor tracking errors. A model that cannot be judged has ``failed``, the
-        message.
+        By model: ``train`` (training RMSE of the forward direction, kPa), ``forward`` and
+        ``reversed`` (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over the
+        four references, deg); of a model that reads P_o ``forward/KPA`` with an offset of P_o, and
+        ``forward/KIND`` with another disturbance; of FPRC ``open_loop/KPA`` and
+        ``closed_loop/KPA``. Models of ``FORWARD_ONLY`` have neither ``reversed`` nor tracking
+        errors. A model that cannot be judged has ``failed``, the message.
     """
     logs = simulate(on_rig, seed)
     sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
     followed = {name: bench.inputs(name) for name in REFERENCES}
-    shifted = {
-        str(float(shift)): {name: inputs + [0.0, shift] for name, inputs in followed.items()}
-        for shift in contest.shifts_kpa
-    }
     disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
     judged = {}
     for name in names:
         try:
-            model, errors = _trained(name, sweep, complex_, contest, seed)
-            report: dict[str, Any] = {"forward": errors}
+            model, train, forward = _trained(name, sweep, complex_, contest, seed)
+            report: dict[str, Any] = {"train": train, "forward": forward}
             if name not in FORWARD_ONLY:
-                _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
+                _, _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
                 report |= _follow(bench, model, name, followed)
             if name == "fprc":
-                report["tracked_shifted"] = {
-                    shift: _follow(bench, model, name, inputs) for shift, inputs in shifted.items()
+                for shift in contest.shifts_kpa:
+                    inputs = {key: values + [0.0, shift] for key, values in followed.items()}
+                    found = _follow(bench, model, name, inputs)
+                    report |= {f"{loop}/{shift:g}": value for loop, value in found.items()}
+            if "p_o_kpa" in entry_of(name).inputs:
+                report |= {
+                    f"forward/{kind}": _error(model, name, log) for kind, log in disturbed.items()
                 }
-            judged[name] = report | _with_disturbed_p_o(model, name, disturbed)
+            judged[name] = report
         except (FprcError, ValueError, np.linalg.LinAlgError) as error:
             judged[name] = {"failed": in_one_line(error)}
     return judged
@@ -155,25 +157,25 @@ def judge_lengths(
         channels = acquire("sweep", signal, on_rig.control, on_rig.rig, seed, run=run)
         return Data(channels | {"p_target_kpa": channels[TARGETS[on_rig.target]]}, test.attributes)
 
-    def errors(logs: Sequence[Data]) -> dict[str, dict[str, float]]:
+    def errors(logs: Sequence[Data]) -> dict[str, float]:
         result = {}
         for name in names:
             pairs = [log.pair(name) for log in logs]
             model = entered.build(name, seed).fit(*map(list, zip(*pairs, strict=True)))
-            result[name] = {"test_rmse_kpa": _error(model, name, test)}
+            result[name] = _error(model, name, test)
         return result
 
     sweep = on_rig.signals["sweep"]
     judged: list[dict[str, Any]] = [
         {
             "seed": seed,
-            "seconds": length,
+            "training": f"{length:g} s",
             "models": errors([recorded({**sweep, "duration_s": length})]),
         }
         for length in seconds
     ]
     both = [recorded(sweep), recorded(second_log, _SECOND_RUN)]
-    return [*judged, {"seed": seed, "two_logs": True, "models": errors(both)}]
+    return [*judged, {"seed": seed, "training": "two logs", "models": errors(both)}]
 
 
 def judge_settings(
@@ -199,22 +201,22 @@ def judge_settings(
             fprc = {**entered.models["fprc"], setting: value}
             changed = entered._replace(models={**entered.models, "fprc": fprc})
             errors = {
-                name: _trained(name, logs["sweep"], logs["complex"], changed, seed)[1]
+                name: _trained(name, logs["sweep"], logs["complex"], changed, seed)[2]
                 for name in ("fprc", "fprc_lowpass")
             }
-            found = {name: of_model["test_rmse_kpa"] for name, of_model in errors.items()}
-            cells.append({"setting": setting, "value": value, **found})
+            cells.append({"setting": setting, "value": value, **errors})
     return cells
 
 
 def _trained(
     name: str, train: Data, test: Data, contest: Contest, seed: int
-) -> tuple[SequenceModel, dict[str, float]]:
+) -> tuple[SequenceModel, float, float]:
+    """Return a model with its training and its test error, kPa."""
     logs = {"train": train.samples(name), "test": test.samples(name)}
     prepared = prepare(contest.build(name, seed), logs)
     readout = prepared.readout("train")
-    errors = {f"{log}_rmse_kpa": prepared.error(readout, log) for log in logs}
-    return prepared.fitted(readout), errors
+    errors = prepared.error(readout, "train"), prepared.error(readout, "test")
+    return prepared.fitted(readout), *errors
 
 
 def _error(model: SequenceModel, name: str, log: Data) -> float:
@@ -224,19 +226,19 @@ def _error(model: SequenceModel, name: str, log: Data) -> float:
 
 def _follow(
     bench: Track, model: SequenceModel, name: str, followed: Mapping[str, np.ndarray]
-) -> dict[str, dict[str, float]]:
-    """Return the RMSE of each reference, deg, with feedforward alone and with PD."""
-    errors: dict[str, dict[str, float]] = {"open_loop_deg": {}, "closed_loop_deg": {}}
+) -> dict[str, float]:
+    """Return the error over the references, deg, with feedforward alone and with PD."""
+    errors: dict[str, dict[str, float]] = {loop: {} for loop in LOOPS}
     for reference, inputs in followed.items():
         p_ff_kpa = model.predict(columns_for(name, inputs))
-        for loop, feedback in zip(errors, (False, True), strict=True):
+        for loop, feedback in zip(LOOPS, (False, True), strict=True):
             errors[loop][reference] = bench.error(reference, p_ff_kpa, feedback=feedback)
-    return errors
+    return {loop: over_references(of_loop) for loop, of_loop in errors.items()}
 
 
 def _disturbed(
     on_rig: RigSettings, seed: int, test: Data, bench: Track, contest: Contest
-) -> dict[str, dict[str, Data]]:
+) -> dict[str, Data]:
     """Return the test log with a shifted P_o, and one that drifts, is noisier, or is pushed."""
     p_o_kpa = test.channels["p_o_kpa"]
     samples = len(p_o_kpa)
@@ -245,28 +247,14 @@ def _disturbed(
     signal, pushes = on_rig.signals["complex"], bench.pushes(samples)
     pushed = acquire("complex", signal, on_rig.control, on_rig.rig, seed, pushes=pushes)
     found = {
-        "shifted": {str(float(shift)): p_o_kpa + shift for shift in contest.shifts_kpa},
-        "disturbed": {
-            "drift": p_o_kpa + ramp, "noise": p_o_kpa + noise, "pushed": pushed["p_o_kpa"]
-        },
-    }  # fmt: skip
-    return {
-        measure: {
-            kind: test._replace(channels={**test.channels, "p_o_kpa": values})
-            for kind, values in of_measure.items()
-        }
-        for measure, of_measure in found.items()
+        **{f"{shift:g}": p_o_kpa + shift for shift in contest.shifts_kpa},
+        "drift": p_o_kpa + ramp,
+        "noise": p_o_kpa + noise,
+        "pushed": pushed["p_o_kpa"],
     }
-
-
-def _with_disturbed_p_o(
-    model: SequenceModel, name: str, disturbed: Mapping[str, Mapping[str, Data]]
-) -> dict[str, dict[str, float] | None]:
-    if "p_o_kpa" not in entry_of(name).inputs:
-        return dict.fromkeys(disturbed)
     return {
-        measure: {kind: _error(model, name, log) for kind, log in logs.items()}
-        for measure, logs in disturbed.items()
+        kind: test._replace(channels={**test.channels, "p_o_kpa": values})
+        for kind, values in found.items()
     }
 
 

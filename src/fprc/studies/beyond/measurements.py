@@ -1,11 +1,11 @@
 """Read the measurements of a family of the target ``beyond``; a family is one rig or a set of rigs.
 
-A family has ``name``, ``source``, ``fitted`` (the terms that its rigs were fitted to), ``unit``
-(seed or rig), ``cells`` (one per rig and seed, with the errors of each model), ``capacity``,
+A family has ``name``, ``fitted`` (the terms that its rigs were fitted to), ``unit`` (seed or rig),
+``cells`` (one per rig and seed, with the errors of each model), and may have ``capacity``,
 ``training_length`` and ``step_us``.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -58,7 +58,7 @@ FAMILIES = {
 def family_of(report: Mapping[str, Any]) -> dict[str, Any]:
     """Return the one family of a report of ``fprc.studies.stages.judge`` with what was measured."""
     ((name, described),) = report["families"].items()
-    return {"name": name, "source": report["source"], **described, "cells": report["cells"]}
+    return {"name": name, **described, "cells": report["cells"]}
 
 
 def family_title(name: str) -> str:
@@ -66,48 +66,26 @@ def family_title(name: str) -> str:
     return FAMILIES[name][0] if name in FAMILIES else name.replace("_", "-")
 
 
-def measured(family: Mapping[str, Any]) -> pd.DataFrame:
-    """Return every number of the models in a family, tidy.
+def measured(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return every number of the models in families, tidy.
 
     Returns
     -------
     DataFrame
-        ``unit``, ``seed``, ``model``, ``measure``, ``value``. Measures are ``train`` (training
-        RMSE of the forward direction, kPa), ``forward`` and ``reversed`` (test RMSE, kPa),
-        ``open_loop`` and ``closed_loop`` (root mean square over the four references, deg),
-        ``shifted/KPA`` and ``disturbed/KIND`` (forward test RMSE, kPa), and ``open_loop/KPA`` and
-        ``closed_loop/KPA`` with P_o shifted.
-        What was not measured has no row, and neither has a model that could not be judged.
+        ``world``, ``unit``, ``seed``, ``model``, ``measure`` and ``value``, see
+        ``contest.judge_rig``. What was not measured has no row, and neither has a model that could
+        not be judged.
     """
     rows = [
-        (cell["unit"], cell["seed"], model, measure, float(value))
+        (family["name"], cell["unit"], cell["seed"], model, measure, value)
+        for family in families
         for cell in family["cells"]
         for model, report in cell.get("models", {}).items()
-        for measure, value in _numbers(report)
+        if "failed" not in report
+        for measure, value in report.items()
     ]
-    return pd.DataFrame(rows, columns=["unit", "seed", "model", "measure", "value"])
-
-
-def _numbers(report: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    if "forward" in report:
-        yield "train", report["forward"]["train_rmse_kpa"]
-    for direction in ("forward", "reversed"):
-        if direction in report:
-            yield direction, report[direction]["test_rmse_kpa"]
-    yield from _tracking(report)
-    for offset, errors in report.get("tracked_shifted", {}).items():
-        yield from ((f"{loop}/{float(offset):g}", value) for loop, value in _tracking(errors))
-    for offset, value in (report.get("shifted") or {}).items():
-        yield f"shifted/{float(offset):g}", value
-    for kind, value in (report.get("disturbed") or {}).items():
-        yield f"disturbed/{kind}", value
-
-
-def _tracking(report: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    """Give the root mean square over the four references of each loop, deg."""
-    for loop in LOOPS:
-        if f"{loop}_deg" in report:
-            yield loop, over_references(report[f"{loop}_deg"])
+    columns = ["world", "unit", "seed", "model", "measure", "value"]
+    return pd.DataFrame(rows, columns=columns).astype({"value": float})
 
 
 def over_references(errors_deg: Mapping[str, float]) -> float:
@@ -115,25 +93,25 @@ def over_references(errors_deg: Mapping[str, float]) -> float:
     return rms(np.array([errors_deg[name] for name in REFERENCES]))
 
 
-def capacities(family: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the capacities of every set of states in a family, tidy.
+def capacities(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return the capacities of every set of states in families, tidy.
 
     Returns
     -------
     DataFrame
-        ``unit``, ``seed``, ``set``, ``quantity``, ``value``, ``states``. Quantities are
+        ``world``, ``unit``, ``seed``, ``set``, ``states``, ``quantity``, ``value``. Quantities are
         ``memory``, ``total``, ``degree N`` for each degree, and ``nonlinear``, which sums the
         degrees from 2 on.
     """
     rows = []
-    for entry in family.get("capacity") or ():
-        for name, found in entry["sets"].items():
-            degrees = found["by_degree"]
+    found = [(family["name"], entry) for family in families for entry in family.get("capacity", ())]
+    for family, entry in found:
+        for name, of_set in entry["sets"].items():
+            degrees = of_set["by_degree"]
             numbers = {"memory": degrees["1"], "total": sum(degrees.values())}
             numbers |= {f"degree {n}": value for n, value in degrees.items()}
             numbers["nonlinear"] = sum(value for n, value in degrees.items() if int(n) > 1)
-            rows += [
-                (entry["unit"], entry["seed"], name, quantity, value, found["states"])
-                for quantity, value in numbers.items()
-            ]
-    return pd.DataFrame(rows, columns=["unit", "seed", "set", "quantity", "value", "states"])
+            of_states = (family, entry["unit"], entry["seed"], name, of_set["states"])
+            rows += [(*of_states, *number) for number in numbers.items()]
+    columns = ["world", "unit", "seed", "set", "states", "quantity", "value"]
+    return pd.DataFrame(rows, columns=columns).astype({"value": float})

@@ -17,7 +17,13 @@ from fprc.studies.beyond.measurements import (
     family_title,
     measured,
 )
-from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
+from fprc.studies.beyond.verdicts import (
+    Ledgers,
+    beside_page,
+    claims_page,
+    details_page,
+    fitted_page,
+)
 from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, markdown, three_digits
 
@@ -45,17 +51,14 @@ def models(families: Families) -> pd.DataFrame:
         ``world``, ``model``, ``measure``, ``mean``, ``low``, ``high`` (95 % interval over units;
         empty for a single one), ``units``, ``source``.
     """
-
-    def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
-        table = measured(family)
-        steps = [
-            {"unit": 0, "model": model, "measure": "step_us", "value": value}
-            for model, value in (family.get("step_us") or {}).items()
-        ]
-        kept = table[table["measure"].isin(list(MEASURES))]
-        return pd.concat([kept, pd.DataFrame(steps)]) if steps else kept
-
-    return _means(families, of_family, "model", "measure")
+    table = measured(families)
+    steps = [
+        (family["name"], 0, 0, model, "step_us", value)
+        for family in families
+        for model, value in family.get("step_us", {}).items()
+    ]
+    table = pd.concat([table, pd.DataFrame(steps, columns=table.columns).astype(table.dtypes)])
+    return _means(table[table["measure"].isin(list(MEASURES))], "model", "measure")
 
 
 def models_page(table: pd.DataFrame, *, intervals: bool = False) -> pd.DataFrame:
@@ -109,7 +112,7 @@ def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
                 rho = of_family["forward"].rank().corr(of_family["tracking"].rank())
                 parts.append(of_family.assign(models=len(of_family), rank_correlation=rho))
     order = "world model forward loop tracking models rank_correlation source".split()
-    return _joined(parts or [pd.DataFrame(columns=order)])[order]
+    return pd.concat(parts or [pd.DataFrame(columns=order)], ignore_index=True)[order]
 
 
 def correlations_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -138,19 +141,14 @@ def offsets(families: Families) -> pd.DataFrame:
         (none, drift, noise or pushed), ``offset_kpa``, ``mean``, ``low``, ``high``, ``units``,
         ``source``; and the errors of Fuzzy-linear, which has no P_o, at no offset.
     """
-
-    def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
-        table = measured(family)
-        kind = table["measure"].str.extract("^([a-z_]*)/(.*)$")
-        disturbed = kind[0] == "disturbed"
-        without = table["measure"].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
-        table["measure"] = kind[0].where(kind[0].isin(LOOPS), table["measure"])
-        table["measure"] = table["measure"].where(without | kind[0].isin(LOOPS), "forward")
-        table["disturbance"] = kind[1].where(disturbed, "none")
-        table["offset_kpa"] = kind[1].where(~disturbed).fillna("0").astype(float)
-        return table[kind[0].notna() | without]
-
-    return _means(families, of_family, "model", "measure", "disturbance", "offset_kpa")
+    table = measured(families)
+    parts = table["measure"].str.extract("^([a-z_]*)/?(.*)$")
+    changed, offset_kpa = parts[1] != "", pd.to_numeric(parts[1], errors="coerce")
+    table["measure"] = parts[0]
+    table["disturbance"] = parts[1].where(changed & offset_kpa.isna(), "none")
+    table["offset_kpa"] = offset_kpa.fillna(0.0)
+    without = parts[0].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
+    return _means(table[changed | without], "model", "measure", "disturbance", "offset_kpa")
 
 
 def offsets_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -181,7 +179,7 @@ def capacity(families: Families) -> pd.DataFrame:
         ``world``, ``set``, ``states``, ``quantity`` (see ``measurements.capacities``), ``mean``,
         ``low``, ``high``, ``units``, ``source``.
     """
-    return _means(families, capacities, "set", "states", "quantity")
+    return _means(capacities(families), "set", "states", "quantity")
 
 
 def capacity_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -203,21 +201,14 @@ def lengths(families: Families) -> pd.DataFrame:
         ``world``, ``model``, ``training`` (seconds of one log, or two logs), ``mean``, ``low``,
         ``high``, ``units``, ``source``.
     """
-
-    def of_family(family: Mapping[str, Any]) -> pd.DataFrame:
-        rows = [
-            {
-                "unit": entry["seed"],
-                "model": model,
-                "training": "two logs" if entry.get("two_logs") else f"{entry['seconds']:g} s",
-                "value": float(errors["test_rmse_kpa"]),
-            }
-            for entry in family.get("training_length") or ()
-            for model, errors in entry["models"].items()
-        ]
-        return pd.DataFrame(rows, columns=["unit", "model", "training", "value"])
-
-    return _means(families, of_family, "model", "training")
+    rows = [
+        (family["name"], entry["seed"], model, entry["training"], error)
+        for family in families
+        for entry in family.get("training_length", ())
+        for model, error in entry["models"].items()
+    ]
+    table = pd.DataFrame(rows, columns=["world", "unit", "model", "training", "value"])
+    return _means(table, "model", "training")
 
 
 def lengths_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -244,7 +235,8 @@ def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def pages(
-    verdicts: Mapping[str, Any],
+    families: Families,
+    ledgers: Ledgers,
     tables: Mapping[str, pd.DataFrame],
     family: str,
 ) -> dict[str, str]:
@@ -252,32 +244,20 @@ def pages(
 
     Parameters
     ----------
-    verdicts : Mapping
-        ``source``, ``worlds`` (rows of ``families_page``), and ``ledgers``: of
-        each family, the rows of ``beyond.claims.judge_family``.
+    ledgers : sequence
+        Of each family, the rows of ``beyond.claims.judge_family``.
     tables : Mapping
         ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
     family : str
         The family that the tables of models, offsets, capacities and lengths show.
     """
-    titles = [ledger[0]["title"] for ledger in verdicts["ledgers"]]
-    beside = pd.DataFrame(
-        {
-            "Ratio": of_ratio[0]["text"],
-            **{
-                title: "-" if row["mean"] is None else format_mean(row, "mean")
-                for title, row in zip(titles, of_ratio, strict=True)
-            },
-        }
-        for of_ratio in zip(*verdicts["beside"], strict=True)
-    )
     of_family = {name: table[table["world"] == family] for name, table in tables.items()}
     shown = {
-        "worlds": pd.DataFrame(verdicts["worlds"]),
-        "claims": claims_page(verdicts["ledgers"]),
-        "beside": beside,
-        "fitted": fitted_page(verdicts["ledgers"]),
-        "details": details_page(verdicts["ledgers"]),
+        "worlds": families_page(families),
+        "claims": claims_page(ledgers),
+        "beside": beside_page(families),
+        "fitted": fitted_page(ledgers),
+        "details": details_page(ledgers),
         "tracking": correlations_page(tables["tracking"]),
         "models": models_page(of_family["models"]),
         "offsets": offsets_page(of_family["offsets"]),
@@ -285,7 +265,7 @@ def pages(
         "lengths": lengths_page(of_family["lengths"]),
         "leaderboard": leaderboard(of_family["models"]),
     }
-    note = f"Data: {SOURCES[verdicts['source']]}."
+    note = f"Data: {SOURCES['sim']}."
     half = float((of_family["offsets"]["high"] - of_family["offsets"]["low"]).max() / 2.0)
     widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
     notes = {"offsets": f"{note} Means{widest}."}
@@ -296,23 +276,12 @@ def _seconds(training: str) -> float:
     return float("inf") if training == "two logs" else float(training.removesuffix(" s"))
 
 
-def _means(
-    families: Families, of_family: Callable[[Mapping[str, Any]], pd.DataFrame], *keys: str
-) -> pd.DataFrame:
+def _means(table: pd.DataFrame, *keys: str) -> pd.DataFrame:
     """Return the mean over the units of each family, and its interval, for values of the keys."""
-    tables = []
-    for family in families:
-        # simulations of one rig with several seeds are one unit
-        by_unit = of_family(family).groupby(["unit", *keys], sort=False)["value"].mean()
-        means = means_of(by_unit.reset_index(), *keys, count="units")
-        means.insert(0, "world", family["name"])
-        tables.append(means.drop(columns=["std", "min", "max"]).assign(source=family["source"]))
-    return _joined(tables)
-
-
-def _joined(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Return the tables below each other; empty ones would change the types of the columns."""
-    return pd.concat([table for table in tables if len(table)] or tables[:1], ignore_index=True)
+    # simulations of one rig with several seeds are one unit
+    by_unit = table.groupby(["world", "unit", *keys], sort=False)["value"].mean().reset_index()
+    means = means_of(by_unit, "world", *keys, count="units")
+    return means.drop(columns=["std", "min", "max"]).assign(source="sim")
 
 
 def _wide(

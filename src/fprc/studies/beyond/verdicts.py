@@ -6,7 +6,9 @@ from typing import Any
 import pandas as pd
 
 from fprc.escape import in_words
-from fprc.tables.text import three_digits
+from fprc.studies.beyond.claims import beside_b1
+from fprc.studies.beyond.measurements import family_title
+from fprc.tables.text import format_mean, three_digits
 
 Ledgers = Sequence[Sequence[Mapping[str, Any]]]
 
@@ -26,12 +28,11 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
     -------
     DataFrame
         ``world``, ``id``, ``claim``, ``part``, ``ratio`` (a difference if not), ``mean``, ``low``,
-        ``high``, ``verdict`` (the claim's), ``p``, ``stable``, ``units``, ``dropped``, ``reason``,
-        ``source``, ``favours`` (what the fit of the rigs favours) and ``fitted`` (what they
-        were fitted to). A
-        claim that is not judged has no numbers.
+        ``high``, ``verdict`` (the claim's), ``p``, ``stable``, ``units``, ``dropped``,
+        ``favours`` (what the fit of the rigs favours), ``fitted`` (what they were fitted to) and
+        ``source``. A claim that is not judged has no numbers.
     """
-    kept = ("verdict", "p", "stable", "units", "dropped", "reason", "source")
+    kept = ("verdict", "p", "stable", "units", "dropped")
     nothing = {"text": "", "ratio": "", "mean": None, "low": None, "high": None}
     return pd.DataFrame(
         {
@@ -41,6 +42,7 @@ def claims(ledgers: Ledgers) -> pd.DataFrame:
             **{key: row[key] for key in kept},
             "favours": in_words(dict.fromkeys(whom for whom, _ in row["fitted"])) or "nobody",
             "fitted": "; ".join(what for _, what in row["fitted"]),
+            "source": "sim",
         }
         for ledger in ledgers
         for row in ledger
@@ -115,3 +117,15 @@ def details_page(ledgers: Ledgers) -> pd.DataFrame:
         "Units lost": [str(row["dropped"]) for row in rows],
     }
     return pd.DataFrame(columns, dtype=object)
+
+
+def beside_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return the ratios of ``beside_b1`` with their intervals, a column per family."""
+    columns = {
+        family_title(family["name"]): {
+            text: format_mean(ends, "mean") if ends else "-"
+            for text, ends in beside_b1(family).items()
+        }
+        for family in families
+    }
+    return pd.DataFrame(columns).reset_index(names="Ratio")

@@ -3,7 +3,7 @@
 import copy
 import logging
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
@@ -88,32 +88,29 @@ def fit_rig(
         surrogate corrected at the rig that has them; rounds and rigs are those of all searches.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
-    seeds = calibration["seeds"]
     first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
-    planned = [{"rounds": calibration["rounds"], "starts": 1}]
+    planned = [{**calibration, "starts": 1}]
     if first:
-        one = seeds[:1]
-        planned.insert(0, {**calibration["first"], "fit": first, "seeds": one, "full_seeds": one})
+        seeds = calibration["seeds"][:1]
+        changed = {**calibration["first"], "fit": first, "seeds": seeds, "full_seeds": seeds}
+        planned.insert(0, {**calibration, **changed})
     ends = time.monotonic() + 60.0 * calibration["minutes"]
-    searched = partial(
-        _searched, printed=printed, judgement=judgement, grids=grids, tracking=tracking,
-        free=free, workers=workers, version=version, ends=ends,
-    )  # fmt: skip
     start = encode(on_rig.rig, free)
-    start_rig = _rig_at(start, on_rig, free)
-    done: list[Searched] = []
+    best = start_rig = _rig_at(start, on_rig, free)
+    results = []
     for number, plan in enumerate(planned, start=1):
-        changed = {**calibration, **plan}
-        log.info("search %d of %d, for %s", number, len(planned), ", ".join(changed["fit"]))
-        at = done[-1].best if done else start_rig
-        done.append(searched(at, calibration=changed, checkpoint=f"{checkpoint}.{number}"))
-    best, aim, judge, result = done[-1]
+        log.info("search %d of %d, for %s", number, len(planned), ", ".join(plan["fit"]))
+        aim = aim_of(printed, plan)
+        judge = Judge(aim, best, free, judgement, plan, grids, tracking)
+        result = _searched(judge, workers, f"{checkpoint}.{number}", version, ends)
+        best = judge.rig_at(result.point)
+        results.append(result)
     log.info("judging the first and the fitted rig with the full models")
-    at_start, at_end = judge(start_rig, workers), judge(best, workers)
+    at_start, at_end = judge.corrected(start_rig, workers), judge.corrected(best, workers)
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
         "software": f"fprc {__version__}",
-        "seeds": list(seeds),
+        "seeds": list(calibration["seeds"]),
         "full_seeds": list(calibration["full_seeds"]),
         **_outcome(at_end, aim),
         "median_deviation_at_start": float(np.median(_off(at_start.full, aim))),
@@ -121,11 +118,12 @@ def fit_rig(
         "loss": sum(_losses(at_end, aim).values()),
         "rig_sha256": hash_of(best.rig),
         "searches": [
-            {"fit": list(search.aim.fit), "rounds": search.result.rounds} for search in done
+            {"fit": list(plan["fit"]), "rounds": result.rounds}
+            for plan, result in zip(planned, results, strict=True)
         ],
-        "rounds": sum(search.result.rounds for search in done),
-        "evaluations": sum(search.result.evaluations for search in done),
-        "finished": all(search.result.finished for search in done),
+        "rounds": sum(result.rounds for result in results),
+        "evaluations": sum(result.evaluations for result in results),
+        "finished": all(result.finished for result in results),
         "parameters": [
             p._asdict() | {"began_at": before, "share": share}
             for p, before, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
@@ -142,56 +140,124 @@ class Corrected(NamedTuple):
     ratios: dict[str, dict[str, float]]  #: see ``ratios_to_full``
 
 
-class Searched(NamedTuple):
-    """The end of a search."""
+class Judge(NamedTuple):
+    """Judges rigs for the terms of ``calibration.fit``: cheaply, and with the full models."""
 
-    best: RigSettings
     aim: Aim
-    judge: Callable[[RigSettings, int], Corrected]  #: of a rig, by so many processes
-    result: SearchResult
+    on_rig: RigSettings  #: the rig at which the search begins
+    free: Sequence[Free]  #: in what other rigs differ from it
+    judgement: Mapping[str, Any]  #: arguments of ``Judgement`` without the seed
+    calibration: Mapping[str, Any]
+    grids: Mapping[str, Sequence[float]]
+    tracking: Mapping[str, Any]
+
+    def rig_at(self, point: np.ndarray) -> RigSettings:
+        """Return the rig at a point."""
+        return _rig_at(point, self.on_rig, self.free)
+
+    def measures(self) -> set[str]:
+        """Return what the terms need besides errors and properties."""
+        return {_NEEDS[term] for term in self.calibration["fit"] if term in _NEEDS}
+
+    def estimate(
+        self, on_rig: RigSettings, centers: dict[int, dict[str, np.ndarray]] | None = None
+    ) -> list[dict[str, Any]]:
+        """Return the surrogate's measures of each seed.
+
+        ``centers`` are those of ``judge_by_surrogate``, by seed.
+        """
+        centers = {} if centers is None else centers
+        return [
+            judge_by_surrogate(
+                on_rig, seed, self.measures(), centers.setdefault(seed, {}),
+                models=self.judgement["models"], surrogate=self.calibration, grids=self.grids,
+                tracking=self.tracking,
+            )
+            for seed in self.calibration["seeds"]
+        ]  # fmt: skip
+
+    def numbers(self, point: np.ndarray, beside: np.ndarray, key: str) -> list[float] | None:
+        """Return the numbers of the measures at a point; None if the rig is impossible.
+
+        Its clusterings begin at those of the point ``beside``. ``key`` says what is measured.
+        """
+        at, near = self.rig_at(point), self.rig_at(beside)
+        try:
+            Rig.model_validate(at.rig)
+            centers = self._centers(near, key)
+            numbers = numbers_of(self.estimate(at, copy.deepcopy(centers)))
+        except (FprcError, ValueError):
+            return None
+        return numbers if np.isfinite(numbers).all() else None
+
+    def _centers(self, on_rig: RigSettings, key: str) -> dict[int, dict[str, np.ndarray]]:
+        """Return the centres of a rig's clusterings, by seed; those of the last rig are kept."""
+        of = hash_of({"rig": on_rig.rig, "of": key})
+        if of not in _LAST:
+            centers: dict[int, dict[str, np.ndarray]] = {}
+            self.estimate(on_rig, centers)
+            _LAST.clear()
+            _LAST[of] = centers
+        return _LAST[of]
+
+    def corrected(self, on_rig: RigSettings, workers: int) -> Corrected:
+        """Judge a rig with the surrogate and, by so many processes, with the full models."""
+        full = judge_fully(
+            on_rig, self.calibration["full_seeds"], workers=workers, judgement=self.judgement,
+            tracking=self.tracking, measures=self.measures(),
+        )  # fmt: skip
+        estimated = self.estimate(on_rig)
+        return Corrected(full, estimated, ratios_to_full(full, estimated))
+
+    def corrections(
+        self, points: Sequence[np.ndarray], workers: int
+    ) -> list[list[list[float]] | None]:
+        """Return the numbers of the surrogate at points, and what the full models add to them.
+
+        None stands for a rig on which the full models are impossible.
+        """
+        # one rig's seeds or several rigs are judged side by side
+        at_once = min(workers, len(points))
+        with parallel_config("loky", inner_max_num_threads=1):
+            return Parallel(n_jobs=at_once)(
+                delayed(self._correction)(point, workers // at_once) for point in points
+            )
+
+    def _correction(self, point: np.ndarray, workers: int) -> list[list[float]] | None:
+        on_rig = self.rig_at(point)
+        try:
+            Rig.model_validate(on_rig.rig)
+            _, estimated, ratios = self.corrected(on_rig, workers)
+        except (FprcError, ValueError):
+            return None
+        numbers = numbers_of(estimated)
+        added = np.subtract(numbers_of(scaled(estimated, ratios)), numbers)
+        finite = np.isfinite(numbers).all() and np.isfinite(added).all()
+        return [numbers, added.tolist()] if finite else None
+
+
+#: Centres of the clusterings of the last rig around which others were judged, in this process.
+_LAST: dict[str, dict[int, dict[str, np.ndarray]]] = {}
+
+
+def _rig_at(point: np.ndarray, on_rig: RigSettings, free: Sequence[Free]) -> RigSettings:
+    return replace(on_rig, rig=resolved(decode(point, on_rig.rig, free)))
 
 
 def _searched(
-    start_rig: RigSettings,
-    *,
-    printed: Mapping[str, Any],
-    judgement: Mapping[str, Any],
-    calibration: Mapping[str, Any],
-    grids: Mapping[str, Sequence[float]],
-    tracking: Mapping[str, Any],
-    free: Sequence[Free],
-    workers: int,
-    checkpoint: str,
-    version: str,
-    ends: float,
-) -> Searched:
+    judge: Judge, workers: int, checkpoint: str, version: str, ends: float
+) -> SearchResult:
     """Search for the terms of ``calibration.fit``, beginning at a rig, until the time ``ends``."""
-    aim, seeds = aim_of(printed, calibration), calibration["seeds"]
-    estimate = partial(
-        judge_seeds,
-        models=judgement["models"],
-        calibration=calibration,
-        grids=grids,
-        tracking=tracking,
-    )
-
-    def judge(on_rig: RigSettings, workers: int) -> Corrected:
-        full = judge_fully(
-            on_rig, calibration["full_seeds"], workers=workers,
-            judgement=judgement, tracking=tracking, measures=_measures(calibration),
-        )  # fmt: skip
-        estimated = estimate(on_rig, seeds)
-        return Corrected(full, estimated, ratios_to_full(full, estimated))
-
-    like = estimate(start_rig, seeds)
+    aim, on_rig, free, judgement, calibration, grids, tracking = judge
+    like = judge.estimate(on_rig)
     # a search that ran out of time goes on if it is given more
     settings = {key: value for key, value in calibration.items() if key != "minutes"}
-    key = checkpoint_key([asdict(start_rig), judgement, settings, grids, tracking, aim, version])
-    result = search(
-        partial(judge_point, on_rig=start_rig, free=free, seeds=seeds, estimate=estimate, key=key),
-        partial(corrections, on_rig=start_rig, free=free, judge=judge, workers=workers),
+    key = checkpoint_key([asdict(on_rig), judgement, settings, grids, tracking, aim, version])
+    return search(
+        partial(judge.numbers, key=key),
+        partial(judge.corrections, workers=workers),
         lambda found: np.concatenate([*deviations(judged_of(found, like), aim).values()]),
-        starts_near(encode(start_rig.rig, free), calibration["starts"], seeds[0]),
+        starts_near(encode(on_rig.rig, free), calibration["starts"], calibration["seeds"][0]),
         rounds=calibration["rounds"],
         workers=workers,
         checkpoint=checkpoint,
@@ -199,46 +265,6 @@ def _searched(
         seconds=ends - time.monotonic(),
         progress=partial(log.info, "round %d of %d, least loss %.4f, %.0f s"),
     )
-    return Searched(_rig_at(result.point, start_rig, free), aim, judge, result)
-
-
-def _rig_at(point: np.ndarray, on_rig: RigSettings, free: Sequence[Free]) -> RigSettings:
-    return replace(on_rig, rig=resolved(decode(point, on_rig.rig, free)))
-
-
-def corrections(
-    points: Sequence[np.ndarray],
-    *,
-    on_rig: RigSettings,
-    free: Sequence[Free],
-    judge: Callable[[RigSettings, int], Corrected],
-    workers: int,
-) -> list[list[list[float]] | None]:
-    """Return the numbers of the surrogate at points, and what the full models add to them.
-
-    None stands for a rig on which the full models are impossible.
-    """
-    # one rig's seeds or several rigs are judged side by side
-    at_once = min(workers, len(points))
-    with parallel_config("loky", inner_max_num_threads=1):
-        return Parallel(n_jobs=at_once)(
-            delayed(_correction)(_rig_at(point, on_rig, free), judge, workers // at_once)
-            for point in points
-        )
-
-
-def _correction(
-    on_rig: RigSettings, judge: Callable[[RigSettings, int], Corrected], workers: int
-) -> list[list[float]] | None:
-    try:
-        Rig.model_validate(on_rig.rig)
-        _, estimated, ratios = judge(on_rig, workers)
-    except (FprcError, ValueError):
-        return None
-    numbers = numbers_of(estimated)
-    added = np.subtract(numbers_of(scaled(estimated, ratios)), numbers)
-    finite = np.isfinite(numbers).all() and np.isfinite(added).all()
-    return [numbers, added.tolist()] if finite else None
 
 
 def _losses(judged: Corrected, aim: Aim) -> dict[str, float]:
@@ -271,74 +297,6 @@ def _outcome(judged: Corrected, aim: Aim) -> dict[str, Any]:
 
 def _off(full: Sequence[Mapping[str, Mapping[str, float]]], aim: Aim) -> np.ndarray:
     return np.abs(list(relative(full, aim)["errors"].values()))
-
-
-def judge_seeds(
-    on_rig: RigSettings,
-    seeds: Sequence[int],
-    *,
-    models: Mapping[str, Any],
-    calibration: Mapping[str, Any],
-    grids: Mapping[str, Sequence[float]],
-    tracking: Mapping[str, Any],
-    centers: dict[int, dict[str, np.ndarray]] | None = None,
-) -> list[dict[str, Any]]:
-    """Return the surrogate's measures of each seed.
-
-    ``centers`` are those of ``judge_by_surrogate``, by seed.
-    """
-    wanted, centers = _measures(calibration), {} if centers is None else centers
-    return [
-        judge_by_surrogate(
-            on_rig, seed, models, calibration, grids, tracking, wanted, centers.setdefault(seed, {})
-        )
-        for seed in seeds
-    ]
-
-
-def _measures(calibration: Mapping[str, Any]) -> set[str]:
-    return {_NEEDS[term] for term in calibration["fit"] if term in _NEEDS}
-
-
-def judge_point(
-    point: np.ndarray,
-    beside: np.ndarray,
-    *,
-    on_rig: RigSettings,
-    free: Sequence[Free],
-    seeds: Sequence[int],
-    estimate: Any,
-    key: str,
-) -> list[float] | None:
-    """Return the numbers of the measures at a point; None if the rig is impossible.
-
-    Its clusterings begin at those of the point ``beside``. ``key`` says what is measured.
-    """
-    at, near = (_rig_at(each, on_rig, free) for each in (point, beside))
-    try:
-        Rig.model_validate(at.rig)
-        centers = centers_of(near, seeds, estimate, key)
-        numbers = numbers_of(estimate(at, seeds, centers=copy.deepcopy(centers)))
-    except (FprcError, ValueError):
-        return None
-    return numbers if np.isfinite(numbers).all() else None
-
-
-#: Centres of the clusterings of the last rig around which others were judged, in this process.
-_LAST: dict[str, dict[int, dict[str, np.ndarray]]] = {}
-
-
-def centers_of(
-    on_rig: RigSettings, seeds: Sequence[int], estimate: Any, key: str
-) -> dict[int, dict[str, np.ndarray]]:
-    """Return the centres of a rig's clusterings, by seed; those of the last rig are kept."""
-    of = hash_of({"rig": on_rig.rig, "of": key})
-    if of not in _LAST:
-        centers: dict[int, dict[str, np.ndarray]] = {}
-        estimate(on_rig, seeds, centers=centers)
-        _LAST.clear()
-        _LAST[of] = centers
-    return _LAST[of]
 
 
 def relative(

@@ -3,6 +3,8 @@
 import copy
 import math
 from collections.abc import Mapping, Sequence
+from functools import reduce
+from operator import getitem
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,10 +21,9 @@ _SPREAD = 0.2
 class Free(NamedTuple):
     """A parameter that the search may change, within its physical range.
 
-    ``path`` names a number ("bending.friction_kpa"), one number of a list
-    ("bending.relaxation_time_s.0"), or a whole list, which is then scaled by
-    one factor. The last of several slip weights cannot be free: it is 1 minus the others.
-    A range that spans a decade or more is searched by its logarithm.
+    ``path`` names a number ("bending.friction_kpa"), or one of a list
+    ("bending.relaxation_time_s.0"). The last of several slip weights cannot be free: it is 1 minus
+    the others. A range that spans a decade or more is searched by its logarithm.
     """
 
     path: str
@@ -50,7 +51,11 @@ def free_parameters(
 
 def encode(rig: Mapping[str, Any], free: Sequence[Free]) -> np.ndarray:
     """Return the rig's point in the unit cube; a value outside its range is moved to the end."""
-    return np.array([_share(parameter, _get(rig, parameter.path)) for parameter in free])
+    shares = []
+    for parameter in free:
+        holder, key = _place(rig, parameter.path)
+        shares.append(_share(parameter, holder[key]))
+    return np.array(shares)
 
 
 def decode(point: np.ndarray, rig: Mapping[str, Any], free: Sequence[Free]) -> dict[str, Any]:
@@ -66,7 +71,8 @@ def decode(point: np.ndarray, rig: Mapping[str, Any], free: Sequence[Free]) -> d
     """
     changed = copy.deepcopy(dict(rig))
     for share, parameter in zip(point, free, strict=True):
-        _set(changed, parameter.path, _value(parameter, float(share)))
+        holder, key = _place(changed, parameter.path)
+        holder[key] = _rounded(_value(parameter, float(share)))
     for section in ("bending", "reservoir"):
         if any(parameter.path.startswith(f"{section}.slip_weight.") for parameter in free):
             changed[section]["slip_weight"] = _summing_to_one(changed[section]["slip_weight"])
@@ -106,9 +112,7 @@ def _summing_to_one(weights: Sequence[float]) -> list[float]:
     return [*free, round(1.0 - sum(free), 10)]
 
 
-def _share(parameter: Free, value: Any) -> float:
-    if isinstance(value, (list, tuple)):
-        value = value[0]
+def _share(parameter: Free, value: float) -> float:
     low, high = parameter.low, parameter.high
     if parameter.logarithmic:
         low, high, value = math.log(low), math.log(high), math.log(max(value, parameter.low))
@@ -122,23 +126,11 @@ def _value(parameter: Free, share: float) -> float:
     return low + share * (high - low)
 
 
-def _get(rig: Mapping[str, Any], path: str) -> Any:
-    value: Any = rig
-    for key in path.split("."):
-        value = value[int(key)] if isinstance(value, (list, tuple)) else value[key]
-    return value
-
-
-def _set(rig: dict[str, Any], path: str, value: float) -> None:
+def _place(rig: Mapping[str, Any], path: str) -> tuple[Any, Any]:
+    """Return the section or list that holds a number, and its key there."""
     *sections, last = path.split(".")
-    holder = _get(rig, ".".join(sections)) if sections else rig
-    if isinstance(holder, list):
-        holder[int(last)] = _rounded(value)
-    elif isinstance(holder[last], (list, tuple)):
-        scale = value / holder[last][0]
-        holder[last] = [_rounded(scale * item) for item in holder[last]]
-    else:
-        holder[last] = _rounded(value)
+    holder = reduce(getitem, sections, rig)
+    return holder, last if isinstance(holder, Mapping) else int(last)
 
 
 def _rounded(value: float) -> float:

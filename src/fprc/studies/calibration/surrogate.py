@@ -44,28 +44,29 @@ LOOPS = {"open_loop": 0.0, "closed_loop": 1.0, "firm_loop": 1.5}
 def judge_by_surrogate(
     on_rig: RigSettings,
     seed: int,
+    measures: Collection[str],
+    centers: dict[str, np.ndarray],
+    *,
     models: Mapping[str, Any],
     surrogate: Mapping[str, Any],
     grids: Mapping[str, Sequence[float]],
     tracking: Mapping[str, Any],
-    measures: Collection[str],
-    centers: dict[str, np.ndarray],
 ) -> dict[str, Any]:
     """Return what the objective needs of a rig, for one seed.
 
     Parameters
     ----------
+    measures : collection of str
+        Which of ``MEASURES`` and ``FURTHER`` to compute.
+    centers : dict
+        Centres of every clustering. One that is in it begins there, and all others begin at random
+        and are added.
     surrogate : Mapping
         ``stride``, ``esn_nodes``, ``restarts``, and ``taps``, the values of n_u and n_y.
     grids : Mapping
         Values of ``epsilon`` and ``n_c``.
     tracking : Mapping
         Section ``tracking`` of the configuration.
-    measures : collection of str
-        Which of ``MEASURES`` and ``FURTHER`` to compute.
-    centers : dict
-        Centres of every clustering. One that is in it begins there, and all others begin at random
-        and are added.
 
     Returns
     -------

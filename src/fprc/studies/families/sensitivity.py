@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from fprc.config.rig import Rig
 from fprc.errors import FprcError, in_one_line
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.settings import RigSettings, Unit
 from fprc.figures.style import symbols
 from fprc.paper import LOOPS, MODELS, REFERENCE_NAMES, REFERENCES
 from fprc.registry import title_of
@@ -149,20 +149,14 @@ NUMBERS: dict[tuple[str, str], Callable[[Judged], float]] = {
 
 
 def numbers_of(
-    on_rig: RigSettings,
-    centers: Mapping[int, dict[str, np.ndarray]],
-    *,
-    models: Mapping[str, Any],
-    surrogate: Mapping[str, Any],
-    grids: Mapping[str, Sequence[float]],
-    tracking: Mapping[str, Any],
+    on_rig: RigSettings, centers: Mapping[int, dict[str, np.ndarray]], **how: Any
 ) -> dict[str, dict[str, float]]:
     """Return the surrogate's numbers on a rig, means over seeds, by group and name.
 
-    ``centers`` are those of ``judge_by_surrogate``, by seed.
+    ``centers`` are those of ``judge_by_surrogate``, by seed, and ``how`` its settings.
     """
     judged = [
-        judge_by_surrogate(on_rig, seed, models, surrogate, grids, tracking, _MEASURES, of_seed)
+        judge_by_surrogate(on_rig, seed, _MEASURES, of_seed, **how)
         for seed, of_seed in centers.items()
     ]
     numbers: dict[str, dict[str, float]] = {group: {} for group in _GROUPS}
@@ -171,32 +165,40 @@ def numbers_of(
     return numbers
 
 
-def judge_moved(
-    cell: Mapping[str, Any],
-    *,
-    on_rig: RigSettings,
-    centers: Mapping[int, Mapping[str, np.ndarray]],
-    **how: Any,
-) -> dict[str, Any]:
-    """Return the numbers on a rig with one parameter changed.
+def judge_parameter(
+    unit: Unit, *, paths: Sequence[str], steps: int, seeds: Sequence[int], **how: Any
+) -> list[dict[str, Any]]:
+    """Move one parameter, that of the unit's number, over its range.
 
-    ``cell`` holds its ``path``, None for no change, and its value as a ``share`` of its range. All
-    clusterings begin at the same ``centers``.
+    All clusterings begin at those of the rig itself.
+
+    Parameters
+    ----------
+    **how
+        ``models``, ``surrogate``, ``grids`` and ``tracking`` of ``judge_by_surrogate``.
 
     Returns
     -------
-    dict
-        ``numbers``, see ``numbers_of``, or None with why it is ``impossible``.
+    list of dict
+        For each value of the parameter, and from the first unit also for the rig itself: the
+        ``seeds``, the ``path`` of the parameter, None for no change, and its ``share`` of the
+        range; ``numbers``, see ``numbers_of``, or None with why they are ``impossible``.
     """
-    moved = on_rig.rig
-    if cell["path"] is not None:
-        moved = decode(np.array([cell["share"]]), moved, free_parameters([cell["path"]]))
-    try:
-        Rig.model_validate(moved)
-        begin = {seed: dict(of_seed) for seed, of_seed in centers.items()}
-        return {"numbers": numbers_of(replace(on_rig, rig=moved), begin, **how)}
-    except (ValidationError, FprcError) as error:
-        return {"numbers": None, "impossible": in_one_line(error)}
+    (on_rig, _), path = unit.rigs[0], paths[unit.number]
+    centers: dict[int, dict[str, np.ndarray]] = {seed: {} for seed in seeds}
+    own = numbers_of(on_rig, centers, **how)
+    cells: list[dict[str, Any]] = [{"path": None, "share": None, "numbers": own}]
+    for share in np.linspace(0.0, 1.0, steps).tolist():
+        moved = decode(np.array([share]), on_rig.rig, free_parameters([path]))
+        cell = {"path": path, "share": share, "numbers": None}
+        try:
+            Rig.model_validate(moved)
+            begin = {seed: dict(of_seed) for seed, of_seed in centers.items()}
+            cell["numbers"] = numbers_of(replace(on_rig, rig=moved), begin, **how)
+        except (ValidationError, FprcError) as error:
+            cell["impossible"] = in_one_line(error)
+        cells.append(cell)
+    return [{"seeds": list(seeds), **cell} for cell in cells[bool(unit.number) :]]
 
 
 def changes(report: Mapping[str, Any]) -> pd.DataFrame:

@@ -86,13 +86,8 @@ def sums_of(errors: pd.DataFrame) -> dict[str, float]:
 Families = Sequence[Mapping[str, Any]]  #: see ``fprc.studies.stages.families.compare_families``
 
 
-def _errors(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
+def _errors(families: Families) -> tuple[pd.DataFrame, str]:
     """Return the errors that the paper prints, and sums of deviations, a column per family."""
-    table = pd.DataFrame(
-        {"family": family["name"], **row, "source": "sim"}
-        for family in families
-        for row in family["errors"]
-    )
     first = families[0]["errors"]
     page = pd.DataFrame(
         {
@@ -109,21 +104,11 @@ def _errors(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
             ),
             *(_percent(family["sums"][name]) for name in SUMS),
         ]
-    return table, page, f"Families of rigs: errors, and their deviation from print. {_RANGES}"
+    return page, f"Families of rigs: errors, and their deviation from print. {_RANGES}"
 
 
-def _claims(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
+def _claims(families: Families) -> tuple[pd.DataFrame, str]:
     """Return the verdicts of all claims, a column per family."""
-    table = pd.DataFrame(
-        {
-            "family": family["name"],
-            **{key: claim[key] for key in ("id", "claim", "rig", "verdict")},
-            **(claim["holds"] or {"holds": None}),
-            "source": "sim",
-        }
-        for family in families
-        for claim in family["claims"]
-    )
     first = families[0]["claims"]
     page = pd.DataFrame({"Id": [c["id"] for c in first], "Claim": [c["claim"] for c in first]})
     for family in families:
@@ -135,10 +120,10 @@ def _claims(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
         "95 % interval, which does not cover the choice of how the rigs were found; grids are not "
         "judged on them."
     )
-    return table, page, note
+    return page, note
 
 
-def _answer(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
+def _answer(families: Families) -> tuple[pd.DataFrame, str]:
     """Return a row per family: deviation from the printed errors, and worth of the reservoir."""
     rows = []
     for family in families:
@@ -155,7 +140,6 @@ def _answer(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
                 "P_o beats low-passed theta_d (B1)": _verdict(worth),
             }
         )
-    table = pd.DataFrame(rows)
     note = (
         "What the reservoir is worth, family by family. Deviations from print: root mean square of "
         "the logarithms of the training and test errors of single recordings over the printed "
@@ -163,10 +147,10 @@ def _answer(families: Families) -> tuple[pd.DataFrame, pd.DataFrame, str]:
         "execution times. A ratio below 1 says that P_o is worth more than a low-pass of theta_d. "
         f"{_RANGES}"
     )
-    return table, table, note
+    return pd.DataFrame(rows), note
 
 
-#: Of each table: from the families to the table, tidy, its page, and a note.
+#: Of each table: from the families to its page and a note; the summary has the numbers.
 TABLES = {"errors": _errors, "claims": _claims, "answer": _answer}
 
 

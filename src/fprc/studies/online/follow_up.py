@@ -76,7 +76,9 @@ def follow_up(bench: Track, reference: str, state: str) -> dict[str, np.ndarray]
     states: deque[np.ndarray] = deque(maxlen=_DELAY + 1)
     commands: deque[float] = deque(maxlen=_DELAY + 1)
     angles: deque[float] = deque(maxlen=_DELAY)
-    weights, covariance = np.zeros(0), np.eye(0)
+    beside = {"linear": 0, "p_o": 3, "esn": _NODES}[state]
+    weights = np.zeros(1 + beside + _DELAY)
+    covariance = np.eye(weights.size)
 
     def state_of(k: int, now: Readings) -> np.ndarray:
         if state == "esn":
@@ -89,12 +91,8 @@ def follow_up(bench: Track, reference: str, state: str) -> dict[str, np.ndarray]
         return np.zeros(0)
 
     def law(k: int, now: Readings) -> Sequence[float]:
-        nonlocal weights, covariance
         states.append(np.append(1.0, state_of(k, now)))
         angles.append(now.theta_deg / _ANGLE)
-        if not weights.size:
-            weights = np.zeros(states[-1].size + _DELAY)
-            covariance = np.eye(weights.size)
         p_ff = 0.0
         if k >= _DELAY:
             learned = np.append(states[0], angles)

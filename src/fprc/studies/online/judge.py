@@ -26,15 +26,12 @@ CHANGED_RIGS = {
     "stiffer": {"stiffness_kpa_per_deg": 1.1, "cubic_stiffness_kpa_per_deg3": 1.1},
     "worn": {"friction_kpa": 0.8, "friction_per_kpa": 0.8},
 }
-#: Models, and whether P_o is one of their inputs.
-READS_P_O = {"fprc": True, "fprc_lowpass": False, "fuzzy_linear": False}
+#: Conditions, and those that make no difference to a model without P_o.
+OF_P_O = (*(f"{offset:+g} kPa" for offset in OFFSETS_KPA), "leak", "warmer")
+CONDITIONS = ("none", *OF_P_O, *CHANGED_RIGS)
+#: Models, of which only the first reads P_o.
+MODELS = ("fprc", "fprc_lowpass", "fuzzy_linear")
 LOOPS = {"open": False, "closed": True}
-
-
-def conditions(reads_p_o: bool) -> list[str]:
-    """Return the names of the conditions that can make a difference to a model."""
-    of_p_o = [f"{offset:+g} kPa" for offset in OFFSETS_KPA] + ["leak", "warmer"]
-    return ["none", *(of_p_o if reads_p_o else ()), *CHANGED_RIGS]
 
 
 def disturbed(p_o_kpa: np.ndarray, condition: str, rate_hz: float) -> np.ndarray:
@@ -73,18 +70,14 @@ def judge_online(
     try:
         sweep = simulate(replace(on_rig, signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
         fitted = {}
-        for name in READS_P_O:
+        for name in MODELS:
             X, y = sweep.pair(name)
             fitted[name] = build(name, models, seed).fit(X, y).remember(X)
         rows = []
-        for condition in conditions(True):
+        for condition in CONDITIONS:
             rig = changed_rig(on_rig.rig, condition)
             bench = Track(tracking, on_rig.control, rig, seed)
-            chosen = {
-                name: model
-                for name, model in fitted.items()
-                if condition in conditions(READS_P_O[name])
-            }
+            chosen = {"fprc": fitted["fprc"]} if condition in OF_P_O else fitted
             rows += _followed(bench, condition, chosen)
             if condition == "none":
                 rows += _followed_up(bench)
@@ -117,7 +110,7 @@ def _followed(
                     precomputed = bench.precompute(model, given)
                     error = bench.error(reference, precomputed, pushes, feedback=feedback)
                     rows.append((name, condition, learns, loop, reference, error))
-        if condition in conditions(False):
+        if condition not in OF_P_O:
             error = bench.error(reference, np.zeros(samples), pushes, feedback=True)
             rows.append(("pd", condition, False, "closed", reference, error))
     return rows

@@ -9,6 +9,7 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from fprc.artifacts import read_json, write_json
+from fprc.channels import TARGETS
 from fprc.claims import numbers
 from fprc.claims.finding import REPRODUCED, Results, Statement
 from fprc.claims.ledger import Fit, judge_claims
@@ -160,8 +161,8 @@ def _judged(
 
 def tabulate_families(summary: str, *, table: str, **files: str) -> None:
     """Write one of the tables of the families: errors, claims, or answer."""
-    tidy, page, note = tables.TABLES[table](read_json(summary)["families"])
-    write_table(tidy, page, f"{note}\nData: {SOURCES['sim']}.", **files)
+    page, note = tables.TABLES[table](read_json(summary)["families"])
+    write_table(page, page, f"{note}\nData: {SOURCES['sim']}.", **files)
 
 
 def draw_claims(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
@@ -177,42 +178,34 @@ def draw_claims(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
 
 
 def tabulate_targets(
-    published: str,
-    replicates: Sequence[str],
-    controls: Sequence[str],
-    *,
-    names: Sequence[str],
-    **files: str,
+    published: str, replicates: Sequence[str], controls: Sequence[str], **files: str
 ) -> None:
     """Compare commanded and measured pressure as the models' target."""
     printed = read_yaml(published)
     parts = []
-    for name in names:
+    for name in TARGETS:
         of_models, of_control = (
             [read_json(path) for path in paths if Path(path).parent.name == name]
             for paths in (replicates, controls)
         )
         table = tables.all_over_seeds(of_models, of_control, printed)
-        table = table.assign(table=table["number"], mean=table["ours"])
         parts.append(table[table["controller"] != "pd"].assign(target=name))
-    columns = ["target", "table", "what", "unit", "mean", "low", "high", "published", "source"]
-    table = pd.concat(parts, ignore_index=True)[columns]
-    page = []
-    for (number, what, unit), rows in table.groupby(["table", "what", "unit"], sort=False):
-        means = {row.target: format_mean(row._asdict(), "mean") for row in rows.itertuples()}
-        page.append(
-            {
-                "Table": number,
-                "RMSE": f"{what} [{unit}]",
-                **{f"Target {name}": means[name] for name in names},
-                "Paper": spread(rows["published"].iloc[0], None),
-            }
-        )
+    columns = ["target", "number", "what", "unit", "ours", "low", "high", "published", "source"]
+    table = pd.concat(parts)[columns].rename(columns={"number": "table", "ours": "mean"})
+    page = pd.DataFrame(
+        {
+            "Table": rows[0]["number"],
+            "RMSE": f"{rows[0]['what']} [{rows[0]['unit']}]",
+            **{f"Target {row['target']}": format_mean(row, "ours") for row in rows},
+            "Paper": spread(rows[0]["published"], None),
+        }
+        for rows in zip(*(part.to_dict("records") for part in parts), strict=True)
+    )
     note = (
         "Target of the models: commanded against measured pressure, mean and its 95 % interval "
         f"over the further seeds.\nData: {SOURCES[table['source'].iloc[0]]}."
     )
-    write_table(table, pd.DataFrame(page), note, **files)
+    write_table(table, page, note, **files)
 
 
 def _rows(units: Sequence[pd.DataFrame]) -> list[dict[str, Any]]:

@@ -1,75 +1,30 @@
 """What the numbers of one rig depend on: each of its parameters, and the stop of its actuator."""
 
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from fprc.artifacts import read_json, write_json
-from fprc.evaluation.cells import judged_cells
-from fprc.experiments.settings import RigSettings
+from fprc.artifacts import read_json
 from fprc.figures import style
 from fprc.paper import SOURCES
 from fprc.studies.families import stop
-from fprc.studies.families.sensitivity import (
-    changes,
-    judge_moved,
-    numbers_of,
-    page_of_changes,
-    plot_changes,
-)
+from fprc.studies.families.sensitivity import changes, page_of_changes, plot_changes
 from fprc.tables.text import write_table
-
-
-def measure_sensitivity(
-    effects: str,
-    *,
-    paths: Sequence[str],
-    steps: int,
-    seeds: Sequence[int],
-    on_rig: Mapping[str, Any],
-    how: Mapping[str, Any],
-    **run: Any,
-) -> None:
-    """Move one parameter at a time over its range, and judge the rig with the surrogate models.
-
-    The clusterings of every rig begin at those of the rig itself.
-
-    Parameters
-    ----------
-    on_rig : Mapping
-        Arguments of ``RigSettings``.
-    how : Mapping
-        ``models``, ``surrogate``, ``grids`` and ``tracking`` of ``numbers_of``.
-    **run
-        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
-    """
-    own = RigSettings(**on_rig)
-    centers: dict[int, dict[str, np.ndarray]] = {seed: {} for seed in seeds}
-    numbers_of(own, centers, **how)
-    shares = np.linspace(0.0, 1.0, steps).tolist()
-    cells = [{"path": path, "share": share} for path in paths for share in shares]
-    with judged_cells(
-        partial(judge_moved, on_rig=own, centers=centers, **how),
-        [{"path": None, "share": None}, *cells],
-        settings=[seeds, on_rig, how],
-        **run,
-    ) as judged:
-        write_json(effects, {"source": "sim", "seeds": list(seeds), "cells": judged})
 
 
 def tabulate_sensitivity(effects: str, **files: str) -> None:
     """Write the sensitivity of all numbers to each parameter of the rig."""
     report = read_json(effects)
     table = changes(report)
-    impossible = sum(cell["numbers"] is None for cell in report["cells"])
+    cells = report["cells"]
+    impossible = sum(cell["numbers"] is None for cell in cells)
     note = (
         "Sensitivity: one parameter at the lower and at the upper end of its range; of each group "
         "the change of the number that changes most. Unstable: a reference is followed worse with "
         "feedback than without.\nSimulated, with the surrogate models, mean of "
-        f"{len(report['seeds'])} seeds; {impossible} of {len(report['cells'])} rigs are impossible"
+        f"{len(cells[0]['seeds'])} seeds; {impossible} of {len(cells)} rigs are impossible"
         "; the next value takes the place of such an end. In the order of the largest change "
         "within the range."
     )

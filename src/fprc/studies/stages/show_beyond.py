@@ -7,11 +7,11 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
-from fprc.artifacts import read_json, write_csv, write_json, write_text
+from fprc.artifacts import read_json, write_csv, write_text
 from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond.claims import beside_b1, judge_family
+from fprc.studies.beyond.claims import judge_family
 from fprc.studies.beyond.measurements import family_of
 from fprc.studies.beyond.verdicts import claims as claims_table
 
@@ -22,7 +22,6 @@ def tabulate_beyond(
     training: str,
     steps: str,
     over_settings: str,
-    verdicts: str,
     pages: Sequence[str],
     *,
     family: str,
@@ -38,8 +37,6 @@ def tabulate_beyond(
         Capacities in each family with one rig.
     over_settings : str
         Errors over epsilon and n_c.
-    verdicts : str
-        Outcome: what each family is, and the rows of ``judge_family`` for each.
     pages : sequence of str
         Tables in Markdown, named after ``tables.pages``.
     family : str
@@ -55,12 +52,6 @@ def tabulate_beyond(
     found[0]["training_length"] = read_json(training)["cells"]
     found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
     ledgers = list(map(judge_family, found))
-    outcome = {
-        "source": "sim",
-        "worlds": tables.families_page(found).to_dict("records"),
-        "ledgers": ledgers,
-        "beside": list(map(beside_b1, found)),
-    }
     by_model = tables.models(found)
     made = {
         "models": by_model,
@@ -71,10 +62,9 @@ def tabulate_beyond(
         "lengths": tables.lengths(found),
         "settings": tables.over_settings(read_json(over_settings)["cells"]),
     }
-    write_json(verdicts, outcome)
     for name, table in made.items():
         write_csv(csv[name], table)
-    texts = tables.pages(outcome, made, family)
+    texts = tables.pages(found, ledgers, made, family)
     for path in pages:
         write_text(path, texts[Path(path).stem])
 

@@ -36,26 +36,12 @@ def test_every_claim_compares_what_it_says(make_family):
     assert set(verdicts.values()) == {"superior"}
 
 
-def test_tracking_is_the_mean_square_over_the_references(make_family):
-    family = make_family(spread=0.0)
-    for cell in family["cells"]:
-        cell["models"]["fprc"]["open_loop_deg"] = {
-            "sine_0p2": 1.0, "sine_0p5": 2.0, "sweep": 3.0, "complex": 4.0,
-        }  # fmt: skip
-        cell["models"]["fprc_lowpass"]["open_loop_deg"] = dict.fromkeys(
-            ("sine_0p2", "sine_0p5", "sweep", "complex"), 2.0
-        )
-    opened = judged(family)["B3"]["parts"][0]
-    assert opened["mean"] == pytest.approx(math.sqrt(30 / 4) / 2)
-    assert judged(family)["B3"]["verdict"] == "inferior"
-
-
 def test_repeats_of_a_rig_are_averaged_first(make_family):
     family = make_family(units=9, repeats=3, spread=0.2)
     family["cells"].pop()  # the last rig has two repeats
     errors = {
         (cell["unit"], cell["seed"]): [
-            cell["models"][name]["forward"]["test_rmse_kpa"] for name in ("fprc", "fprc_lowpass")
+            cell["models"][name]["forward"] for name in ("fprc", "fprc_lowpass")
         ]
         for cell in family["cells"]
     }
@@ -74,7 +60,7 @@ def test_missing_numbers_leave_their_pairs_only(make_family):
     cells[0] = {"unit": 0, "seed": 601, "failed": "the reservoir is empty"}
     del cells[1]["models"]["fprc_lowpass"]
     cells[2]["models"]["ridge_p_o"] = {"failed": "the output is not finite"}
-    del cells[3]["models"]["fprc"]["closed_loop_deg"]
+    del cells[3]["models"]["fprc"]["closed_loop"]
     rows = judged(family)
     lost = {name: (row["units"], row["dropped"]) for name, row in rows.items()}
     assert lost["B1"] == lost["B2"] == lost["B4"] == (10, 2)
@@ -84,26 +70,21 @@ def test_missing_numbers_leave_their_pairs_only(make_family):
 
 
 def test_claim_without_its_model_is_not_judged(make_family):
-    rows = judged(make_family(models=("fprc", "fuzzy_linear"), capacity=None))
+    rows = judged(make_family(models=("fprc", "fuzzy_linear"), capacity=[]))
     assert {name for name, row in rows.items() if row["verdict"] != "not judged"} == {"B7"}
-    assert rows["B5"]["reason"] == "not measured here: FPRC / ESN, matched in training (forward)"
     assert rows["B5"]["parts"] == []
-    assert rows["B7"]["reason"] == ""
 
 
 def test_half_of_a_claim_is_not_judged(make_family):
     family = make_family()
     for cell in family["cells"]:
-        del cell["models"]["fprc"]["closed_loop_deg"]
-    row = judged(family)["B3"]
-    assert row["verdict"] == "not judged"
-    assert row["reason"]
+        del cell["models"]["fprc"]["closed_loop"]
+    assert judged(family)["B3"]["verdict"] == "not judged"
 
 
-def test_few_units_decide_nothing_and_it_is_said(make_family):
+def test_few_units_decide_nothing(make_family):
     rows = judged(make_family(units=7, spread=0.0))
     assert {row["verdict"] for row in rows.values()} == {"undecided"}
-    assert rows["B1"]["reason"] == "7 seeds; at least 8 decide"
 
 
 def test_little_nonlinear_capacity_does_not_hold(make_family):
@@ -113,7 +94,7 @@ def test_little_nonlinear_capacity_does_not_hold(make_family):
     row = judged(family)["B8"]
     assert row["verdict"] == "inferior"
     assert row["parts"][0]["mean"] == pytest.approx(-0.03)
-    assert [part["verdict"] for part in row["parts"]] == ["inferior", "superior"]
+    assert row["parts"][1]["mean"] > 0.0
 
 
 def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_family, monkeypatch):
@@ -127,19 +108,17 @@ def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_family, monkey
 
 def test_ratios_beside_b1_are_those_of_the_models(make_family):
     family = make_family(spread=0.0)
-    errors = {
-        name: report["forward"]["test_rmse_kpa"]
-        for name, report in family["cells"][0]["models"].items()
-    }
+    models = family["cells"][0]["models"]
+    errors = {name: report["forward"] for name, report in models.items()}
     compared = [
         ("fprc_tuned", "fprc_lowpass_tuned"),
         ("fprc", "bank"),
         ("fprc_tuned", "bank_tuned"),
     ]
-    found = [row["mean"] for row in beside_b1(family)]
+    found = [ends["mean"] for ends in beside_b1(family).values()]
     assert found == pytest.approx(
         [errors[ours] / errors[theirs] for ours, theirs in compared], rel=0.01
     )
     for cell in family["cells"]:
         cell["models"].pop("bank", None)
-    assert [row["mean"] is None for row in beside_b1(family)] == [False, True, False]
+    assert [ends is None for ends in beside_b1(family).values()] == [False, True, False]

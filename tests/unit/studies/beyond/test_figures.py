@@ -14,7 +14,7 @@ from fprc.studies.beyond.claims import judge_family
 
 @pytest.fixture(scope="module")
 def families(make_family):
-    sparse = {"capacity": None, "training_length": None, "step_us": None}
+    sparse = {"capacity": [], "training_length": [], "step_us": {}}
     few = ("fprc", "fuzzy_linear", "fprc_lowpass")
     return {
         "dry": make_family(spread=0.02),
@@ -72,8 +72,7 @@ def test_rank_correlation_is_spearmans(make_family):
     family = make_family(units=2)
     for cell in family["cells"]:
         for report in cell["models"].values():
-            factor = random.uniform(0.5, 2.0)
-            report["open_loop_deg"] = {k: v * factor for k, v in report["open_loop_deg"].items()}
+            report["open_loop"] *= random.uniform(0.5, 2.0)
     table = tables.errors_and_tracking(tables.models([family]))
     for _, own in table.groupby("loop"):
         expected = spearmanr(own["forward"], own["tracking"]).statistic
@@ -112,7 +111,7 @@ def test_stacked_capacities_end_at_the_total(families, axes):
 
 @pytest.mark.parametrize("what", ["pairs", "tracking", "offsets", "capacities"])
 def test_family_of_failures_is_drawn_empty(what, make_family, axes):
-    nothing = {"capacity": None, "training_length": None, "step_us": None}
+    nothing = {"capacity": [], "training_length": [], "step_us": {}}
     family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
     if what == "pairs":
         figures.plot_pairs(claims({"dry": family}), axes)

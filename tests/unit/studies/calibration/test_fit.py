@@ -98,22 +98,26 @@ def with_calibration(settings, **changes):
 
 
 @pytest.fixture
-def logs_at(on_rig):
+def judge_of(on_rig):
+    """Return a judge of rigs that differ from the default one in these parameters."""
+    return lambda paths: stage.Judge(
+        None, replace(on_rig, rig=RIG), free_parameters(paths), {}, {}, {}, {}
+    )
+
+
+@pytest.fixture
+def logs_at(judge_of, monkeypatch):
     """Return the logarithms at a point whose coordinates are these parameters."""
 
     def call(point, paths, estimate=None):
         seen = []
 
-        def judge(settings, seeds, centers):
-            seen.append((settings, seeds))
-            return estimate(settings, seeds) if estimate else [{"errors": {"a": 2.0, "b": 3.0}}]
+        def judge(self, settings, centers):
+            seen.append(settings)
+            return estimate(settings) if estimate else [{"errors": {"a": 2.0, "b": 3.0}}]
 
-        free = free_parameters(paths)
-        found = stage.judge_point(
-            np.array(point), np.array(point), on_rig=replace(on_rig, rig=RIG), free=free,
-            seeds=[21, 22], estimate=judge, key="k",
-        )  # fmt: skip
-        return found, seen
+        monkeypatch.setattr(stage.Judge, "estimate", judge)
+        return judge_of(paths).numbers(np.array(point), np.array(point), key="k"), seen
 
     return call
 
@@ -138,22 +142,20 @@ def test_rig_that_cannot_be_judged_is_impossible(logs_at, failure):
     assert logs_at([0.5], ["drift.sigma_kpa"], fail)[0] is None
 
 
-def test_clusterings_begin_at_those_of_the_rig_beside(on_rig):
+def test_clusterings_begin_at_those_of_the_rig_beside(judge_of, monkeypatch):
     """A stand-in whose only number is where its clustering began, twice at each rig."""
 
-    def estimate(settings, seeds, centers):
+    def estimate(self, settings, centers):
         sigma_kpa = settings.rig["drift"]["sigma_kpa"]
         began = centers.setdefault(21, {}).setdefault("sweep", np.array([sigma_kpa]))
         return [{"errors": {"a": float(began[0])}}]
 
-    free = free_parameters(["drift.sigma_kpa"])
+    monkeypatch.setattr(stage.Judge, "estimate", estimate)
+    judge = judge_of(["drift.sigma_kpa"])
     for beside in (0.25, 0.75, 0.25):
-        expected = decode(np.array([beside]), RIG, free)["drift"]["sigma_kpa"]
+        expected = decode(np.array([beside]), RIG, judge.free)["drift"]["sigma_kpa"]
         for point in (0.3, 0.9):
-            found = stage.judge_point(
-                np.array([point]), np.array([beside]), on_rig=replace(on_rig, rig=RIG), free=free,
-                seeds=[21], estimate=estimate, key="beside",
-            )  # fmt: skip
+            found = judge.numbers(np.array([point]), np.array([beside]), key="beside")
             assert found == pytest.approx([math.log(expected)])
 
 
@@ -184,8 +186,9 @@ def report(fitted):
 def remeasured(fitted, report, settings, on_rig):
     """Return what the surrogate measures on the fitted rig, with the ratios of the report."""
     seed = judge_by_surrogate(
-        replace(on_rig, rig=written(fitted)), 21, settings["judgement"]["models"],
-        settings["calibration"], settings["grids"], settings["tracking"], MEASURES, {},
+        replace(on_rig, rig=written(fitted)), 21, MEASURES, {},
+        models=settings["judgement"]["models"], surrogate=settings["calibration"],
+        grids=settings["grids"], tracking=settings["tracking"],
     )  # fmt: skip
     for measure, ratios in report["surrogate_ratios"].items():
         for key, ratio in ratios.items():
@@ -270,8 +273,10 @@ def test_surrogate_is_corrected_by_its_ratios_on_the_fitted_rig(
 ):
     models, on_rig = settings["judgement"]["models"], replace(on_rig, rig=written(fitted))
     measures = {"shares", *LOOPS}
-    tracking = settings["tracking"]
-    cheap = judge_by_surrogate(on_rig, 21, models, SURROGATE, {}, tracking, measures, {})
+    cheap = judge_by_surrogate(
+        on_rig, 21, measures, {}, models=models, surrogate=SURROGATE, grids={},
+        tracking=settings["tracking"],
+    )  # fmt: skip
     assert set(report["surrogate_ratios"]) == {"errors", *measures}
     for measure, errors in full(on_rig).items():
         expected = {key: error / cheap[measure][key] for key, error in errors.items()}
@@ -299,13 +304,13 @@ def test_share_and_loops_of_the_full_models_are_those_of_the_workflow(settings, 
 def judged(monkeypatch):
     """Points in the order in which the search asks for them."""
     found = SimpleNamespace(points=[])
-    judge_point = stage.judge_point
+    numbers = stage.Judge.numbers
 
-    def noting(point, beside, **settings):
+    def noting(self, point, beside, key):
         found.points.append(tuple(np.asarray(point).tolist()))
-        return judge_point(point, beside, **settings)
+        return numbers(self, point, beside, key)
 
-    monkeypatch.setattr(stage, "judge_point", noting)
+    monkeypatch.setattr(stage.Judge, "numbers", noting)
     return found
 
 
@@ -324,7 +329,10 @@ class Quick:
         self.deviation = lambda point, seeds: 1.0 + float(np.sum((point - self.start) ** 2))
         monkeypatch.setattr(SEARCH, "_WORTH", -math.inf)  # no round is the last before its time
         monkeypatch.setattr(SEARCH, "_FAILED", 7)  # every round takes as many
-        monkeypatch.setattr(stage, "judge_seeds", self.judge)
+        monkeypatch.setattr(
+            stage.Judge, "estimate",
+            lambda judge, on_rig, centers=None: self.judge(on_rig, judge.calibration["seeds"]),
+        )  # fmt: skip
         monkeypatch.setattr(stage, "judge_fully", self.judge_fully)
 
     def loss(self, deviation):
@@ -338,7 +346,7 @@ class Quick:
         factor = math.exp(0.05 * self.deviation(point, list(seeds)))
         return {key: factor * value for key, value in self.aim.printed["errors"].items()}
 
-    def judge(self, on_rig, seeds, **rest):
+    def judge(self, on_rig, seeds):
         return [{"errors": self.errors(on_rig, seeds), "properties": {"angle_deg": 60.0}}
                 for _ in seeds]  # fmt: skip
 
@@ -405,13 +413,13 @@ def test_lines_on_single_rigs_do_not_bury_those_of_the_search(
 
 def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, monkeypatch):
     asked = []
-    judge = stage.judge_seeds
+    estimate = stage.Judge.estimate
 
-    def noting(*positional, calibration, **named):
-        asked.append((tuple(calibration["fit"]), tuple(calibration["seeds"])))
-        return judge(*positional, calibration=calibration, **named)
+    def noting(judge, *given):
+        asked.append((tuple(judge.calibration["fit"]), tuple(judge.calibration["seeds"])))
+        return estimate(judge, *given)
 
-    monkeypatch.setattr(stage, "judge_seeds", noting)
+    monkeypatch.setattr(stage.Judge, "estimate", noting)
     quick.deviation = lambda point, seeds: 1.0 + 0.3 * np.sum(point)
     first = {"fit": ["tables"], "rounds": 3, "starts": 2}
     changes = with_calibration(

@@ -62,9 +62,8 @@ def judge(on_rig, models, tracking):
     def call(seed=SEED, stride=STRIDE, nodes=NODES, measures=(), centers=None):
         centers = {} if centers is None else centers
         surrogate = {"stride": stride, "esn_nodes": nodes, "restarts": 1, "taps": TAPS}
-        return judge_by_surrogate(
-            on_rig, seed, models, surrogate, GRIDS, tracking, measures, centers
-        )
+        how = {"models": models, "surrogate": surrogate, "grids": GRIDS, "tracking": tracking}
+        return judge_by_surrogate(on_rig, seed, measures, centers, **how)
 
     return call
 

@@ -127,7 +127,7 @@ def test_draw_that_cannot_be_simulated_is_thrown_away(on_rig, monkeypatch, failu
 def test_draw_that_breaks_a_rule_is_thrown_away(on_rig):
     narrow = {
         "reservoir.squeeze_damping_kpa_s_per_ml": [0.3, 2.0],
-        "reservoir.slip_distance_ml": [0.01, 0.05],
+        "reservoir.slip_distance_ml.0": [0.01, 0.02],
     }
     free = free_parameters(list(narrow), narrow)
     rng, broken = stream(2), 0

@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 import yaml
 
-from fprc.artifacts import read_json
+from fprc.artifacts import read_json, write_json
 from fprc.claims.finding import Results
 from fprc.claims.paper import CLAIMS
 from fprc.config import PUBLISHED, Settings
 from fprc.errors import FprcError
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.settings import RigSettings, Unit
 from fprc.paper import CONTROLLERS, EXPERIMENTS, LOOPS, MODELS, REFERENCES
 from fprc.plan.arguments import on_rig
 from fprc.studies.families import sensitivity
@@ -23,7 +23,6 @@ SETTINGS = Settings().model_dump(mode="json")
 PATHS = ["bending.stiffness_kpa_per_deg", "bending.inertia_kpa_s2_per_deg"]
 
 
-HOW = {"models": {}, "tracking": {}, "surrogate": {}, "grids": {}}
 GRIDS = {"epsilon": [1.0, 0.1, 0.01], "n_c": [1, 4], "n_u": [2, 5, 10], "n_y": [2, 5, 10]}
 PHASES = {"train": "train_rmse_kpa", "test": "test_rmse_kpa"}
 
@@ -72,7 +71,7 @@ def begun():
 def by_stiffness(monkeypatch, begun):
     """Numbers that depend on the stiffness alone; the softest rig is impossible."""
 
-    def judge(on_rig, seed, models, surrogate, grids, tracking, measures, centers):
+    def judge(on_rig, seed, measures, centers, **how):
         stiffness = on_rig.rig["bending"]["stiffness_kpa_per_deg"]
         begun.append(dict(centers))
         centers.setdefault("readout", f"seed {seed}, {stiffness:g}")
@@ -85,20 +84,28 @@ def by_stiffness(monkeypatch, begun):
 
 @pytest.fixture
 def effects(by_stiffness, tmp_path):
-    path = str(tmp_path / "effects.json")
-    stage.measure_sensitivity(
-        path, paths=PATHS, steps=3, seeds=[0, 2], on_rig=on_rig(SETTINGS), how=HOW, workers=1,
-        checkpoint=str(tmp_path / "partial.jsonl"), version="1",
-    )  # fmt: skip
-    return path
+    path = tmp_path / "effects.json"
+    write_json(path, {"source": "sim", "cells": judged_over(steps=3, seeds=[0, 2])})
+    return str(path)
+
+
+def judged_over(rig=SETTINGS["rig"], **how):
+    """Move each parameter."""
+    settings = RigSettings(**on_rig(SETTINGS) | {"rig": rig})
+    units = [Unit(number, {}, [(settings, 1)]) for number in range(len(PATHS))]
+    judged = [sensitivity.judge_parameter(unit, paths=PATHS, **how) for unit in units]
+    return [cell for of_unit in judged for cell in of_unit]
 
 
 def test_clusterings_of_every_rig_begin_at_those_of_the_rig_itself(effects, begun):
     own = SETTINGS["rig"]["bending"]["stiffness_kpa_per_deg"]
     assert begun[:2] == [{}, {}]
-    where = [found["readout"] for found in begun[2:]]
+    where = [found["readout"] for found in begun if found]
     assert set(where) == {f"seed {seed}, {own:g}" for seed in (0, 2)}
-    assert len(where) == 2 * 7 - 1  # the softest stops at its first seed
+    assert len(where) == 2 * 6 - 1  # the softest stops at its first seed
+    assert [cell["path"] for cell in read_json(effects)["cells"]] == [
+        None, *(path for path in PATHS for _ in range(3))
+    ]  # fmt: skip
 
 
 def test_changes_are_relative_to_the_rig_itself(effects, tmp_path):
@@ -218,13 +225,11 @@ def test_page_has_the_change_with_its_sign_at_both_ends_and_what_is_unstable():
     assert row["Pressure errors (C19)"] == "+0 %, +0 %"
 
 
-def test_rig_that_cannot_be_simulated_itself_is_an_error(by_stiffness, tmp_path):
-    soft = copy.deepcopy(on_rig(SETTINGS))
-    soft["rig"]["bending"]["stiffness_kpa_per_deg"] = 2.0
+def test_rig_that_cannot_be_simulated_itself_is_an_error(by_stiffness):
+    soft = copy.deepcopy(SETTINGS["rig"])
+    soft["bending"]["stiffness_kpa_per_deg"] = 2.0
     with pytest.raises(FprcError, match="it diverged"):
-        stage.measure_sensitivity(
-            str(tmp_path / "effects.json"), paths=PATHS, steps=2, seeds=[0], on_rig=soft, how=HOW
-        )
+        judged_over(soft, steps=2, seeds=[0])
 
 
 @pytest.mark.slow

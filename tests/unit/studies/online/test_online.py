@@ -10,7 +10,7 @@ from fprc.plan.arguments import on_rig
 from fprc.studies.families.family import unit_of
 from fprc.studies.online import show
 from fprc.studies.online.follow_up import STATES, follow_up
-from fprc.studies.online.judge import changed_rig, conditions, disturbed, judge_online
+from fprc.studies.online.judge import CONDITIONS, OF_P_O, changed_rig, disturbed, judge_online
 from fprc.studies.stages import online as stage
 
 SETTINGS = Settings().model_dump(mode="json")
@@ -41,7 +41,7 @@ def test_every_run_is_judged_once(judged):
     assert not judged.duplicated(keys).any()
     assert np.isfinite(judged["rmse_deg"]).all()
     counts = judged.groupby("model").size()
-    every, few = len(conditions(True)), len(conditions(False))
+    every, few = len(CONDITIONS), len(CONDITIONS) - len(OF_P_O)
     references = len(SETTINGS["tracking"]["references"])
     assert counts["fprc"] == 4 * every * references
     assert counts["fuzzy_linear"] == counts["fprc_lowpass"] == 4 * few * references
@@ -90,7 +90,7 @@ def test_scheme_that_learns_from_nothing_beats_pd_alone(state):
 def family(units=12, seed=1, **ratios):
     """Return a family of known errors: 1 deg, times the factor of a model or a condition."""
     rng, cells = np.random.default_rng(seed), []
-    runs = [("fprc", c, learns, loop) for c in conditions(True)
+    runs = [("fprc", c, learns, loop) for c in CONDITIONS
             for learns in (False, True) for loop in show.LOOPS]  # fmt: skip
     runs += [("fprc_lowpass", "none", True, loop) for loop in show.LOOPS]
     runs += [("pd", "none", False, "closed")]

@@ -167,8 +167,7 @@ def test_targets_are_told_apart_by_the_folder_of_their_results(reports_of, tmp_p
             paths[part].append(str(path))
     written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md", "tex")}
     stage.tabulate_targets(
-        reports_of({"dry": 0.0})["published"], paths["models"], paths["controls"],
-        names=["command", "measured"], **written,
+        reports_of({"dry": 0.0})["published"], paths["models"], paths["controls"], **written,
     )  # fmt: skip
     table = pd.read_csv(written["csv"])
     tables = table[table["table"] != "IV"].groupby("target")["mean"].unique()

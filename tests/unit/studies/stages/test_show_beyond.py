@@ -43,33 +43,33 @@ def tabulated(make_family, tmp_path_factory):
     }
     for name, content in written.items():
         (tmp_path / f"{name}.json").write_text(json.dumps(content))
-    path = {name: str(tmp_path / f"{name}.json") for name in (*written, "verdicts")}
+    path = {name: str(tmp_path / f"{name}.json") for name in written}
     tables = {name: str(tmp_path / f"{name}.csv") for name in CSV}
     tabulate_beyond(
         [path["dry"], path["viscous"]],
-        *(path[name] for name in ("capacity", "training", "steps", "settings", "verdicts")),
+        *(path[name] for name in ("capacity", "training", "steps", "settings")),
         [str(tmp_path / f"beyond/{name}.md") for name in PAGES], family="dry", **tables,
     )  # fmt: skip
-    return path["verdicts"], tables
+    return tables
 
 
 def test_what_was_measured_beside_the_models_belongs_to_its_family(tabulated):
-    verdicts, tables = tabulated
-    ledgers = json.loads(Path(verdicts).read_text())["ledgers"]
-    judged = [{row["id"]: row["verdict"] for row in ledger} for ledger in ledgers]
-    assert judged[0]["B8"] != "not judged"
-    assert judged[1]["B8"] == "not judged"  # no capacity of that family
-    families = {name: set(pd.read_csv(path)["world"]) for name, path in tables.items()}
+    claims = pd.read_csv(tabulated["claims"]).set_index(["world", "id"])[["verdict"]]
+    assert "not judged" not in set(claims.loc[[("dry", "B8")], "verdict"])
+    assert set(claims.loc[[("viscous", "B8")], "verdict"]) == {
+        "not judged"
+    }  # no capacity of that family
+    families = {name: set(pd.read_csv(path)["world"]) for name, path in tabulated.items()}
     assert families["claims"] == families["models"] == {"dry", "viscous"}
     assert families["lengths"] == families["capacities"] == {"dry"}
-    written = Path(verdicts).with_name("beyond").glob("*.md")
+    written = Path(tabulated["claims"]).with_name("beyond").glob("*.md")
     assert {path.stem for path in written} == set(PAGES)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", ["pairs", "tracking", "offsets", "capacities", "settings"])
 def test_figure_is_drawn_from_its_table(tabulated, tmp_path, figure):
-    table = tabulated[1]["claims" if figure == "pairs" else figure]
+    table = tabulated["claims" if figure == "pairs" else figure]
     pdf, png = (str(tmp_path / f"{figure}.{kind}") for kind in ("pdf", "png"))
     data = draw_beyond(table, pdf, png, figure=figure, family="dry")
     assert data["source"] == "sim"
@@ -77,8 +77,7 @@ def test_figure_is_drawn_from_its_table(tabulated, tmp_path, figure):
 
 
 def test_ratio_over_a_setting_is_a_geometric_mean(tabulated):
-    path = tabulated[1]["settings"]
-    table = pd.read_csv(path).set_index(["setting", "value"])
+    table = pd.read_csv(tabulated["settings"]).set_index(["setting", "value"])
     assert table.loc["epsilon", 0.01]["mean"].item() == pytest.approx(0.8 ** (2 / 3))
     assert (table["units"] == 3).all()
     flat = table.drop(("epsilon", 0.01))
