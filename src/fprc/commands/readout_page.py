@@ -173,7 +173,7 @@ def cautions(folder: Path, settings: Mapping[str, Any]) -> list[str]:
 def findings(
     table: pd.DataFrame, settings: Mapping[str, float], competitors: Mapping[str, Any]
 ) -> list[str]:
-    """Describe the effect of P_o on the error: at the models' settings, and at the best ones.
+    """Describe the effect of P_o on the error at the models' settings.
 
     Parameters
     ----------
@@ -201,12 +201,6 @@ def findings(
             if errors.get(ours) and errors.get(other)
         )
         lines += [f"{what} FPRC's error is {changes}."] if changes else []
-    best = rows[rows["readout"] == "p_o"].sort_values("test_rmse").iloc[0]
-    change = _change(best["test_rmse"], at_settings["test_rmse"]["none"])
-    lines.append(
-        f"Of the settings tried, epsilon = {best['epsilon']:g} and n_u = {best['n_u']} test best: "
-        f"{change} than without a readout. This is optimistic: the test selected them."
-    )
     return lines
 
 

@@ -325,7 +325,7 @@ def test_findings_compare_p_o_with_nothing_and_with_both_controls():
     table = table_of({"none": 10.0, "p_o": 8.0, "theta": 6.4, "shifted": 16.0})
     tested = {"fprc": 9.0, "fuzzy_linear": 10.0, "fprc_lowpass": 6.0, "esn": None}
     competitors = {"cells": [{"model": m, "test_rmse_kpa": rmse} for m, rmse in tested.items()]}
-    validation, test, best = findings(table, {"epsilon": 0.01, "n_u": 3}, competitors)
+    validation, test = findings(table, {"epsilon": 0.01, "n_u": 3}, competitors)
     assert validation == (
         "On blocked folds FPRC's error is 20.0 % lower than without a readout, 25.0 % higher than "
         "with theta low-passed, 50.0 % lower than with P_o shifted in time."
@@ -334,4 +334,3 @@ def test_findings_compare_p_o_with_nothing_and_with_both_controls():
         "On the test part FPRC's error is 10.0 % lower than without a readout, 50.0 % higher than "
         "with theta low-passed."
     )
-    assert "epsilon = 0.1 and n_u = 3 test best: 50.0 % lower" in best
