@@ -11,15 +11,6 @@ from fprc.config.section import Section
 #: Folders of the project itself: no data may go there, nor into hidden folders.
 PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "tools", "workflow"})
 
-#: Folders that the rules create in the results folder.
-RESULT_FOLDERS = frozenset(
-    {
-        "beyond", "calibration", "crossval", "data", "families", "figures", "grids", "online",
-        "logs", "models", "predictions", "quality", "readout", "replicates",
-        "reservoir", "rigs", "tables", "timing", "weights",
-    }
-)  # fmt: skip
-
 
 def _path_parts(folder: str) -> tuple[str, ...]:
     """Return the parts of a folder's path, relative to the working directory."""
@@ -69,9 +60,9 @@ Folder = Annotated[str, AfterValidator(_checked)]
 class Folders(Section):
     """Where files go.
 
-    The raw folder may be a new folder in the results folder, not the other way round. Neither may
-    be in one of the project's own folders, or contain the project. Names consist of printable
-    characters without braces.
+    Inside the results folder, the raw folder must be one named raw; the results folder may not be
+    inside the raw one. Neither may be in one of the project's own folders, or contain the project.
+    Names consist of printable characters without braces.
     """
 
     raw: Folder = Field("data/raw", min_length=1, description="raw logs")
@@ -88,8 +79,6 @@ class Folders(Section):
                 "both side by side"
             )
         below = raw[len(results) :] if raw[: len(results)] == results else ()
-        if below and below[0] in RESULT_FOLDERS:
-            raise ValueError(
-                f"raw = {self.raw} is a folder where rules write results; use {self.results}/raw"
-            )
+        if below and "raw" not in below:
+            raise ValueError(f"raw = {self.raw} is among the results; use {self.results}/raw")
         return self

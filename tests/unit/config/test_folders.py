@@ -1,12 +1,11 @@
 import os
-import re
 import subprocess
 from pathlib import Path
 
 import pytest
 
 from fprc.config import check
-from fprc.config.folders import PROJECT_FOLDERS, RESULT_FOLDERS
+from fprc.config.folders import PROJECT_FOLDERS
 from fprc.errors import ConfigError
 
 ROOT = Path(__file__).parents[3]
@@ -93,7 +92,7 @@ def test_every_reason_is_given_at_once():
         ("mine", "mine/results", "is inside raw = mine"),
         ("data/raw", "{here}/data/raw/x", "is inside raw = data/raw"),
         ("results/data", "results", "use results/raw"),
-        ("out/logs/raw", "{here}/out", "/out/raw"),
+        ("out/mine", "{here}/out", "/out/raw"),
     ],
 )
 def test_raw_logs_and_results_that_would_mix_are_refused(project, raw, results, reason):
@@ -108,6 +107,7 @@ def test_raw_logs_and_results_that_would_mix_are_refused(project, raw, results, 
     [
         ("data/raw", "results"),
         ("results/smoke/raw", "results/smoke"),
+        ("results/mine/raw", "results"),
         ("mylogs", "results/mine"),
         ("data/raw", "results/blocked"),
         ("/mnt/disk/raw", "/mnt/disk/results"),
@@ -130,10 +130,3 @@ def test_own_folders_are_those_of_the_repository():
     folders = {line.split("/")[0] for line in listed.stdout.splitlines() if "/" in line}
     hidden = {name for name in folders if name.startswith(".")}
     assert folders - hidden - {"data", "results"} == PROJECT_FOLDERS
-
-
-def test_folders_that_rules_make_are_those_of_the_rules():
-    files = [*(ROOT / "workflow").rglob("*.smk"), ROOT / "src/fprc/plan/paths.py"]
-    text = "".join(path.read_text(encoding="utf-8") for path in files)
-    named = r'(?:below|table_spec|figure_spec)\(\s*f?"(\w+)[/"]'
-    assert set(re.findall(named, text)) == RESULT_FOLDERS
