@@ -96,7 +96,8 @@ def test_targets_options_and_keys_of_snakemake_exist():
     from snakemake.cli import get_argument_parser
 
     done = subprocess.run(
-        [sys.executable, "-m", "snakemake", "--list-rules"],
+        [sys.executable, "-m", "snakemake", "--list-rules", "--snakefile",
+         "workflow/studies/Snakefile"],
         cwd=ROOT, capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

@@ -60,7 +60,7 @@ def test_all_plans_what_the_logs_allow_and_nothing_else(recording):
     [
         ("fig5", "Fig. 5 needs p_o_kpa, which sweep.h5 and complex.h5 do not have"),
         ("table4", "Table IV needs closed-loop logs mylogs/track_"),
-        ("readme", "the README gives the numbers of the simulated rig"),
+        ("claims", "the verdicts are taken over further simulated rigs"),
     ],
 )
 def test_target_that_is_not_available_is_refused_with_the_reason(recording, target, why):

@@ -7,7 +7,7 @@ from fprc.escape import in_words, terminal
 from fprc.logs import Columns
 from fprc.logs.quality import substitute
 from fprc.paper import run_log
-from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
+from fprc.plan.results import BY_NAME, RESULTS, Result
 
 
 def unavailable(
@@ -33,7 +33,7 @@ def unavailable(
     elif absent:
         reasons["table4_runs"] = f"no {in_words([f'{run}.h5' for run in absent])} in {folder}"
     if not simulated:
-        reasons |= {result.name: result.on_rigs for result in (*RESULTS, *CHORES) if result.on_rigs}
+        reasons |= {result.name: result.on_rigs for result in RESULTS if result.on_rigs}
     given = {name: reason for name, reason in reasons.items() if reason}
     return {name: why for name, why in given.items() if BY_NAME[name].part_of not in given}
 

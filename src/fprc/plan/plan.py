@@ -14,13 +14,12 @@ from fprc.paper import (
     DISTURBANCE,
     EXPERIMENTS,
     REFERENCES,
-    SOURCES,
     reference_and_controller,
     run_log,
 )
 from fprc.plan.availability import unavailable, why_not
 from fprc.plan.paths import Paths
-from fprc.plan.results import BY_NAME, CHORES, RESULTS, Result
+from fprc.plan.results import BY_NAME, RESULTS, Result
 from fprc.registry import controllers, entries, feedforward_of, outside_paper
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
@@ -45,12 +44,6 @@ class Plan:
     def on_simulated_rig(self) -> bool:
         """Whether the rig is simulated, so that there can be further rigs."""
         return self.settings["source"] == "sim"
-
-    @property
-    def origin(self) -> str:
-        """Source of the data, for readers."""
-        names = {"sim": SOURCES["sim"], "rig": "real rig", "recorded": "recorded logs"}
-        return names[self.settings["source"]]
 
     @property
     def records(self) -> bool:
@@ -118,11 +111,7 @@ class Plan:
     @cached_property
     def unavailable_results(self) -> dict[str, tuple[str, str]]:
         """Results that cannot be made, with titles and reasons."""
-        return {
-            name: (BY_NAME[name].title, why)
-            for name, why in self.unavailable.items()
-            if BY_NAME[name] not in CHORES
-        }
+        return {name: (BY_NAME[name].title, why) for name, why in self.unavailable.items()}
 
     @cached_property
     def left_out(self) -> dict[str, str]:

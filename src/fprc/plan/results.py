@@ -82,18 +82,4 @@ RESULTS = (
 )
 # fmt: on
 
-#: Targets that are not results.
-CHORES = (
-    Result(
-        "check",
-        "Check of the verdicts",
-        on_rigs="needs source: sim: the declared verdicts are those of the simulated rig",
-    ),
-    Result(
-        "readme",
-        "README",
-        on_rigs="needs source: sim: the README gives the numbers of the simulated rig",
-    ),
-)
-
-BY_NAME = {result.name: result for result in (*RESULTS, *CHORES)}
+BY_NAME = {result.name: result for result in RESULTS}

@@ -9,7 +9,7 @@ from fprc.config import Settings, check
 from fprc.logs import Columns
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.plan import Plan
-from fprc.plan.results import BY_NAME, CHORES, RESULTS
+from fprc.plan.results import BY_NAME, RESULTS
 
 MODELS = ("esn", "fprc", "fuzzy_linear")
 FIVE = (*REFERENCES, "disturbance")
@@ -23,7 +23,7 @@ REPLICATES = {
     for part in ("models", "grids", "control")
     for seed in range(501, 511)
 }
-OF_RIGS = {"seeds", "claims", "check", "readme"}
+OF_RIGS = {"seeds", "claims"}
 CLOSED_LOOP = {"table4", *(f"fig{number}" for number in range(12, 18))}
 
 
@@ -65,7 +65,7 @@ def recorded(*names, lacking=(), notes=None, **evaluation):
 
 
 def test_every_result_has_a_name_and_files_of_its_own():
-    names = [result.name for result in (*RESULTS, *CHORES)]
+    names = [result.name for result in RESULTS]
     files = [file for result in RESULTS for file in result.files]
     assert len(set(names)) == len(names)
     assert len(set(files)) == len(files)
