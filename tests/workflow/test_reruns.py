@@ -40,7 +40,6 @@ def figures(*numbers):
 MODELS = ESN | figures(*range(8, 18)) | {
     "judge": 3,
     "weigh": 1,
-    "measure_times_over_n_c": 1,
     "measure_readout": 1,
     "readout_table": 1,
     "draw_readout": 1,
@@ -124,7 +123,8 @@ CHANGES = {
     "nothing": ("seed=1", {}),
     "values of n_c": (
         "grids={n_c: [2, 8]}",
-        SEEDS | {"measure_times_over_n_c": 1, "ledger": 1, "report_page": 1},
+        SEEDS | {"measure_times": 1, "timing_table": 1, "steps_table": 1, "ledger": 1}
+        | {"report_page": 1},
     ),
     "gains of the feedback": ("control={pd: {kp_kpa_per_deg: 0.6}}", FEEDBACK),
     "one reference": (

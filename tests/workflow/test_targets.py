@@ -57,9 +57,9 @@ PLANNED = [
         ["timing", "fig1", "fig4", "fig5", "fig9", "fig11", "readout"],
         {"timing_table", "draw_fig1", "draw_fig4", "draw_fig5", "draw_fig9", "draw_fig11"}
         | {"weigh", "readout_table", "draw_readout", "measure_readout"},
-        {"judge", "measure_times_over_n_c", "track"},
+        {"judge", "track"},
     ),
-    (["fig10"], {"draw_fig10", "replicate", "measure_times_over_n_c"}, {"grid", "track"}),
+    (["fig10"], {"draw_fig10", "replicate", "measure_times"}, {"grid", "track"}),
     (
         ["table4", *(f"fig{number}" for number in range(12, 18))],
         {"track", "tracking_table", *(f"draw_fig{number}" for number in range(12, 18))},

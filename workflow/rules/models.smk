@@ -56,6 +56,7 @@ rule measure_times:
     output:
         times=PATHS.below("timing/times.json"),
         steps=PATHS.below("timing/steps.json"),
+        times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
     log:
         PATHS.messages("measure_times"),
     priority: ALONE
@@ -67,6 +68,7 @@ rule measure_times:
         models=SETTINGS["models"],
         control=SETTINGS["control"],
         pressure_limit_kpa=SETTINGS["tracking"]["pressure_limit_kpa"],
+        n_c=SETTINGS["grids"]["n_c"],
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
     message:
@@ -113,29 +115,6 @@ rule grid:
         checkpoint=with_prefix(PATHS.below("grids/{grid}.partial.jsonl")),
     message:
         "Grid of {wildcards.grid}, workers: {threads}"
-    script:
-        "../scripts/stage.py"
-
-
-rule measure_times_over_n_c:
-    input:
-        **TRAIN_AND_TEST,
-    output:
-        times=PATHS.below("timing/times_over_n_c.json"),
-    log:
-        PATHS.messages("measure_times_over_n_c"),
-    priority: ALONE
-    threads: workflow.cores
-    resources:
-        mem_mb=2000,
-    params:
-        **stage("timing.measure_times_over_n_c", *GRID_MODELS["n_c"]),
-        models=paper_models(SETTINGS),
-        values=SETTINGS["grids"]["n_c"],
-        repeats=SETTINGS["evaluation"]["timing_repeats"],
-        seed=SETTINGS["seed"],
-    message:
-        "Execution times over n_c (no other job runs meanwhile)"
     script:
         "../scripts/stage.py"
 

@@ -23,14 +23,20 @@ def measure_times(
     test: str,
     times: str,
     steps: str,
+    times_over_n_c: str,
     *,
     models: Mapping[str, Any],
     control: Mapping[str, Any],
     pressure_limit_kpa: float,
+    n_c: Sequence[int],
     repeats: int,
     seed: int,
 ) -> None:
-    """Time training and test of every model on this machine, and steps of the closed loop."""
+    """Time training and test of every model on this machine, and steps of the closed loop.
+
+    FPRC and Fuzzy-linear also over the number of rules (Fig. 10c): whole logs at once, and the
+    first ``STEPS`` samples of each log one by one.
+    """
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
     logs = {
@@ -53,39 +59,20 @@ def measure_times(
     write_json(times, described | {"times": results})
     write_json(steps, described | {"steps": costs})
 
-
-def measure_times_over_n_c(
-    train: str,
-    test: str,
-    times: str,
-    *,
-    models: Mapping[str, Any],
-    values: Sequence[int],
-    repeats: int,
-    seed: int,
-) -> None:
-    """Time FPRC and Fuzzy-linear over the number of rules (Fig. 10c).
-
-    Whole logs at once, and the first ``STEPS`` samples of each log one by one.
-    """
-    train_data, test_data = read_data(train), read_data(test)
-    refuse_mixture(train_data, test_data)
-    fitted = {}
-    for name in models_for(models, train_data, test_data):
-        for n_c in values if name in GRID_MODELS["n_c"] else ():
-            train_pair, test_pair = train_data.pair(name), test_data.pair(name)
-            model = build(name, models, seed).set_params(n_c=n_c).fit(*train_pair)
-            fitted[name, n_c] = (model, train_pair, test_pair)
-    parts = {
-        name: (model, *(tuple(values[:STEPS] for values in log) for log in logs))
-        for name, (model, *logs) in fitted.items()
+    with_rules = {
+        (name, rules): (build(name, models, seed, n_c=rules).fit(*logs[name][0]), *logs[name])
+        for name in GRID_MODELS["n_c"]
+        if name in logs
+        for rules in n_c
     }
-    results = []
-    for mode, timed in (("batch", fitted), ("sequential", parts)):
-        found = time_models(timed, repeats, modes=(mode,))
-        results += [
-            {"model": name, "n_c": n_c, **entry}
-            for (name, n_c), entries in found.items()
-            for entry in entries
-        ]
-    write_json(times, {"source": train_data.attributes["source"], **machine(), "times": results})
+    parts = {
+        key: (model, *(tuple(values[:STEPS] for values in pair) for pair in pairs))
+        for key, (model, *pairs) in with_rules.items()
+    }
+    over_n_c = [
+        {"model": name, "n_c": rules, **entry}
+        for mode, pieces in (("batch", with_rules), ("sequential", parts))
+        for (name, rules), entries in time_models(pieces, repeats, modes=(mode,)).items()
+        for entry in entries
+    ]
+    write_json(times_over_n_c, described | {"times": over_n_c})
