@@ -8,7 +8,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help paper smoke quick style fast types kernels lint site tests faults test damage test-kill reproduce-twice processors \
 	slurm slurm-programs test-slurm chromium docs check lowest newest fault-matrix fuzz loop-benchmark benchmark \
-	recordings container test-container cut release release-tools test-release clean
+	recordings container test-container release release-tools test-release clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -181,11 +181,8 @@ container:  ## build the image of the Containerfile with podman, docker or build
 test-container: .venv/.ready  ## build the image and run it as a user without a home: ten minutes
 	FPRC_CONTAINER=1 BASE=$(BASE) pytest tests/workflow/test_container.py
 
-cut: .venv/.ready  ## give the changes in CHANGELOG.md a version and a date: VERSION=0.2.0
-	python -m tools.release cut "$(VERSION)"
-
 release: .venv/.ready release-tools  ## build wheel, sdist and archive into dist/; upload nothing
-	python -m tools.release build --tools .venv/release/bin/python
+	python -m tools.release --tools .venv/release/bin/python
 
 test-release: .venv/.ready release-tools  ## build a release of a smoke run with the real tools
 	pytest tests/workflow/test_release.py

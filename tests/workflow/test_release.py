@@ -1,4 +1,4 @@
-"""A release of a smoke run: the archive and its RO-Crate, refusals, the cut of the changelog."""
+"""A release of a smoke run: the archive and its RO-Crate, refusals."""
 
 import hashlib
 import io
@@ -9,7 +9,6 @@ import socket
 import subprocess
 import zipfile
 from contextlib import redirect_stdout
-from datetime import date
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -42,7 +41,7 @@ def rewrite(path, **changes):
 
 @pytest.fixture(scope="module")
 def released(smoked, tmp_path_factory):
-    """A checkout with a cut changelog, a smoke run of its commit, and its release; what it printed.
+    """A checkout of a version, a smoke run of its commit, and its release; what it printed.
 
     The tools are left out; the last two tests have them.
     """
@@ -52,7 +51,12 @@ def released(smoked, tmp_path_factory):
         shutil.copy2(ROOT / name, folder / name)  # with its time, by which Snakemake judges
     for name in ("results/smoke", ".snakemake/metadata"):
         shutil.copytree(smoked[0].folder / name, folder / name)
-    release.cut(folder, VERSION, date(2030, 1, 2))
+    for name, old, new in (
+        (release.CHANGELOG, "## Unreleased", f"## Unreleased\n\n## {VERSION} (2030-01-02)"),
+        (release.VERSION, release.version_of(folder), VERSION),
+    ):
+        text = (folder / name).read_text(encoding="utf-8")
+        (folder / name).write_text(text.replace(old, new, 1), encoding="utf-8")
     git(folder, "init", "--quiet")
     git(folder, "add", "--all")
     git(folder, "commit", "--quiet", "--message", "Release")
@@ -165,7 +169,7 @@ def test_everything_that_forbids_a_release_is_said_at_once(clone, capsys):
     (clone / "README.md").write_text("edited")
     git(clone, "tag", f"v{VERSION}")
     (clone / f"dist/{VERSION}").mkdir(parents=True)
-    assert release.main(["build", *SMOKE]) == 1
+    assert release.main(SMOKE) == 1
     printed = capsys.readouterr().err
     for message in (
         "uncommitted changes; commit them",
@@ -188,17 +192,17 @@ def test_nothing_is_left_when_a_tool_refuses(clone, monkeypatch, capsys):
     made = sorted(str(path.relative_to(clone)) for path in clone.glob("results/smoke/figures/*"))
     monkeypatch.setattr(release, "built", lambda *_: (made, []))
     monkeypatch.setattr(release, "validate", refuse)
-    assert release.main(["build", *SMOKE]) == 1
+    assert release.main(SMOKE) == 1
     assert capsys.readouterr().err == "error: refused by the validator\n"
     assert list((clone / "dist").iterdir()) == []
 
 
-def test_a_release_needs_results_and_a_cut_changelog(clone, monkeypatch, capsys):
+def test_a_release_needs_results_and_a_changelog_with_its_version(clone, monkeypatch, capsys):
     monkeypatch.setattr(release, "built", lambda *_: (["results/report.html"], []))
     path = clone / "src/fprc/__init__.py"
     path.write_text(path.read_text().replace(VERSION, "99.1"))
     git(clone, "commit", "--quiet", "--all", "--message", "Next")
-    assert release.main(["build", *SMOKE]) == 1
+    assert release.main(SMOKE) == 1
     printed = capsys.readouterr().err
     assert "no results; build them with `make paper`" in printed
     assert "its newest release is 99.0, the package is 99.1" in printed
@@ -221,7 +225,7 @@ def test_validator_accepts_the_archive(released):
 @with_tools
 def test_tools_accept_the_packages(clone, monkeypatch, capsys):
     monkeypatch.setattr(release, "validate", lambda *_: None)
-    code = release.main(["build", "--tools", str(TOOLS), *SMOKE])
+    code = release.main(["--tools", str(TOOLS), *SMOKE])
     assert code == 0, capsys.readouterr().err
     assert sorted(path.name for path in (clone / f"dist/{VERSION}").iterdir()) == [
         f"fprc-{VERSION}-py3-none-any.whl",

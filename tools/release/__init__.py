@@ -1,1 +1,1 @@
-"""A release: `make cut` and `make release`, as CONTRIBUTING.md describes."""
+"""A release: `make release`, as CONTRIBUTING.md describes."""

@@ -1,28 +1,24 @@
-"""Cut the changelog, or build a release into dist/: `make cut` and `make release`.
-
-    python -m tools.release cut 0.2.0
-    python -m tools.release build --tools .venv/release/bin/python
-
-Nothing is uploaded.
-"""
+"""Build a release into dist/: `make release`. Nothing is uploaded."""
 
 import argparse
 import os
+import re
 import subprocess
 import sys
 import tempfile
 import venv
 from collections.abc import Sequence
-from datetime import date
 from pathlib import Path
 
 from fprc.errors import FprcError
 from fprc.provenance import checkout
-from tools.release.changelog import PAGE, cut, released, version_of
 from tools.release.crate import describe_crate
 from tools.release.results import built, problems_of, sidecars_of
 
 PROFILE = "workflow-run-crate-0.5"
+CHANGELOG = Path("CHANGELOG.md")
+#: The only place of the version; packages, logs and results take it from here.
+VERSION = Path("src/fprc/__init__.py")
 
 BY_HAND = """
 {folder} is ready; nothing was uploaded. What remains to be done by hand:
@@ -33,6 +29,19 @@ BY_HAND = """
 3. Upload {folder}/{crate} to https://zenodo.org/uploads/new (type: Dataset,
    version {version}, license MIT), publish it, and add its DOI to CITATION.cff.
 """
+
+
+def released(root: Path) -> dict[str, str]:
+    """Return the date of each version in the changelog, newest first."""
+    page = (root / CHANGELOG).read_text(encoding="utf-8")
+    return dict(re.findall(r"^## (\S+) \((\d{4}-\d{2}-\d{2})\)$", page, re.MULTILINE))
+
+
+def version_of(root: Path) -> str:
+    """Return the version of the package in a checkout."""
+    code = (root / VERSION).read_text(encoding="utf-8")
+    (version,) = re.findall(r'^__version__ = "(.+)"$', code, re.MULTILINE)
+    return str(version)
 
 
 def build(root: Path, tools: str, configfiles: Sequence[str] = ()) -> None:
@@ -94,11 +103,11 @@ def _of_version(root: Path, version: str, target: Path) -> list[str]:
     newest = next(iter(released(root)), None)
     if newest != version:
         problems.append(
-            f"{PAGE}: its newest release is {newest}, the package is {version}; "
-            "cut it with `make cut VERSION=...` and commit"
+            f"{CHANGELOG}: its newest release is {newest}, the package is {version}; "
+            "give the unreleased changes the version and a date, and commit"
         )
     if _output_of("git", "-C", str(root), "tag", "--list", f"v{version}").strip():
-        problems.append(f"the tag v{version} exists: this version is released; cut a newer one")
+        problems.append(f"the tag v{version} exists: this version is released; give a newer one")
     if target.exists():
         problems.append(f"{target}: exists; move it away")
     return problems
@@ -147,19 +156,12 @@ def _output_of(*command: str, **environment: str) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; 1 if a release is refused."""
-    parser = argparse.ArgumentParser(prog="release", description=__doc__.splitlines()[0])
-    commands = parser.add_subparsers(dest="command", required=True)
-    cutting = commands.add_parser("cut", help="give the unreleased changes a version and a date")
-    cutting.add_argument("version")
-    building = commands.add_parser("build", help="wheel, sdist and archive into dist/")
-    building.add_argument("--tools", default=sys.executable, help="Python with the release tools")
-    building.add_argument("--configfile", nargs="*", default=[], help="of the results' build")
+    parser = argparse.ArgumentParser(prog="release", description=__doc__)
+    parser.add_argument("--tools", default=sys.executable, help="Python with the release tools")
+    parser.add_argument("--configfile", nargs="*", default=[], help="of the results' build")
     options = parser.parse_args(arguments)
     try:
-        if options.command == "cut":
-            cut(Path.cwd(), options.version, date.today())
-        else:
-            build(Path.cwd(), options.tools, options.configfile)
+        build(Path.cwd(), options.tools, options.configfile)
     except FprcError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
