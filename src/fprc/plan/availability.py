@@ -1,41 +1,12 @@
-"""Which results can be made from the existing logs, and why the others cannot."""
+"""Why a result cannot be made from the existing logs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from fprc.channels import unit_of
 from fprc.escape import in_words, terminal
 from fprc.logs import Columns
 from fprc.logs.quality import substitute
-from fprc.paper import run_log
-from fprc.plan.results import BY_NAME, RESULTS, Result
-
-
-def unavailable(
-    logs: Mapping[str, Columns], folder: str, runs: Sequence[str], *, simulated: bool
-) -> dict[str, str]:
-    """Return the results that cannot be made, with their reasons.
-
-    Parameters
-    ----------
-    logs : Mapping
-        The logs that exist or will be recorded, by name.
-    folder : str
-        Folder of the logs, for the reasons.
-    runs : sequence of str
-        Closed-loop logs of a complete Table IV.
-    simulated : bool
-        Whether the rig is simulated, so that there can be further rigs.
-    """
-    reasons = {result.name: why_not(result, logs, folder) for result in RESULTS}
-    absent = [run for run in runs if run not in logs]
-    if len(absent) == len(runs):
-        reasons["table4"] = f"needs closed-loop logs {folder}/{run_log('*', '*')}.h5; there is none"
-    elif absent:
-        reasons["table4_runs"] = f"no {in_words([f'{run}.h5' for run in absent])} in {folder}"
-    if not simulated:
-        reasons |= {result.name: result.on_rigs for result in RESULTS if result.on_rigs}
-    given = {name: reason for name, reason in reasons.items() if reason}
-    return {name: why for name, why in given.items() if BY_NAME[name].part_of not in given}
+from fprc.plan.results import BY_NAME, Result
 
 
 def why_not(need: Result, logs: Mapping[str, Columns], folder: str) -> str | None:

@@ -9,15 +9,10 @@ from typing import Any
 
 from fprc.channels import CHANNELS, RESERVOIR
 from fprc.errors import LogError
+from fprc.escape import in_words
 from fprc.logs import Columns, headers, refuse_other_source
-from fprc.paper import (
-    DISTURBANCE,
-    EXPERIMENTS,
-    REFERENCES,
-    reference_and_controller,
-    run_log,
-)
-from fprc.plan.availability import unavailable, why_not
+from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
+from fprc.plan.availability import why_not
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, RESULTS, Result
 from fprc.registry import controllers, entries, feedforward_of, outside_paper
@@ -105,8 +100,18 @@ class Plan:
 
     @cached_property
     def unavailable(self) -> dict[str, str]:
-        """Targets that cannot be made, with their reasons."""
-        return unavailable(self.contents, self.raw, self.every_run, simulated=self.on_simulated_rig)
+        """Results, and parts of others, that cannot be made, with their reasons."""
+        reasons = {result.name: why_not(result, self.contents, self.raw) for result in RESULTS}
+        absent = [f"{run}.h5" for run in self.every_run if run not in self.runs]
+        if not self.runs:
+            every = f"{self.raw}/{run_log('*', '*')}.h5"
+            reasons["table4"] = f"needs closed-loop logs {every}; there is none"
+        elif absent:
+            reasons["table4_runs"] = f"no {in_words(absent)} in {self.raw}"
+        if not self.on_simulated_rig:
+            reasons |= {result.name: result.on_rigs for result in RESULTS if result.on_rigs}
+        given = {name: reason for name, reason in reasons.items() if reason}
+        return {name: why for name, why in given.items() if BY_NAME[name].part_of not in given}
 
     @cached_property
     def unavailable_results(self) -> dict[str, tuple[str, str]]:
@@ -229,9 +234,8 @@ class Plan:
             parts = ("models", "grids", "control") if self.on_simulated_rig else ()
             return [file for part in parts for file in self.replicates(part)]
         if name == "loops":
-            followed = [r for r in (*REFERENCES, DISTURBANCE) if _follows(result, r)]
-            logs = [run_log(r, controller) for r in followed for controller in self.controllers]
-            return [*self._loops, *(self.paths.log(log) for log in logs if log in self.contents)]
+            logs = result.logs or self.runs  # Table IV shows those that are there
+            return [*self._loops, *map(self.paths.log, logs)]
         return [self.paths.below(name)]
 
     def _judged(self, experiment: str) -> list[str]:
@@ -293,8 +297,3 @@ def _with_reservoir(log: Columns) -> Columns:
 
 def _is_further(log: str) -> bool:
     return re.fullmatch(rf"{TRAINING}_([2-9]|[1-9]\d+)", log) is not None
-
-
-def _follows(result: Result, reference: str) -> bool:
-    """Return whether a result shows a reference; Table IV lists no logs and shows all."""
-    return not result.logs or reference in {reference_and_controller(log)[0] for log in result.logs}
