@@ -94,7 +94,7 @@ if PLAN.on_simulated_rig:
         input:
             ledger=PATHS.below("claims.json"),
             pages=PLAN.pages[1:] if SHOWN else [],
-            verdicts=str(SENTENCES),
+            verdicts=str(VERDICTS),
         log:
             PATHS.messages("check"),
         localrule: True

@@ -17,8 +17,8 @@ from fprc.claims.finding import (
 from fprc.claims.paper import CLAIMS, Claim
 from fprc.escape import in_words
 
-#: What tests the sentences and numbers of the paper.
-SENTENCES = Path(__file__).with_name("sentences.yaml")
+#: Declared verdicts, and the sentences of the paper that are not tested.
+VERDICTS = Path(__file__).with_name("verdicts.yaml")
 
 #: Terms of the calibration's objective that are not claims.
 _TERMS = {
@@ -158,22 +158,6 @@ def _basis(claim: Claim, results: Results, statements: Sequence[Statement]) -> s
         half = seeds // 2
         return f"{interval} {seeds - half} seeds{folds}; the step is chosen on the first {half}"
     return f"one seed{folds}" if seeds == 1 else f"{interval} {seeds} seeds{folds}"
-
-
-def not_tested(rows: Mapping[str, Any]) -> dict[str, str]:
-    """Return the sentences that cannot be tested here, by their first words, with their reasons.
-
-    Parameters
-    ----------
-    rows : Mapping
-        Content of ``SENTENCES``.
-    """
-    found = {}
-    for section in rows["sentences"].values():
-        for begins, row in section.items() if isinstance(section, dict) else ():
-            if isinstance(row, str) and row.startswith("cannot be tested here: "):
-                found[begins] = row.partition(": ")[2]
-    return found
 
 
 def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: Mapping[str, str]) -> list[str]:

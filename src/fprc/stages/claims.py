@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.claims.finding import Results
-from fprc.claims.ledger import SENTENCES, fit_in_words, judge_claims, not_tested
+from fprc.claims.ledger import VERDICTS, fit_in_words, judge_claims
 from fprc.paper import SOURCES
 from fprc.tables.text import markdown
 from fprc.yaml_file import read_yaml
@@ -51,7 +51,7 @@ def write_ledger(
         "part of the fit. A verdict is undecided where the 95 % interval of the mean over seeds "
         "contains a limit."
     )
-    untested = not_tested(read_yaml(SENTENCES))
+    untested = read_yaml(VERDICTS)["not_tested"]
     write_json(json, {"source": source, "note": origin, "claims": ledger, "not_tested": untested})
     counts = pd.Series([row["verdict"] for row in ledger]).value_counts()
     note = (

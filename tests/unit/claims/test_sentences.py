@@ -8,16 +8,17 @@ from pathlib import Path
 import pytest
 import yaml
 
-from fprc.claims.ledger import SENTENCES
+from fprc.claims.ledger import VERDICTS
 from fprc.claims.paper import CLAIMS
 from fprc.config import PUBLISHED
 from fprc.plan.results import BY_NAME
 from fprc.studies.beyond.claims import CLAIMS as BEYOND
 
-ROWS = yaml.safe_load(SENTENCES.read_text(encoding="utf-8"))
+ROWS = yaml.safe_load(Path(__file__).with_name("sentences.yaml").read_text(encoding="utf-8"))
+DECLARED = yaml.safe_load(VERDICTS.read_text(encoding="utf-8"))
 PAPER = Path(__file__).parents[4] / "shared/paper/paper.tex"
 IDS = {claim.id for claim in CLAIMS}
-KINDS = ("method", "background", "cannot be tested here: ")
+KINDS = ("method", "background", "not tested")
 
 
 def sentences() -> list[tuple[str, str]]:
@@ -114,7 +115,16 @@ def test_rows_name_claims_that_exist_and_every_claim_is_named():
                 assert row.startswith(KINDS)
             else:
                 named |= set(row)
-    assert named - BEYOND.keys() == ROWS["verdicts"].keys() == IDS
+    assert named - BEYOND.keys() == DECLARED["verdicts"].keys() == IDS
+
+
+def test_of_every_sentence_that_is_not_tested_there_is_the_reason():
+    rows = {}
+    for section in ROWS["sentences"].values():
+        rows |= section if isinstance(section, dict) else {}
+    assert {begins for begins, row in rows.items() if row == "not tested"} == {
+        *DECLARED["not_tested"]
+    }
 
 
 def test_every_number_of_the_paper_is_judged_shown_or_a_setting():
