@@ -240,8 +240,6 @@ def _figure(
         "source": origin["source"],
         "data": SOURCES.get(origin["source"], "drawing, no data"),
         "commit": _commit(origin["commit"], origin["dirty"]),
-        "inputs": origin["inputs"],
-        "config": origin["config_sha256"],
         **_origin(picture, folder, (".csv", ".pdf", ".json")),
     }
 
