@@ -16,7 +16,6 @@ import argparse
 import json
 import math
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -70,22 +69,6 @@ PROCESSORS = {
 
 #: Largest relative difference of numbers that still count as the same.
 AGREE = 0.01
-
-#: Results that are compared by their numbers; the others are made of them.
-KINDS = {
-    "the two experiments": r"(raw|data|quality)/(sweep|complex)\.",
-    "ESN, Fuzzy-linear": r"(crossval|predictions)/\w+_(esn|fuzzy_linear)",
-    "FPRC": r"(crossval|predictions)/\w+_fprc",
-    "fitted weights": r"(models|weights)/",
-    "grids, readout": r"grids/.*json|readout/cells",
-    "further seeds, models": r"replicates/.*/(models|grids)_",
-    "Tables II, III": r"tables/table[23].*csv",
-    "closed loop, samples": r"raw/track_",
-    "closed loop, errors": r"replicates/.*/control_",
-    "Table IV": r"tables/table4.*csv",
-    "claims": r"claims\.json",
-    "figures": r"figures/.*png",
-}
 
 
 def give_measurements(first: Path, second: Path) -> None:
@@ -160,16 +143,25 @@ def _apart(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def digits(first: Mapping[str, Path], second: Mapping[str, Path]) -> tuple[str, float]:
-    """Return a table of how far two builds agree, and by how much they differ at most."""
-    lines = [f"{'result':21}  files  same bytes  apart", f"{'-' * 21}  -----  ----------  -------"]
+    """Return a table of how far two builds agree by folder, and by how much they differ at most."""
+    folders: dict[str, list[str]] = {}
+    for name, path in first.items():
+        if name not in MEASURED and _has_numbers(path):
+            folders.setdefault(Path(name).parts[0], []).append(name)
+    lines = [f"{'results':21}  files  same bytes  apart", f"{'-' * 21}  -----  ----------  -------"]
     largest, different = 0.0, differences(first, second)
-    for kind, pattern in KINDS.items():
-        names = [name for name in first if re.match(pattern, name)]
+    for folder, names in folders.items():
         found = [apart(first[n], second[n]) if n in second else math.inf for n in names]
         same = len(set(names).difference(different))
         largest = max(largest, *found)
-        lines.append(f"{kind:21}  {len(names):5}  {same:10}  {max(found, default=math.inf):7.1e}")
+        lines.append(f"{folder:21}  {len(names):5}  {same:10}  {max(found):7.1e}")
     return "\n".join(lines), largest
+
+
+def _has_numbers(path: Path) -> bool:
+    """Return whether a result is a picture or has numbers; the JSON beside a picture has hashes."""
+    beside_picture = path.suffix == ".json" and path.with_suffix(".png").exists()
+    return path.suffix in (".h5", ".csv", ".json", ".png") and not beside_picture
 
 
 def build(folder: Path, circumstances: tuple[str, Mapping[str, str]], *arguments: str) -> None:
