@@ -66,8 +66,8 @@ def measure_times(
         for rules in n_c
     }
     parts = {
-        key: (model, *(tuple(values[:STEPS] for values in pair) for pair in pairs))
-        for key, (model, *pairs) in with_rules.items()
+        key: (model, (X[:STEPS], y[:STEPS]), (X_test[:STEPS], y_test[:STEPS]))
+        for key, (model, (X, y), (X_test, y_test)) in with_rules.items()
     }
     over_n_c = [
         {"model": name, "n_c": rules, **entry}
