@@ -299,7 +299,7 @@ def _wide(
     ]
     wide = table.assign(text=texts).pivot(index=rows, columns=columns, values="text")
     wide = wide.reindex(index=table.set_index(rows).index.unique(), columns=list(headings.values()))
-    return wide.set_axis(list(headings), axis=1).fillna("-")
+    return wide.set_axis(list(headings), axis=1).astype(object).fillna("-")
 
 
 def _named(page: pd.DataFrame, **names: Callable[[Any], str]) -> pd.DataFrame:

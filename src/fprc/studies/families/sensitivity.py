@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import LogNorm
@@ -230,11 +231,8 @@ def page_of_changes(table: pd.DataFrame) -> pd.DataFrame:
     moved = ["parameter", "share_of_range"]
     changed = table.groupby([*moved, "group"])["change"].agg(lambda some: max(some, key=abs))
     texts = changed.map(lambda change: f"{round(100 * change):+d} %").unstack("group")
-    errors = table.pivot(index=[*moved, "number"], columns="group", values="value")
-    worse = errors["closed_loop"] > errors["open_loop"]
-    unstable = worse.groupby(moved).any()
     for group in _NEED_STABILITY:
-        texts[group] = texts[group].mask(unstable, "unstable")
+        texts[group] = texts[group].mask(_unstable(table, moved), "unstable")
     ends = texts.groupby("parameter")
     page = ends.first() + ", " + ends.last()
     strongest = _largest(table).max(axis=1).sort_values(ascending=False).index
@@ -242,13 +240,26 @@ def page_of_changes(table: pd.DataFrame) -> pd.DataFrame:
     return page.loc[strongest, list(titles)].rename(columns=titles).reset_index(names="Parameter")
 
 
+def _unstable(table: pd.DataFrame, by: str | list[str]) -> pd.Series:
+    """Return whether some reference is followed worse with feedback than without."""
+    cells = ["parameter", "share_of_range", "number"]
+    errors = table.pivot(index=cells, columns="group", values="value")
+    return (errors["closed_loop"] > errors["open_loop"]).groupby(by).any()
+
+
 def plot_changes(table: pd.DataFrame, ax: Axes) -> QuadMesh:
-    """Draw the largest change of each number, a row per parameter and a column per number."""
+    """Draw the largest change of each number, a row per parameter and a column per number.
+
+    Numbers of a loop that becomes unstable are orange.
+    """
     grid = _largest(table)[list(NUMBERS)]
     grid = grid.loc[grid.max(axis=1).sort_values(ascending=False).index]
     values = 100 * grid.to_numpy(float).clip(0.01)
-    image = ax.pcolormesh(values, cmap="Greys", norm=LogNorm(1.0, 100.0))
     groups = [group for group, _ in grid.columns]
+    unstable = _unstable(table, "parameter")[grid.index].to_numpy()
+    hidden = unstable[:, None] & np.isin(groups, _NEED_STABILITY)
+    colors = colormaps["Greys"].with_extremes(bad="sandybrown")
+    image = ax.pcolormesh(np.ma.array(values, mask=hidden), cmap=colors, norm=LogNorm(1.0, 100.0))
     for column in range(1, len(groups)):
         if groups[column] != groups[column - 1]:
             ax.axvline(column, color="tab:blue", linewidth=0.8)

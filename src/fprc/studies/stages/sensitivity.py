@@ -38,7 +38,9 @@ def draw_sensitivity(table: str, pdf: str, png: str) -> Mapping[str, Any]:
     bar = fig.colorbar(plot_changes(values, ax), ax=ax, location="bottom", pad=0.02, aspect=50)
     bar.set_ticks([1, 3, 10, 30, 100], labels=["1", "3", "10", "30", "100"])
     bar.ax.minorticks_off()
-    bar.set_label("Largest change over the parameter's range [%]")
+    bar.set_label(
+        "Largest change over the parameter's range [%]; orange: the loop is unstable there"
+    )
     return style.save(fig, {"source": values["source"].iloc[0], "seeds": []}, pdf, png)
 
 
