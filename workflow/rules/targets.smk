@@ -7,7 +7,7 @@ for target in PLAN.unavailable_targets:
         name:
             target
         input:
-            refused(refusal(target, PLAN.unavailable)),
+            refused(PLAN.refusal(target)),
         localrule: True
 
 

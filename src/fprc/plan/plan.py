@@ -7,12 +7,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fprc.channels import CHANNELS, RESERVOIR
+from fprc.channels import CHANNELS, RESERVOIR, unit_of
 from fprc.errors import LogError
-from fprc.escape import in_words
+from fprc.escape import in_words, terminal
 from fprc.logs import Columns, headers, refuse_other_source
+from fprc.logs.quality import substitute
 from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
-from fprc.plan.availability import why_not
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, RESULTS, Result
 from fprc.registry import controllers, entries, feedforward_of, outside_paper
@@ -101,7 +101,7 @@ class Plan:
     @cached_property
     def unavailable(self) -> dict[str, str]:
         """Results, and parts of others, that cannot be made, with their reasons."""
-        reasons = {result.name: why_not(result, self.contents, self.raw) for result in RESULTS}
+        reasons = {result.name: self._why_not(result) for result in RESULTS}
         absent = [f"{run}.h5" for run in self.every_run if run not in self.runs]
         if not self.runs:
             every = f"{self.raw}/{run_log('*', '*')}.h5"
@@ -112,6 +112,35 @@ class Plan:
             reasons |= {result.name: result.on_rigs for result in RESULTS if result.on_rigs}
         given = {name: reason for name, reason in reasons.items() if reason}
         return {name: why for name, why in given.items() if BY_NAME[name].part_of not in given}
+
+    def _why_not(self, need: Result) -> str | None:
+        """Return why a result cannot be made from the logs; None if it can."""
+        logs = self.contents
+        absent = [f"{name}.h5" for name in need.logs if name not in logs]
+        if absent:
+            verb = "is" if len(absent) == 1 else "are"
+            return f"needs {in_words(absent)}, which {verb} not in {self.raw}"
+        lacking: dict[tuple[str, ...], list[str]] = {}
+        for name in need.logs:
+            if channels := tuple(c for c in need.channels if c not in logs[name].names):
+                lacking.setdefault(channels, []).append(f"{name}.h5")
+        reasons = []
+        for channels, files in lacking.items():
+            verb = "does" if len(files) == 1 else "do"
+            reasons.append(f"{in_words(channels)}, which {in_words(files)} {verb} not have")
+        for name in need.literal:
+            others = {log: substitute(name, logs[log].attributes) for log in need.logs}
+            reasons += [
+                f"{name} in {unit_of(name)}; in {log}.h5 it is {other}"
+                for log, other in others.items()
+                if other is not None
+            ]
+        return "needs " + "; and ".join(reasons) if reasons else None
+
+    def refusal(self, target: str) -> str:
+        """Return the error message for a target that cannot be made."""
+        why = f"{BY_NAME[target].title} {self.unavailable[target]}"
+        return terminal(f"{target}: not available for this data: {why}")
 
     @cached_property
     def unavailable_results(self) -> dict[str, tuple[str, str]]:
@@ -126,7 +155,7 @@ class Plan:
         reasons = {}
         for model, entry in entries(self.settings["models"]).items():
             need = Result(model, "", logs=EXPERIMENTS, channels=entry.inputs)
-            if reason := why_not(need, self.contents, self.raw):
+            if reason := self._why_not(need):
                 reasons[model] = reason
         return reasons
 
