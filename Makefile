@@ -153,7 +153,7 @@ benchmark: .venv/.ready  ## compare speed with other libraries, for docs/running
 	python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
 	  --target .venv/benchmark --requirement tools/benchmark/requirements.txt
 	PYTHONPATH=".venv/benchmark:$$PYTHONPATH" env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE \
-	  python -m tools.benchmark.speed --page docs/running.md
+	  python -m tools.benchmark.speed
 
 # The file pins everything, so there is nothing to resolve, and several processes can install it. pip
 # would compile on one processor, and the tests of the libraries too.

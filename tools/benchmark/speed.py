@@ -1,14 +1,12 @@
 """Compare speed with other libraries: `make benchmark`, which installs them.
 
-    python -m tools.benchmark.speed                             # prints the tables
-    python -m tools.benchmark.speed --page docs/running.md  # and writes them there
+It writes the tables to docs/running.md, and prints them.
 
 Everything runs on one core; times are those of the processor. What is compared takes turns, so that
 a disturbance of the machine slows all of it. States are compared first: if they differ, no times
 are given.
 """
 
-import argparse
 import os
 import statistics
 from collections.abc import Callable, Mapping, Sequence
@@ -25,10 +23,8 @@ from sklearn.cluster import kmeans_plusplus
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import write_text
-from fprc.config import from_files
 from fprc.datasets import load_hysteresis
 from fprc.evaluation.timing import machine
-from fprc.experiments.tracking import Track
 from fprc.models import FPRC, EchoStates
 from fprc.models.echo import aligned, echo_states
 from fprc.models.fcm import converge_skfuzzy, fuzzy_c_means
@@ -36,6 +32,7 @@ from fprc.studies.blocks import replace_block
 from fprc.tables.text import three_digits, within
 from tools.benchmark.peers import PEERS, Peer
 
+PAGE = Path(__file__).parents[2] / "docs/running.md"
 #: States that differ by less are the same.
 SAME = 1e-12
 OURS, FUZZY = "fprc", "scikit-fuzzy"
@@ -179,24 +176,6 @@ def clusterings(rows: np.ndarray, clusters: int, starts: int) -> pd.DataFrame:
     return pd.DataFrame(table)
 
 
-def control() -> str:
-    """Return sentences on the time of a step of the FPRC, and of the simulated closed loop."""
-    X, y = load_hysteresis("sweep", seed=1, return_X_y=True)
-    model = FPRC(random_state=1).fit(X, y)
-    settings = from_files([]).model_dump(mode="json")
-    bench = Track(settings["tracking"], settings["control"], settings["rig"], seed=1)
-    reference = next(iter(settings["tracking"]["references"]))
-    loop = partial(bench.follow, reference, "fprc_pd", model)
-    steps = {"model": len(X), "loop": len(loop()["time_s"])}
-    taken = interleaved({"model": partial(_stepped, model.step, X), "loop": loop})
-    model_us, loop_us = (_us(taken[name], number) for name, number in steps.items())
-    period_us = 1e6 / settings["control"]["sample_rate_hz"]
-    return (
-        f"A step of FPRC takes {model_us} us. A step of the simulated closed loop (rig, FPRC+PD, "
-        f"both pressure loops) takes {loop_us} us; the samples are {period_us:g} us apart."
-    )
-
-
 def circumstances() -> str:
     """Return a sentence on the machine, the kernels of BLAS that run, and how busy it is.
 
@@ -226,24 +205,19 @@ def report() -> str:
         bandwidth(features, theta),
         f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:",
         clusterings(rows, fuzzy.n_c, starts=5).to_markdown(**plain),
-        control(),
     ]
     return "\n\n".join(parts)
 
 
 def main() -> None:
-    """Run the command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--page", type=Path, help="write the tables there too")
-    given = parser.parse_args()
+    """Measure, print the tables, and write them to the page."""
     if hasattr(os, "sched_setaffinity"):  # before JAX counts the cores
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     with threadpool_limits(1):
         found = report()
     print(found)
-    if given.page:
-        text = given.page.read_text(encoding="utf-8")
-        write_text(given.page, replace_block(text, "benchmark", found, str(given.page)))
+    text = PAGE.read_text(encoding="utf-8")
+    write_text(PAGE, replace_block(text, "benchmark", found, str(PAGE)))
 
 
 if __name__ == "__main__":
