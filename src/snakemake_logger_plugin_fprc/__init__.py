@@ -1,7 +1,8 @@
 """Snakemake's logger ``fprc``: Snakemake's own output, with two of its errors in words.
 
-The profile of the workflow chooses it. A target that does not exist is answered by the nearest one;
-a target that --configfile took for a file is explained, where Snakemake prints a traceback.
+The profile of the workflow chooses it. A target that does not exist is answered by the nearest one,
+or by the Snakefile of the studies; a target that --configfile took for a file is explained, where
+Snakemake prints a traceback.
 """
 
 import logging
@@ -27,8 +28,13 @@ def put_in_words(record: logging.LogRecord) -> bool:
             "--configfile, which takes every word after it."
         )
     elif asked := _NO_RULE.search(message):
-        for near in get_close_matches(asked[1], KNOWN_TARGETS, n=1):
-            record.msg = f"{message}\nDid you mean {near}?"
+        near = get_close_matches(asked[1], KNOWN_TARGETS, n=1)
+        hint = (
+            f"Did you mean {near[0]}?"
+            if near
+            else "Targets of the studies need --snakefile workflow/studies/Snakefile."
+        )
+        record.msg = f"{message}\n{hint}"
     return True
 
 

@@ -99,10 +99,14 @@ def test_run_says_what_it_does_and_how_much_is_done(project):
     assert "[configuration_table]" not in done.stdout
 
 
-def test_target_that_is_mistyped_gets_the_nearest(project):
-    done = project.snakemake("--dry-run", "tabel2")
+@pytest.mark.parametrize(
+    ("target", "hint"),
+    [("tabel2", "Did you mean table2?"), ("beyond", "--snakefile workflow/studies/Snakefile")],
+)
+def test_target_that_does_not_exist_gets_the_nearest_or_its_snakefile(project, target, hint):
+    done = project.snakemake("--dry-run", target)
     assert done.returncode == 1
-    assert "Did you mean table2?" in done.stdout
+    assert hint in done.stdout
 
 
 def test_target_after_configfile_is_explained(project):
