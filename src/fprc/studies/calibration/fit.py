@@ -106,16 +106,15 @@ def fit_rig(
         best = judge.rig_at(result.point)
         results.append(result)
     log.info("judging the first and the fitted rig with the full models")
-    at_start, at_end = judge.corrected(start_rig, workers), judge.corrected(best, workers)
+    before, after = (_outcome(judge.corrected(rig, workers), aim) for rig in (start_rig, best))
     summary = {
         "date": datetime.now(UTC).date().isoformat(),
         "software": f"fprc {__version__}",
         "seeds": list(calibration["seeds"]),
         "full_seeds": list(calibration["full_seeds"]),
-        **_outcome(at_end, aim),
-        "median_deviation_at_start": float(np.median(_off(at_start.full, aim))),
-        "loss_at_start": sum(_losses(at_start, aim).values()),
-        "loss": sum(_losses(at_end, aim).values()),
+        **after,
+        "median_deviation_at_start": before["median_deviation"],
+        "loss_at_start": before["loss"],
         "rig_sha256": hash_of(best.rig),
         "searches": [
             {"fit": list(plan["fit"]), "rounds": result.rounds}
@@ -125,8 +124,8 @@ def fit_rig(
         "evaluations": sum(result.evaluations for result in results),
         "finished": all(result.finished for result in results),
         "parameters": [
-            p._asdict() | {"began_at": before, "share": share}
-            for p, before, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
+            p._asdict() | {"began_at": began_at, "share": share}
+            for p, began_at, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
         ],
     }
     return best.rig, summary
@@ -267,25 +266,23 @@ def _searched(
     )
 
 
-def _losses(judged: Corrected, aim: Aim) -> dict[str, float]:
-    """Return the sum of squares of each term."""
-    terms = deviations(scaled(judged.estimated, judged.ratios), aim)
-    return {name: float(np.sum(values**2)) for name, values in terms.items()}
-
-
 def _outcome(judged: Corrected, aim: Aim) -> dict[str, Any]:
     """Describe a rig by the full models' errors, and the surrogate's terms and properties.
 
-    The median and the largest deviation are of Tables II and III.
+    The median and the largest deviation are of Tables II and III; a term is a sum of squares.
     """
-    off = _off(judged.full, aim)
+    residuals = relative(judged.full, aim)
+    off = np.abs(list(residuals["errors"].values()))
+    apart = deviations(scaled(judged.estimated, judged.ratios), aim)
+    terms = {name: float(np.sum(values**2)) for name, values in apart.items()}
     return {
         "fit": list(aim.fit),
         "printed": aim.printed,
-        "residuals": relative(judged.full, aim),
+        "residuals": residuals,
         "median_deviation": float(np.median(off)),
         "largest_deviation": float(np.max(off)),
-        "terms": _losses(judged, aim),
+        "terms": terms,
+        "loss": sum(terms.values()),
         "properties": {
             name: float(np.mean([seed["properties"][name] for seed in judged.estimated]))
             for name in judged.estimated[0]["properties"]
@@ -293,10 +290,6 @@ def _outcome(judged: Corrected, aim: Aim) -> dict[str, Any]:
         "plausible": dict(aim.ranges),
         "surrogate_ratios": judged.ratios,
     }
-
-
-def _off(full: Sequence[Mapping[str, Mapping[str, float]]], aim: Aim) -> np.ndarray:
-    return np.abs(list(relative(full, aim)["errors"].values()))
 
 
 def relative(
