@@ -28,7 +28,7 @@ _WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
 
 
-def plot_pairs(table: DataFrame, ax: Axes) -> Axes:
+def plot_pairs(table: DataFrame, ax: Axes) -> None:
     """Draw the ratios of the claims, one row per pair and one marker per family.
 
     The band holds what counts as equivalent. A hollow marker is a claim that is undecided.
@@ -65,7 +65,6 @@ def plot_pairs(table: DataFrame, ax: Axes) -> Axes:
     for row in range(1, len(rows)):
         ax.axhline(row - 0.5, color="0.85", linewidth=0.5)
     ax.set_xlabel("Ratio of the errors; below 1 supports the claim")
-    return ax
 
 
 def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
@@ -87,7 +86,7 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     ax.xaxis.set_minor_locator(NullLocator())
 
 
-def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> Axes:
+def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> None:
     """Draw tracking over forward test RMSE, one point per model.
 
     Five at most have their names: the models of the paper, and the best in either error.
@@ -113,10 +112,9 @@ def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> Axes:
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.margins(0.08)
-    return ax
 
 
-def plot_settings(table: DataFrame, ax: Axes) -> Axes:
+def plot_settings(table: DataFrame, ax: Axes) -> None:
     """Draw a ratio of errors over one setting, with its intervals, a line per family.
 
     Parameters
@@ -142,10 +140,9 @@ def plot_settings(table: DataFrame, ax: Axes) -> Axes:
     ratios = [0.5, 0.7, 1, 1.5, 2, 3, 4]
     ax.set_yticks(ratios, [f"{value:g}" for value in ratios])
     ax.minorticks_off()
-    return ax
 
 
-def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> Axes:
+def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> None:
     """Draw an error over the offset of P_o; Fuzzy-linear, without P_o, is a level line.
 
     Parameters
@@ -171,10 +168,9 @@ def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> Axes:
         )
     ax.set(xlabel="Offset of $P_o$ after training [kPa]", ylabel=f"RMSE, {MEASURES[measure]}")
     ax.set_ylim(bottom=0)
-    return ax
 
 
-def plot_capacities(table: DataFrame, ax: Axes) -> Axes:
+def plot_capacities(table: DataFrame, ax: Axes) -> None:
     """Draw the capacities of each set of states, stacked by degree.
 
     Beside each bar: the total capacity and the number of states, which it cannot exceed.
@@ -204,7 +200,6 @@ def plot_capacities(table: DataFrame, ax: Axes) -> Axes:
     ax.set_xlim(0.0, 1.25 * max(begin, default=1.0))
     ax.tick_params(axis="y", length=0)
     ax.set_xlabel("Capacity")
-    return ax
 
 
 def _degree(name: str) -> int:

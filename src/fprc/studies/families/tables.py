@@ -48,20 +48,17 @@ def rig_errors(
 ) -> pd.DataFrame:
     """Return the errors of Tables II to IV on one rig that the paper prints, tidy.
 
-    Columns ``number``, ``table``, ``controller``, ``published``, ``mean``, ``low``, ``high``, and
-    ``deviation``, which is ours / print - 1.
+    Among the columns are ``number``, ``table``, ``controller``, ``published``, ``mean``, ``low``,
+    ``high``, and ``deviation``, which is ours / print - 1.
     """
     table = all_over_seeds(models, controls, published)
-    table = table[table["published"].notna()]
-    number = "Table " + table["number"] + ", " + table["what"] + " [" + table["unit"] + "]"
-    table = table.assign(
-        table=table["number"], number=number, mean=table["ours"],
+    table = table[table["published"].notna()].reset_index(drop=True)
+    return table.assign(
+        table=table["number"],
+        number="Table " + table["number"] + ", " + table["what"] + " [" + table["unit"] + "]",
+        mean=table["ours"],
         deviation=table["ours"] / table["published"] - 1.0,
-    )  # fmt: skip
-    columns = [
-        "number", "table", "controller", "published", "mean", "low", "high", "deviation",
-    ]  # fmt: skip
-    return table[columns].reset_index(drop=True)
+    )
 
 
 def sums_of(errors: pd.DataFrame) -> dict[str, float]:
