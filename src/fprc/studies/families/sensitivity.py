@@ -185,21 +185,27 @@ def judge_parameter(
         ``seeds``, the ``path`` of the parameter, None for no change, and its ``share`` of the
         range; ``numbers``, see ``numbers_of``, or None with why they are ``impossible``.
     """
-    (on_rig, _), path = unit.rigs[0], paths[unit.number]
+    on_rig, _ = unit.rigs[0]
     centers: dict[int, dict[str, np.ndarray]] = {seed: {} for seed in seeds}
-    own = numbers_of(on_rig, centers, **how)
-    cells: list[dict[str, Any]] = [{"path": None, "share": None, "numbers": own}]
-    for share in np.linspace(0.0, 1.0, steps).tolist():
-        moved = decode(np.array([share]), on_rig.rig, free_parameters([path]))
-        cell = {"path": path, "share": share, "numbers": None}
+    numbers_of(on_rig, centers, **how)
+    moves: list[tuple[str | None, float | None]] = []
+    if unit.number == 0:
+        moves.append((None, None))
+    moves += [(paths[unit.number], share) for share in np.linspace(0.0, 1.0, steps).tolist()]
+    cells = []
+    for path, share in moves:
+        moved = on_rig.rig
+        if path is not None:
+            moved = decode(np.array([share]), moved, free_parameters([path]))
+        cell: dict[str, Any] = {"seeds": list(seeds), "path": path, "share": share}
         try:
             Rig.model_validate(moved)
             begin = {seed: dict(of_seed) for seed, of_seed in centers.items()}
             cell["numbers"] = numbers_of(replace(on_rig, rig=moved), begin, **how)
         except (ValidationError, FprcError) as error:
-            cell["impossible"] = in_one_line(error)
+            cell |= {"numbers": None, "impossible": in_one_line(error)}
         cells.append(cell)
-    return [{"seeds": list(seeds), **cell} for cell in cells[bool(unit.number) :]]
+    return cells
 
 
 def changes(report: Mapping[str, Any]) -> pd.DataFrame:
