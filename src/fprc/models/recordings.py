@@ -49,13 +49,13 @@ def transform_each(
     Raises
     ------
     ValueError
-        A recording, which the message names, is shorter than the taps; or ``lengths`` do not add
-        up to the samples.
+        A recording, which the message names, is shorter than the taps; or ``lengths`` are not
+        above 0, or do not add up to the samples.
     """
     if lengths is None:
         return features.transform(X)
-    if np.sum(lengths) != len(X):
-        raise ValueError(f"lengths = {lengths} add up to {np.sum(lengths)}; X has {len(X)} samples")
+    if np.min(lengths) < 1 or np.sum(lengths) != len(X):
+        raise ValueError(f"lengths = {lengths}; must be above 0 and add up to {len(X)} samples")
     parts = np.split(X, np.cumsum(lengths)[:-1])
     if len(parts) == 1:
         return features.transform(X)

@@ -90,8 +90,9 @@ def test_splitters_of_scikit_learn_keep_recordings_whole():
 @pytest.mark.parametrize(
     ("lengths", "problem"),
     [
-        ([60, 7], "[60, 7] add up to 67; X has 157 samples"),
-        ([157, 0], "recording 2 of 2: Found array with 0 sample(s)"),
+        ([60, 7], "[60, 7]; must be above 0 and add up to 157"),
+        ([-5, 162], "[-5, 162]; must be above 0"),
+        ([157, 0], "[157, 0]; must be above 0"),
     ],
 )
 def test_wrong_lengths_are_refused(lengths, problem, model, recordings):
