@@ -3,7 +3,7 @@
 import math
 from contextlib import suppress
 from copy import deepcopy
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +11,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc import control_laws
 from fprc.compiled import kernel
-from fprc.models.limits import LARGEST
+from fprc.models.limits import LARGEST, Limit
 from fprc.models.ridge import solve_ridge
 from fprc.models.sequence import MOST_WEIGHTS, SequenceModel
 
@@ -27,6 +27,9 @@ class Learning(NamedTuple):
     kpa_per_deg: float = 2.0  #: pressure by which a degree of error corrects the model
     limit_kpa: float = 150.0  #: most that learning may add to P_ff, or take from it
     stop_deg: float = 0.5  #: angle up to which the actuator is at its stop
+
+
+_ABOVE_0, _FROM_0 = Limit(0.0, math.inf, True, True), Limit(0.0, math.inf, False, True)
 
 
 class Online:
@@ -65,7 +68,8 @@ class Online:
     Raises
     ------
     ValueError
-        The model remembers no training data, or cannot learn online.
+        The model remembers no training data, or cannot learn online; or a setting is negative, or
+        a time 0 that must not be.
 
     References
     ----------
@@ -86,6 +90,10 @@ class Online:
                 f"this {type(model).__name__} remembers no training data to learn on from; train "
                 f"it again (only a readout of ours with at most {MOST_WEIGHTS} weights can learn)"
             )
+        for name, value in {**learning._asdict(), "period_s": period_s}.items():
+            limit = _ABOVE_0 if name in {"prior_s", "memory_s", "period_s"} else _FROM_0
+            if not limit.allows(value):
+                raise ValueError(f"{name} = {value!r}; must be {limit}")
         self.settings, self.limit_kpa = learning, pressure_limit_kpa
         self.n_features_in_ = model.n_features_in_
         self._model = deepcopy(model)
@@ -98,6 +106,10 @@ class Online:
         self._phi = np.zeros((self.delay, len(self.learned)))
         self.reset()
         self._learn(0, 0.0, 0.0)  # compiles; from no command, nothing is learned
+
+    def __copy__(self) -> Self:
+        """Return a deep copy: two models must not share what they learn."""
+        return deepcopy(self)
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Forget what was learned, and begin a new stream as ``SequenceModel.reset``."""

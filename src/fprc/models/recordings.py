@@ -19,7 +19,8 @@ def joined(X: Any, y: Any = None, lengths: ArrayLike | None = None) -> tuple[Any
     Raises
     ------
     ValueError
-        ``X`` is a list, but ``y`` is not one of as long arrays, or lengths are given too.
+        ``X`` is a list, but ``y`` is not one of as long arrays, or lengths are given too; or a
+        recording, which the message names, holds NaN or infinity.
     """
     if not are_several(X):
         return X, y, lengths
@@ -28,6 +29,13 @@ def joined(X: Any, y: Any = None, lengths: ArrayLike | None = None) -> tuple[Any
         raise ValueError("X is a list of recordings, so lengths must be left out")
     if y is not None and list(map(np.shape, y)) != [(length,) for length in each]:
         raise ValueError(f"X has {len(X)} recordings; y must be a list of arrays of their lengths")
+    for name, parts in {"X": X, "y": y or []}.items():
+        for number, part in enumerate(parts, 1):
+            if len(bad := np.argwhere(~np.isfinite(np.asarray(part, dtype=float)))):
+                raise ValueError(
+                    f"recording {number} of {len(X)}: {name} holds NaN or infinity at sample "
+                    f"{bad[0, 0]}; interpolate or cut it"
+                )
     # tables by the names of their columns
     whole = pd.concat(X) if isinstance(X[0], pd.DataFrame) else np.concatenate(X)
     return whole, None if y is None else np.concatenate(y), each

@@ -1,3 +1,6 @@
+import math
+from copy import copy
+
 import numpy as np
 import pytest
 from sklearn.base import clone
@@ -123,6 +126,27 @@ def test_information_that_no_training_has_is_refused_before_a_step(model, spoil)
     found.information_ = spoil(found.information_)
     with pytest.raises(ValueError, match="information_"):
         Online(found, Learning(), PERIOD_S)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"prior_s": -1.0}, {"memory_s": 0.0}, {"kpa_per_deg": math.nan}, {"delay_s": math.inf}],
+)
+def test_settings_that_cannot_be_are_refused(model, wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        Online(model[0], Learning(**wrong), PERIOD_S)
+
+
+def test_copy_learns_apart(model):
+    found, X = model
+    first = Online(found, Learning(), PERIOD_S)
+    other = copy(first)
+    for x in X[:40]:
+        other.step(x)
+        other.learn(1.0, 30.0)
+    assert other.learned.any()
+    assert not first.learned.any()
+    assert first.step(X[0]) == Online(found, Learning(), PERIOD_S).step(X[0])
 
 
 # --- the online model -------------------------------------------------------------------------
