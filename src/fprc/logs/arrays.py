@@ -1,8 +1,4 @@
-"""Arrays in the HDF5 and MATLAB files of other programs.
-
-A MATLAB file up to version 7 is read by SciPy, one of version 7.3 is HDF5. Both hold nested structs
-and cell arrays; one function splits them into arrays.
-"""
+"""Arrays in the HDF5 and MATLAB files of other programs."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,29 +6,14 @@ from typing import Any
 
 import h5py
 import numpy as np
-import scipy.io
-from scipy.io.matlab import MatlabFunction, MatlabOpaque
 
 from fprc.errors import LogError
 from fprc.given import open_given
-from fprc.logs.attributes import read_attribute
-from fprc.logs.hdf5 import SIGNATURE, refuse_never_written
+from fprc.logs.hdf5 import refuse_never_written
 from fprc.logs.source import Source
 
-#: Most arrays in an HDF5 file, and most elements of a cell or struct array in it; the library takes
-#: 0.2 ms for each.
+#: Most arrays in a file; the libraries take 0.2 ms for each.
 MOST_ARRAYS = 10_000
-#: MATLAB's numeric classes.
-_NUMBERS = {"double", "single", "logical"} | {
-    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
-}
-#: Reasons why a part of a file cannot be a channel.
-_EMPTY = "empty"
-_SPARSE = "a sparse matrix; save full(...) of it"
-_OBJECT = (
-    "a MATLAB {}; save a table or timetable T as "
-    "table2struct(timetable2table(T), 'ToScalar', true), and times in seconds"
-)
 
 #: Name of an array in a file; and the array, its dataset, or why it cannot be a channel.
 _Part = tuple[str, np.ndarray | h5py.Dataset | str]
@@ -45,34 +26,29 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
     taken to be time.
 
     Structs, struct arrays and cell arrays are split into parts, which are named as in
-    MATLAB: ``s.y``, ``s(2).y``, ``c{1}.y``. A field that is a scalar in every element of a
-    struct array becomes an array, ``[s.y]``. Links are not followed.
+    MATLAB: ``s.y``, ``s(2).y``, ``c{1}.y``, and so are tables and timetables: ``T.y``. A field
+    that is a scalar in every element of a struct array becomes an array, ``[s.y]``. Durations
+    become seconds, dates seconds since 1970. Links in an HDF5 file are not followed.
 
     Raises
     ------
     LogError
         The file cannot be opened, is damaged, cut short, empty, or has too many parts.
     """
-    with open_given(path, error=LogError) as file:
-        head = file.read(10)
-    if not matlab:
-        kind, parts = "HDF5", _parts_of_hdf5(path)
-    elif head.startswith((SIGNATURE, b"MATLAB 7.3")):
-        kind, parts = "MATLAB 7.3", _parts_of_matlab73(path)
-    else:
-        kind, parts = "MATLAB 5", _parts_of_matlab5(path)
+    open_given(path, error=LogError).close()
+    of_matlab = "MATLAB 7.3" if h5py.is_hdf5(path) else "MATLAB 5"
+    kind = of_matlab if matlab else "HDF5"
     columns: dict[str, np.ndarray] = {}
     others = {}
     try:
+        parts = _parts_of_matlab(path, kind) if matlab else _parts_of_hdf5(path)
         for count, (name, part) in enumerate(parts):
-            if count == MOST_ARRAYS and kind != "MATLAB 5":
+            if count == MOST_ARRAYS and not matlab:
                 raise _too_many(path)
             values = _numbers_of(part)
             if isinstance(values, str):
                 others[name] = values
                 continue
-            if kind == "MATLAB 7.3":  # MATLAB stores arrays by columns
-                values = values.T
             array = values.reshape([n for n in values.shape if n != 1])
             if array.ndim == 1:
                 columns[name] = array
@@ -94,7 +70,7 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
     return Source(path, kind, columns, others)
 
 
-def _too_many(path: Path | str) -> LogError:
+def _too_many(path: Path) -> LogError:
     return LogError(
         f"{path}: more than {MOST_ARRAYS:,} arrays; save the columns as one matrix, or a struct "
         "array as a struct of arrays"
@@ -103,8 +79,12 @@ def _too_many(path: Path | str) -> LogError:
 
 def _parts_of_hdf5(path: Path) -> Iterator[_Part]:
     def within(group: h5py.Group, prefix: str = "") -> Iterator[_Part]:
-        for name, member in _members(group):
-            if isinstance(member, h5py.Group):
+        for name in group:
+            link = group.get(name, getlink=True)
+            if not isinstance(link, h5py.HardLink):
+                where = getattr(link, "filename", "") or link.path
+                yield f"{prefix}{name}", f"a link to {where}, which is not followed"
+            elif isinstance(member := group[name], h5py.Group):
                 yield from within(member, f"{prefix}{name}/")
             else:
                 yield f"{prefix}{name}", member
@@ -113,47 +93,36 @@ def _parts_of_hdf5(path: Path) -> Iterator[_Part]:
         yield from within(file)
 
 
-def _parts_of_matlab73(path: Path) -> Iterator[_Part]:
-    with h5py.File(path, "r") as file:
-        for name, member in _members(file):
-            if not name.startswith("#"):  # MATLAB's storage for the targets of references
-                yield from _parts(name, member)
+def _parts_of_matlab(path: Path, kind: str) -> Iterator[_Part]:
+    from matio import load_from_mat
 
-
-def _parts_of_matlab5(path: Path) -> Iterator[_Part]:
-    content = scipy.io.loadmat(path, verify_compressed_data_integrity=True)
-    for name, value in content.items():
+    if kind == "MATLAB 7.3":
+        with h5py.File(path, "r") as file:  # MATLAB's storage for the elements of arrays
+            if len(file.get("#refs#", ())) > MOST_ARRAYS:
+                raise _too_many(path)
+    for name, value in load_from_mat(str(path)).items():
         if not name.startswith("__"):
             yield from _parts(name, value)
 
 
-def _members(group: h5py.Group) -> Iterator[tuple[str, Any]]:
-    """Yield the names and objects of a group; for a soft or external link, a text."""
-    for name in group:
-        link = group.get(name, getlink=True)
-        if isinstance(link, h5py.HardLink):
-            yield name, group[name]
-        else:
-            where = getattr(link, "filename", "")
-            yield name, f"a link to {where or link.path}, which is not followed"
-
-
 def _parts(name: str, thing: Any) -> Iterator[_Part]:
     """Yield the arrays in a MATLAB variable, and why its other parts cannot be channels."""
-    if isinstance(thing, MatlabOpaque):
-        # variable name, type system and class name
-        header = [field.decode() for field in thing[0].item()[:3] if isinstance(field, bytes)]
-        yield header[0] if header else name, _OBJECT.format(header[-1] if header else "object")
-        return
-    content = _content_of(thing)
-    if isinstance(content, dict):
-        for field, by_index in content.items():
-            yield from _field(name, field, by_index)
-    elif isinstance(content, list):
-        for text, element in content:
-            yield from _parts(f"{name}{{{text}}}", element)
+    from pandas import DataFrame
+
+    if isinstance(thing, DataFrame):  # a table, or a timetable, whose times are the index
+        table = thing.reset_index() if thing.index.name else thing
+        for column in table:
+            yield f"{name}.{column}", table[column].to_numpy()
+    elif not isinstance(thing, np.ndarray):
+        yield name, f"MATLAB's {getattr(thing, 'classname', type(thing).__name__)}; save numbers"
+    elif thing.dtype.names and thing.size:
+        for field in thing.dtype.names:
+            yield from _field(name, field, _elements(thing[field]))
+    elif thing.dtype == object and thing.size:
+        for index, element in _elements(thing):
+            yield from _parts(f"{name}{{{index}}}", element)
     else:
-        yield name, content
+        yield name, thing
 
 
 def _field(name: str, field: str, by_index: list[tuple[str, Any]]) -> Iterator[_Part]:
@@ -161,47 +130,14 @@ def _field(name: str, field: str, by_index: list[tuple[str, Any]]) -> Iterator[_
     if len(by_index) == 1:
         yield from _parts(f"{name}.{field}", by_index[0][1])
         return
-    contents = (_content_of(element) for _, element in by_index)
-    single = [c for c in contents if isinstance(c, np.ndarray | h5py.Dataset) and c.size == 1]
-    scalars = [part.item() for part in map(_numbers_of, single) if isinstance(part, np.ndarray)]
-    if len(scalars) == len(by_index) > 0:
-        yield f"[{name}.{field}]", np.array(scalars)
+    elements = [element for _, element in by_index]
+    if all(
+        isinstance(x, np.ndarray) and x.size == 1 and x.dtype.kind in "fiubmM" for x in elements
+    ):
+        yield f"[{name}.{field}]", np.concatenate([element.ravel() for element in elements])
         return
-    for text, element in by_index:
-        yield from _parts(f"{name}({text}).{field}", element)
-
-
-def _content_of(thing: Any) -> Any:
-    """Return what a MATLAB variable or a part of one holds.
-
-    Returns
-    -------
-    dict, list, ndarray, h5py.Dataset or str
-        Of a struct or struct array, the elements of each field, with their indices; of a cell
-        array, the elements with their indices; an array; why it cannot be a channel.
-    """
-    if isinstance(thing, h5py.Group):
-        if "MATLAB_sparse" in thing.attrs:
-            return _SPARSE
-        return {
-            field: _targets(member)
-            if _is_reference(member) and "MATLAB_class" not in member.attrs
-            else [("1", member)]
-            for field, member in _members(thing)
-        }
-    if _is_reference(thing):
-        return _targets(thing)
-    if isinstance(thing, h5py.Dataset | str):
-        return thing
-    if isinstance(thing, MatlabFunction):
-        return _OBJECT.format("function")
-    if not isinstance(thing, np.ndarray):
-        return _SPARSE
-    if thing.size == 0:
-        return _EMPTY
-    if thing.dtype.names:
-        return {field: _elements(thing[field]) for field in thing.dtype.names}
-    return _elements(thing) if thing.dtype == object else thing
+    for index, element in by_index:
+        yield from _parts(f"{name}({index}).{field}", element)
 
 
 def _elements(array: np.ndarray) -> list[tuple[str, Any]]:
@@ -218,41 +154,26 @@ def _elements(array: np.ndarray) -> list[tuple[str, Any]]:
     return found
 
 
-def _is_reference(thing: Any) -> bool:
-    """Return whether a dataset holds references, as cell arrays and struct arrays do."""
-    return isinstance(thing, h5py.Dataset) and h5py.check_ref_dtype(thing.dtype) is h5py.Reference
-
-
-def _targets(dataset: h5py.Dataset) -> list[tuple[str, Any]]:
-    """Return the objects that a dataset refers to, each with its index as in MATLAB."""
-    if dataset.size > MOST_ARRAYS:
-        raise _too_many(dataset.file.filename)
-    references = _elements(np.asarray(dataset[()] if dataset.size else []).T)
-    return [
-        (text, dataset.file[reference] if reference else _EMPTY) for text, reference in references
-    ]
-
-
 def _numbers_of(part: np.ndarray | h5py.Dataset | str) -> np.ndarray | str:
     """Return the numbers of a part, or why it cannot be a channel."""
     if isinstance(part, h5py.Dataset):
         part = _read(part)
     if isinstance(part, str):
         return part
+    if not part.size:
+        return "empty"
+    if part.dtype.kind in "mM":  # times; what is missing becomes NaN
+        since = part if part.dtype.kind == "m" else part - np.datetime64(0, "s")
+        return since / np.timedelta64(1, "s")
     if part.dtype.kind not in "fiub":
-        return "text" if part.dtype.kind in "US" else f"numbers of type {part.dtype}"
+        return "text" if part.dtype.kind in "USO" else f"numbers of type {part.dtype}"
     return part.astype(np.float64, copy=False)
 
 
 def _read(dataset: h5py.Dataset) -> np.ndarray | str:
     """Return the array in a dataset, or, mostly from its metadata, why it cannot be a channel."""
-    kind = "double"
-    if "MATLAB_class" in dataset.attrs:
-        kind = read_attribute(dataset.attrs, "MATLAB_class")
-    if not dataset.size or "MATLAB_empty" in dataset.attrs:
-        return _EMPTY
-    if kind not in _NUMBERS:
-        return "text" if kind == "char" else _OBJECT.format(kind)
+    if not dataset.size:
+        return "empty"
     if dataset.ndim > 2 or dataset.dtype.kind not in "fiub":
         return f"{dataset.dtype} of shape {dataset.shape}"
     if dataset.external or dataset.is_virtual:

@@ -57,7 +57,7 @@ def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], list
     valid, problems = {}, []
     for name in filter(is_text, holder):
         try:
-            valid[name] = read_attribute(holder, name)
+            valid[name] = _read_attribute(holder, name)
         except (LogError, TypeError) as error:  # TypeError: no Python equivalent of its type
             if name in KINDS:
                 why = str(error)
@@ -65,7 +65,7 @@ def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], list
     return valid, problems
 
 
-def read_attribute(holder: h5py.AttributeManager, name: str) -> Any:
+def _read_attribute(holder: h5py.AttributeManager, name: str) -> Any:
     """Return one attribute.
 
     Raises

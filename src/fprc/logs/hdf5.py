@@ -12,7 +12,7 @@ from fprc.escape import visible
 from fprc.given import open_given
 
 #: The first bytes of an HDF5 file.
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 #: First bytes of a model file, which is an HDF5 file behind a block.
 _MODEL = b"fprc model"
 
@@ -31,7 +31,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
             head = given.read(len(_MODEL))
         if head == _MODEL:
             raise LogError(f"{path}: is a model, no log; give the log")
-        if not head.startswith(SIGNATURE):
+        if not head.startswith(_SIGNATURE):
             raise LogError(
                 f"{path}: not an HDF5 file; `fprc import` makes a raw log from a recording of "
                 "another program"

@@ -1,7 +1,7 @@
 """Call a function in a child process, with limits on its time and memory.
 
-On a damaged file the HDF5 library and SciPy's MATLAB reader can hang or crash the process.
-Files from outside are therefore read in a child process.
+On a damaged file the libraries for HDF5 and MATLAB can hang or crash the process. Files from
+outside are therefore read in a child process.
 """
 
 import contextlib

@@ -1,7 +1,11 @@
+import calendar
+
 import h5py
 import numpy as np
+import pandas as pd
 import pytest
-import scipy.io
+import scipy.sparse
+from matio import save_to_mat
 
 from fprc.errors import LogError
 from fprc.logs import arrays
@@ -129,22 +133,26 @@ def test_cell_that_holds_itself_is_refused(tmp_path, matlab_files):
         read_arrays(tmp_path / "log.mat", matlab=True)
 
 
-def test_objects_of_matlab_are_no_columns(tmp_path, matlab_files):
-    """A table, a sparse matrix: MATLAB does not store them as samples."""
-    content = {"x": Y, "tt": np.arange(6.0), "s": {"data": Y}}
-    matlab_files.write_matlab73(tmp_path / "log.mat", content)
-    with h5py.File(tmp_path / "log.mat", "r+") as file:
-        file["tt"].attrs["MATLAB_class"] = np.bytes_("timetable")
-        file["s"].attrs["MATLAB_sparse"] = np.uint64(9)
+@pytest.mark.parametrize("version", ["v7", "v7.3"])
+def test_tables_and_times_are_columns_and_other_objects_are_not(version, tmp_path):
+    p = [1.5, 2.5, 4.0]
+    steps = pd.to_timedelta([0, 5, 10], "ms").as_unit("ns").rename("Time")
+    dates = pd.to_datetime(["2024-03-01T12:00:00.000", "2024-03-01T12:00:00.005", None])
+    content = {
+        "tt": pd.DataFrame({"p": p}, index=steps),
+        "run": pd.DataFrame({"p": p, "at": dates.as_unit("ns"), "note": list("abc")}),
+        "s": scipy.sparse.eye_array(5).tocsc(),
+        "map": {"a": np.ones((1, 1))},
+        "words": np.array([["a", "b"]]),
+        "x": Y,
+    }
+    save_to_mat(str(tmp_path / "log.mat"), content, version=version)
     source = read_arrays(tmp_path / "log.mat", matlab=True)
-    assert list(source.columns) == ["x"]
-    assert set(source.others) == {"tt", "s"}
-
-
-def test_sparse_matrix_of_an_old_file_is_no_column(tmp_path):
-    scipy.io.savemat(tmp_path / "log.mat", {"x": Y, "s": scipy.sparse.eye_array(5).tocsc()})
-    source = read_arrays(tmp_path / "log.mat", matlab=True)
-    assert (list(source.columns), list(source.others)) == (["x"], ["s"])
+    noon = calendar.timegm((2024, 3, 1, 12, 0, 0))
+    found = columns(source)
+    assert found.pop("run.at") == pytest.approx([noon, noon + 0.005, np.nan], abs=1e-6, nan_ok=True)
+    assert found == {"tt.Time": [0, 0.005, 0.01], "tt.p": p, "run.p": p, "x": Y.ravel().tolist()}
+    assert {"run.note", "s", "words"} <= set(source.others)
 
 
 # --- HDF5 -----------------------------------------------------------------------------------
