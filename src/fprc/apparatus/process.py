@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from shutil import disk_usage
 from typing import Any
 
 import numpy as np
@@ -19,17 +20,20 @@ import numpy as np
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.programme import plan
 from fprc.apparatus.session import Stop, on_rig, reserve_pipes
-from fprc.artifacts import refuse_output
+from fprc.artifacts import explaining, refuse_output
 from fprc.channels import RAW_CHANNELS
 from fprc.control import RunAbortedError, pressure_loops, run
 from fprc.devices import Clock, Device
-from fprc.errors import FprcError, LogError
+from fprc.errors import FprcError, LogError, OutputError
 from fprc.logs.journal import Journal
 from fprc.logs.recovery import recover, rescue
 
 log = logging.getLogger("fprc.rig")
 
 _READ_ONLY = 0o444
+
+#: Bytes on the disk for each number of a run: in its journal, in its log, and some to spare.
+_BYTES = 32
 
 
 def main() -> int:
@@ -66,12 +70,21 @@ def record(
     Raises
     ------
     OutputError
-        The log already exists, or cannot be written.
+        The log already exists, cannot be written, or is too large for the disk.
     ControlError, DeviceError
         The run was refused or stopped; names the journal, or the log that replaces a lost one.
     """
     refuse_output(raw, ".h5")
     experiment = plan(name, settings, model)
+    needed = _BYTES * experiment.samples * (1 + len(experiment.channels))
+    with explaining(raw):
+        Path(raw).parent.mkdir(parents=True, exist_ok=True)
+        free = disk_usage(Path(raw).parent).free
+    if free < needed:
+        raise OutputError(
+            f"{raw}: the run needs up to {needed:,} bytes, and its disk has {free:,} left; free "
+            "some, or choose another folder"
+        )
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
     control, hardware = settings["control"], settings["hardware"]

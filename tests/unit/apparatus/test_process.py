@@ -3,13 +3,14 @@
 import os
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fprc.apparatus import process
 from fprc.control import RunAbortedError
-from fprc.errors import LogError
+from fprc.errors import LogError, OutputError
 from fprc.logs import Journal, read_raw
 
 TICKS = 40
@@ -147,3 +148,13 @@ def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypat
     error, _ = record(cut)
     assert f"of {LOST + 1} samples" in error
     assert error.count("No space left on device") == 3
+
+
+def test_run_that_the_disk_cannot_hold_does_not_begin(settings, places, monkeypatch):
+    """Its 36,000 samples of 11 numbers take 3.2 MB in the journal, and as much in the log."""
+    monkeypatch.setattr(process, "disk_usage", lambda folder: SimpleNamespace(free=10**7))
+    monkeypatch.setattr(process, "on_rig", None)
+    settings["experiments"]["sweep"]["duration_s"] = 180.0
+    with pytest.raises(OutputError, match="10,000,000 left"):
+        process.record("sweep", str(places["raw"] / "new/a.h5"), settings=settings, stop=lambda: "")
+    assert [*places["raw"].rglob("a.*")] == []
