@@ -89,7 +89,7 @@ def load_hysteresis(
     Raises
     ------
     ConfigError
-        An argument is wrong; the message lists all that are.
+        An argument is wrong.
     LogError
         The raw log cannot be used.
 

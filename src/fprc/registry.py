@@ -72,11 +72,11 @@ def _competitor(
 #: Settings that one shares with a model of the paper (taps, ridge, rules) have that model's values.
 #: The others were chosen by judgement, without tuning: the three low-passes are the paper's
 #: epsilon, one about three times faster and one about three times slower; ten plays are usual for
-#: Prandtl-Ishlinskii models; trees have scikit-learn's defaults; the MLP is small, and its training
-#: stops after five epochs without improvement on a held-out tenth of the samples. Only NVAR's taps
-#: and ridge were searched: of 3 or 5 taps, 10 to 100 samples apart, and ridges of 0.001 to 1000,
-#: these have the lowest product of errors in a cross-validation with five blocks, purged by 2 s,
-#: within each of the two logs of seed 1 on the rig dry.
+#: Prandtl-Ishlinskii models; trees have scikit-learn's defaults, but do not stop early; the MLP is
+#: small, and its training stops after five epochs without improvement on a held-out tenth of the
+#: samples. Only NVAR's taps and ridge were searched: of 3 or 5 taps, 10 to 100 samples apart, and
+#: ridges of 0.001 to 1000, these have the lowest product of errors in a cross-validation with five
+#: blocks, purged by 2 s, within each of the two logs of seed 1 on the rig dry.
 COMPETITORS = MODELS | {
     # low-passed theta_d takes the place of P_o
     "fprc_lowpass": MODELS["fprc"]._replace(

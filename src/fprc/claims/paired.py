@@ -81,7 +81,10 @@ class Part(NamedTuple):
         return INFERIOR if low > 0.0 else UNDECIDED
 
     def least_levels(self) -> tuple[float, float]:
-        """Return the lowest level that decides anything, and the lowest that says inferior."""
+        """Return the lowest level that decides anything, and the lowest that says inferior.
+
+        The latter is 1 if none does.
+        """
         values = self._array(None)
         mean, freedom = float(values.mean()), values.size - 1
         # positive even if all units agree exactly
@@ -93,6 +96,8 @@ class Part(NamedTuple):
             # both ends of the interval are within the margin
             nearer = (abs(mean) - math.log(EQUIVALENT_WITHIN)) / error
             levels.append(2.0 * float(stdtr(freedom, nearer)))
+            if levels[-1] <= above:  # it is equivalent before the interval lies above 1
+                above = 1.0
         return min(levels), above
 
     def _widened(self, size: int) -> float:

@@ -203,7 +203,7 @@ CLAIMS = (
         over="halves of the grids",
         note="not informative where it holds: 98 % of random curves of five points are not "
         "monotonic; that the same steps rise and fall on seeds that did not choose them excludes "
-        "noise and says nothing on the shape. The fit set errors at epsilon 0.01 and over n_c",
+        "noise and says nothing on the shape",
         half_fitted_by=("tables", "C11"), holds_by_chance=True, shown_in=("fig10",),
     ),
     Claim(
@@ -310,7 +310,7 @@ CLAIMS = (
         "PD alone shows marked hysteresis loops in reference against actual; FPRC+PD largely "
         "removes them",
         "marked loops of PD, largely removed by FPRC+PD", s.loops_removed,
-        half_fitted_by=("closed_errors",), shown_in=("fig16",),
+        half_fitted_by=("closed_sweep", "closed_errors"), shown_in=("fig16",),
     ),
     Claim(
         "C17",

@@ -159,6 +159,9 @@ class Calibration(Section):
         (2, 3, 5, 7, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
     )
     first: FirstSearch = FirstSearch()
+    passes: int = quantity(
+        2, (1, 100), "how often both searches are made, each time from where they ended"
+    )
     rounds: int = quantity(20, (1, 1000), "rounds of the search for calibration.fit")
     minutes: float = quantity(
         120, (0.01, 10000), "after this time each search judges only the rig at which it starts",

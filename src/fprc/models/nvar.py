@@ -68,7 +68,8 @@ class NVAR(FeatureMap):
 
     def _prepare(self, X: np.ndarray) -> None:
         self.mean_, spread = X.mean(axis=0), X.std(axis=0)
-        self.scale_ = np.where(spread >= SMALLEST_SCALE, spread, 1.0)
+        rounding = SMALLEST_SCALE * np.maximum(np.abs(X).max(axis=0), 1.0)
+        self.scale_ = np.where(spread >= rounding, spread, 1.0)
 
     def _span(self) -> int:
         return (self.n_taps - 1) * self.spacing + 1

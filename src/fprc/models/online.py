@@ -68,8 +68,8 @@ class Online:
     Raises
     ------
     ValueError
-        The model remembers no training data, or cannot learn online; or a setting is negative, or
-        a time 0 that must not be.
+        The model remembers no training data, or cannot learn online; or a setting is negative, a
+        time 0 that must not be, or the memory shorter than a period.
 
     References
     ----------
@@ -94,6 +94,10 @@ class Online:
             limit = _ABOVE_0 if name in {"prior_s", "memory_s", "period_s"} else _FROM_0
             if not limit.allows(value):
                 raise ValueError(f"{name} = {value!r}; must be {limit}")
+        if learning.memory_s < period_s:
+            raise ValueError(
+                f"memory_s = {learning.memory_s!r}; must be a period, {period_s} s, or more"
+            )
         self.settings, self.limit_kpa = learning, pressure_limit_kpa
         self.n_features_in_ = model.n_features_in_
         self._model = deepcopy(model)

@@ -35,6 +35,12 @@ def test_column_that_is_constant_but_for_rounding_gives_zeros(value):
     assert_allclose(features.transform(np.full((10, 1), value)), 0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("value", [101.3, 123.4, 101325.3])
+def test_constant_column_of_a_long_log_is_constant(value):
+    """The rounding of its standard deviation grows with the value and the number of samples."""
+    assert NVAR().fit(np.full((24_000, 1), value)).scale_.tolist() == [1.0]
+
+
 def test_products_of_the_smallest_allowed_scale_are_finite():
     features = NVAR(2, 3, degree=10).fit(log())
     limits = features.LIMITS

@@ -130,7 +130,13 @@ def test_information_that_no_training_has_is_refused_before_a_step(model, spoil)
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"prior_s": -1.0}, {"memory_s": 0.0}, {"kpa_per_deg": math.nan}, {"delay_s": math.inf}],
+    [
+        {"prior_s": -1.0},
+        {"memory_s": 0.0},
+        {"memory_s": 0.9 * PERIOD_S},
+        {"kpa_per_deg": math.nan},
+        {"delay_s": math.inf},
+    ],
 )
 def test_settings_that_cannot_be_are_refused(model, wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):

@@ -49,6 +49,8 @@ _LOWEST = ("FPRC", "FPRC's error as the lowest of the paper's models")
 _BOTH = ("FPRC", "the errors of both models, FPRC's lower on the test")
 _RISE = ("FPRC", "a rise of the ESN's error from training to test")
 _TRACKING = ("FPRC", "FPRC's open-loop errors")
+_CLOSED = ("FPRC", "the closed loop's error with FPRC")
+_LOOPS = {"open_loop": _TRACKING, "closed_loop": _CLOSED, "closed_sweep": _CLOSED}
 _SHARE = ("P_o", "P_o's share of the readout's weights")
 CLAIMS = {
     "B1": Claim(
@@ -64,7 +66,7 @@ CLAIMS = {
     "B3": Claim(
         "P_o beats low-passed theta_d in tracking, open and closed loop",
         [_of_fprc("fprc_lowpass", "open_loop"), _of_fprc("fprc_lowpass", "closed_loop")],
-        {"open_loop": _TRACKING, "C8": _SHARE},
+        {**_LOOPS, "C8": _SHARE},
     ),
     "B4": Claim(
         "the fuzzy readout beats a ridge on the same features, forward",
@@ -92,7 +94,7 @@ CLAIMS = {
                 ("closed_loop", "closed loop"),
             )
         ],
-        {"tables": _BOTH, "orders": _LOWEST},
+        {"tables": _BOTH, "orders": _LOWEST, **_LOOPS},
     ),
     "B8": Claim(
         "P_o has a nonlinear capacity of 0.1 or more, and its taps more memory than taps of "
@@ -141,7 +143,11 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
                 "stable": judged.stable,
                 "units": min(len(part.values) for part in parts),
                 "dropped": max(part.dropped for part in parts),
-                "fitted": [why for term, why in claim.favours.items() if term in family["fitted"]],
+                "fitted": list(
+                    dict.fromkeys(
+                        why for term, why in claim.favours.items() if term in family["fitted"]
+                    )
+                ),
                 "parts": [
                     {"text": part.text, "ratio": part.ratio, **part.ends(judged.level)}
                     for part in parts

@@ -65,12 +65,15 @@ def fit_rig(
     Values outside their range are first moved to its end. A first search asks for those terms of
     ``calibration.fit`` that ``calibration.first.fit`` names, if there are any, on the first seed
     only. It begins at several points, since a single one often leads to a valley without a good
-    rig. The search for all of ``calibration.fit`` follows from its best point, on all seeds. Both
-    use cheap surrogates of the models. Where a round begins, the full models judge the rig, in the
-    first search on its seed, then on ``calibration.full_seeds``, since few seeds are no fair
-    sample; the surrogate's errors of the round, and its shares of the weights, are multiplied by
-    the ratios of theirs to its own.
-    At the end the full models judge the fitted rig on these seeds.
+    rig. The search for all of ``calibration.fit`` follows from its best point, on all seeds.
+    ``calibration.passes`` repeats both, each time from where they ended and with the next seed as
+    the first one; the end with the lowest loss for all terms is the result.
+
+    All searches use cheap surrogates of the models. Where a round begins, the full models judge the
+    rig, in the first search on its seed, then on ``calibration.full_seeds``, since few seeds are no
+    fair sample; the surrogate's errors of the round, and its shares of the weights, are multiplied
+    by the ratios of theirs to its own. At the end the full models judge the fitted rig on these
+    seeds.
 
     Parameters
     ----------
@@ -84,27 +87,25 @@ def fit_rig(
     Returns
     -------
     dict, dict
-        The fitted rig, and a summary of the fit. Losses are of the last search's terms, with the
-        surrogate corrected at the rig that has them; rounds and rigs are those of all searches.
+        The fitted rig, and a summary of the fit. Losses are of all terms, with the surrogate
+        corrected at the rig that has them; rounds and rigs are those of all searches.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
-    first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
-    planned = [{**calibration, "starts": 1}]
-    if first:
-        seeds = calibration["seeds"][:1]
-        changed = {**calibration["first"], "fit": first, "seeds": seeds, "full_seeds": seeds}
-        planned.insert(0, {**calibration, **changed})
+    planned = _searches(calibration)
     ends = time.monotonic() + 60.0 * calibration["minutes"]
     start = encode(on_rig.rig, free)
-    best = start_rig = _rig_at(start, on_rig, free)
+    here = start_rig = _rig_at(start, on_rig, free)
     results = []
     for number, plan in enumerate(planned, start=1):
         log.info("search %d of %d, for %s", number, len(planned), ", ".join(plan["fit"]))
         aim = aim_of(printed, plan)
-        judge = Judge(aim, best, free, judgement, plan, grids, tracking)
+        judge = Judge(aim, here, free, judgement, plan, grids, tracking)
         result = _searched(judge, workers, f"{checkpoint}.{number}", version, ends)
-        best = judge.rig_at(result.point)
+        here = judge.rig_at(result.point)
         results.append(result)
+    for_all = results[1::2] or results  # each first search has one after it
+    lowest = min(for_all, key=lambda result: result.loss)
+    best = _rig_at(lowest.point, on_rig, free)
     log.info("judging the first and the fitted rig with the full models")
     before, after = (_outcome(judge.corrected(rig, workers), aim) for rig in (start_rig, best))
     summary = {
@@ -125,10 +126,24 @@ def fit_rig(
         "finished": all(result.finished for result in results),
         "parameters": [
             p._asdict() | {"began_at": began_at, "share": share}
-            for p, began_at, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
+            for p, began_at, share in zip(free, start.tolist(), lowest.point.tolist(), strict=True)
         ],
     }
     return best.rig, summary
+
+
+def _searches(calibration: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the settings of each search, in their order."""
+    seeds = calibration["seeds"]
+    first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
+    planned = []
+    for turn in range(calibration["passes"] if first else 1):
+        turned = [seeds[(turn + i) % len(seeds)] for i in range(len(seeds))]
+        if first:
+            only = {"fit": first, "seeds": turned[:1], "full_seeds": turned[:1]}
+            planned.append({**calibration, **calibration["first"], **only})
+        planned.append({**calibration, "seeds": turned, "starts": 1})
+    return planned
 
 
 class Corrected(NamedTuple):

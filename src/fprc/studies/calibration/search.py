@@ -165,8 +165,12 @@ def search(
             idle = 0
             planned = [math.ceil(len(starts) / 2**round_) for round_ in range(rounds)]
             for count in planned:
-                points, ended = sorted(corrected(ended), key=_loss)[:count], []
+                points, ended, before = sorted(corrected(ended), key=_loss)[:count], [], best.loss
                 best = lowest = min([best, *points], key=_loss)
+                # by the exact judge: one round often gains what the next one's correction takes
+                idle = 0 if count > 1 or best.loss < (1.0 - _WORTH) * before else idle + 1
+                if idle == _IDLE:
+                    break
                 for here in points:
                     begun += 1
                     for after in _steps(here, judged, solved):
@@ -174,11 +178,8 @@ def search(
                         elapsed_s = time.monotonic() - begin_s
                         progress(begun, sum(planned), lowest.loss, elapsed_s)
                     ended.append(after)
-                gained = len(points) != 1 or ended[0].loss < (1.0 - _WORTH) * points[0].loss
-                idle = 0 if gained else idle + 1
-                if idle == _IDLE:
-                    break
-            best = min([best, *corrected(ended)], key=_loss)
+            else:
+                best = min([best, *corrected(ended)], key=_loss)
         except TimeoutError:
             finished = False
             if begun <= len(starts):  # no correction has seen it, but it is better than nothing

@@ -94,7 +94,10 @@ def _followed(
     trained = bench.control["feedforward"]
     benches = {
         learns: bench._replace(
-            control={**bench.control, "feedforward": {**trained, "adapt": learns}}
+            control={
+                **bench.control,
+                "feedforward": {**trained, "adapt": learns, "p_o_shift_kpa": 0.0},
+            }
         )
         for learns in (False, True)
     }
@@ -102,7 +105,8 @@ def _followed(
         samples = len(bench.reference(reference))
         pushes = bench.pushes(samples) if reference == DISTURBANCE else None
         inputs = bench.inputs(reference, pushes)
-        inputs[:, 1] = disturbed(inputs[:, 1], condition, bench.control["sample_rate_hz"])
+        p_o_kpa = inputs[:, 1] + trained["p_o_shift_kpa"]  # of P_o only, whatever a model gets
+        inputs[:, 1] = disturbed(p_o_kpa, condition, bench.control["sample_rate_hz"])
         for name, model in models.items():
             given = columns_for(name, inputs)
             for learns, bench in benches.items():

@@ -56,6 +56,7 @@ def settings():
         "taps": [4, 1],
         "fit": list(TERMS),
         "first": {"fit": [], "rounds": 1, "starts": 1},
+        "passes": 1,
         "rounds": ROUNDS,
         **SURROGATE,
     }
@@ -446,3 +447,43 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
     assert order == [(("tables",), (21,)), (("tables", "plausible"), (21, 22))]
     quick.fit(tmp_path, **changes)
     assert len(judged.points) == sum(counts)
+
+
+def test_passes_take_turns_with_the_seeds_and_the_nearest_end_is_the_result(
+    quick, judged, tmp_path, monkeypatch
+):
+    """The second seed, with which the second pass begins, leads astray, and then time is over."""
+    clock = SimpleNamespace(monotonic=lambda: float(len(judged.points)))  # a second for each rig
+    for module in (stage, SEARCH):
+        monkeypatch.setattr(module, "time", clock)
+    asked = []
+    estimate = stage.Judge.estimate
+
+    def noting(judge, on_rig, centers=None):
+        asked.append((len(judge.calibration["fit"]), tuple(judge.calibration["seeds"])))
+        return estimate(judge, on_rig, centers)
+
+    monkeypatch.setattr(stage.Judge, "estimate", noting)
+    quick.deviation = lambda point, seeds: (
+        2.0 + (-1.0 if seeds == [22] else 1.0) * np.sum(point - quick.start)
+    )
+    changes = {
+        "first": {"fit": ["tables"], "rounds": 1, "starts": 1},
+        "fit": ["tables", "plausible"],
+        "plausible": {"angle_deg": [50.0, 70.0]},
+        "rounds": 1,
+        "seeds": [21, 22],
+        "minutes": 3 * (3 + 18) / 60.0,
+    }
+    ends = []
+    for passes in (1, 2):
+        folder = tmp_path / str(passes)
+        folder.mkdir()
+        asked.clear()
+        judged.points.clear()
+        found = quick.fit(folder, **with_calibration(quick.settings, **changes, passes=passes))
+        ends.append((found["loss"], [p["share"] for p in found["parameters"]]))
+        assert len(found["searches"]) == 2 * passes
+    assert ends[0] == ends[1]
+    order = [fit for fit, before in zip(asked, [None, *asked], strict=False) if fit != before]
+    assert order[:4] == [(1, (21,)), (2, (21, 22)), (1, (22,)), (2, (22, 21))]

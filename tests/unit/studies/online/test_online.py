@@ -5,12 +5,20 @@ import pytest
 from fprc.artifacts import read_json, write_json
 from fprc.config import Settings
 from fprc.experiments.tracking import Track, tracking_rmse
+from fprc.models import FPRC
 from fprc.paper import REFERENCES
 from fprc.plan.arguments import on_rig
 from fprc.studies.families.family import unit_of
 from fprc.studies.online import show
 from fprc.studies.online.follow_up import STATES, follow_up
-from fprc.studies.online.judge import CONDITIONS, OF_P_O, changed_rig, disturbed, judge_online
+from fprc.studies.online.judge import (
+    CONDITIONS,
+    OF_P_O,
+    _followed,
+    changed_rig,
+    disturbed,
+    judge_online,
+)
 from fprc.studies.stages import online as stage
 
 SETTINGS = Settings().model_dump(mode="json")
@@ -47,6 +55,19 @@ def test_every_run_is_judged_once(judged):
     assert counts["fuzzy_linear"] == counts["fprc_lowpass"] == 4 * few * references
     assert counts["pd"] == few * references
     assert counts["follow_up_p_o"] == len(REFERENCES)
+
+
+def test_shift_of_p_o_moves_no_low_passed_angle():
+    X = np.column_stack([30.0 * np.sin(np.arange(400) / 9.0), np.arange(400.0)])
+    model = FPRC(n_c=2, random_state=1).fit(X, X[:, 0]).remember(X)
+    rows = {}
+    for shift in (0.0, -2.0):
+        feedforward = SETTINGS["control"]["feedforward"] | {"p_o_shift_kpa": shift}
+        control = SETTINGS["control"] | {"feedforward": feedforward}
+        bench = Track(shortened(1.5), control, SETTINGS["rig"], 1)
+        rows[shift] = [_followed(bench, "none", {name: model}) for name in ("fprc", "fprc_lowpass")]
+    assert rows[0.0][1] == rows[-2.0][1]
+    assert rows[0.0][0] != rows[-2.0][0]
 
 
 @pytest.mark.slow
