@@ -235,7 +235,8 @@ def load_class(name: str, models: Settings) -> Any:
             f"{where} cannot be imported ({type(error).__name__}: {error}); give module.Class, and "
             "put the module's folder on PYTHONPATH"
         ) from error
-    missing = [method for method in _METHODS if not hasattr(loaded, method)]
+    unwritten = getattr(loaded, "__abstractmethods__", ())
+    missing = [name for name in _METHODS if not hasattr(loaded, name) or name in unwritten]
     if missing or not isinstance(loaded, type):
         raise ConfigError(
             f"{where} is no model: {', '.join(missing) or 'not a class'} missing; derive it from "

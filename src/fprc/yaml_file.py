@@ -54,7 +54,8 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
     except (ValueError, yaml.YAMLError) as error:
         # PyYAML puts every place on a line after the sentence
         message = re.sub(r'\n\s+in "<.*>", (.*)', r" (\1)", str(error)).replace("\n", ", ")
-        raise ConfigError(f"{path}: cannot be read as YAML: {message}") from error
+        tab = "; indent with blanks, not with tabs" if b"\n\t" in content else ""
+        raise ConfigError(f"{path}: cannot be read as YAML: {message}{tab}") from error
     if problems:
         lines = [f"line {line}: {what}" for line, what in sorted(problems)]
         raise ConfigError.listing(lines, "file", file=path)

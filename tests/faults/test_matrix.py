@@ -257,10 +257,11 @@ FAULTS = [
     ("angle sensor: packets with their bytes in the wrong order", bus(5), 20, "theta_deg", FROZEN,
      50),
     # early in the sweep the angle does not move far in 0.2 s
-    ("angle sensor: frozen for 0.2 s", bus(2, 40), 20, "", GOES_ON, None),
-    ("angle sensor: packets of the wrong type for 0.2 s", bus(4, 40), 20, "", GOES_ON, None),
-    ("angle sensor: packets with their bytes in the wrong order for 0.2 s", bus(5, 40), 20, "",
+    ("angle sensor, moving slowly: frozen for 0.2 s", bus(2, 40), 20, "", GOES_ON, None),
+    ("angle sensor, moving slowly: packets of the wrong type for 0.2 s", bus(4, 40), 20, "",
      GOES_ON, None),
+    ("angle sensor, moving slowly: packets with their bytes in the wrong order for 0.2 s",
+     bus(5, 40), 20, "", GOES_ON, None),
     *[
         (f"pressure sensor: {fault}", pressure(sensor, change), 5, name, REJECTED, 0)
         for fault, change in (

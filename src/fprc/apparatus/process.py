@@ -148,6 +148,8 @@ def _kept(
 ) -> str:
     """Return where the samples of a closed journal are; if it failed, save them elsewhere."""
     path, recorded = journal.path, len(channels["time_s"])
+    if not failed and not recorded:
+        return f"no sample was recorded, and {path} can be deleted"
     if not failed:
         out = path.with_suffix(".rescued.h5")
         return (

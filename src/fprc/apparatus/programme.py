@@ -85,6 +85,11 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     if reference == "disturbance":
         hint = f"push the reservoir by hand from {bench.tracking['pushes']['quiet_s']:g} s on"
     theta_d = bench.reference(reference)
+    control, limits = settings["control"], settings["hardware"]["limits"]
+    p_i_kpa = min(control["reservoir_limit_kpa"], control["k_in_kpa_per_deg"] * theta_d.max())
+    _refuse_beyond(limits, "p_i_kpa", p_i_kpa, "lower control.reservoir_limit_kpa")
+    p_d_kpa = bench.tracking["pressure_limit_kpa"]
+    _refuse_beyond(limits, "p_exp_kpa", p_d_kpa, "lower tracking.pressure_limit_kpa")
     driver = feedforward_of(controller)
     attributes, fitted = bench.describe(reference, controller), None
     if driver and model:  # without a file the law refuses to start
@@ -119,15 +124,24 @@ def _refuse_other(fitted: Any, driver: str, models: Mapping[str, Any], which: st
         )
 
 
+def _refuse_beyond(limits: Mapping[str, Any], sensor: str, highest: float, remedy: str) -> None:
+    """Check that a command, as far as it may go, does not end the run by its reading."""
+    _, limit = limits[sensor]
+    if highest > limit:
+        raise ConfigError(
+            f"commands go up to {highest:g} kPa, and a reading above {limit:g} ends a run "
+            f"(hardware.limits.{sensor}); {remedy}"
+        )
+
+
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
     control, signal = settings["control"], settings["experiments"][name]
     p_exp_kpa = pressure_command(signal, control["sample_rate_hz"])
-    highest, (_, limit) = p_exp_kpa.max(), settings["hardware"]["limits"]["p_exp_kpa"]
-    if highest > limit:
-        raise ConfigError(
-            f"experiments.{name} commands up to {highest:g} kPa, and a reading above {limit:g} "
-            "ends a run (hardware.limits.p_exp_kpa); lower its amplitude_kpa or offset_kpa"
-        )
+    limits = settings["hardware"]["limits"]
+    lower = f"experiments.{name}: lower its amplitude_kpa or offset_kpa"
+    _refuse_beyond(limits, "p_exp_kpa", p_exp_kpa.max(), lower)
+    lower = "lower control.reservoir_limit_kpa"
+    _refuse_beyond(limits, "p_i_kpa", control["reservoir_limit_kpa"], lower)
     law = hysteresis_law(p_exp_kpa, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
     attributes = {
         "experiment": name,

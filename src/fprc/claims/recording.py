@@ -108,11 +108,12 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
         )
     )
     blocks = min(row["blocks"] for row in rows)
-    more = (
-        "a longer recording decides smaller differences"
-        if blocks >= LEAST_UNITS
-        else f"{blocks} blocks decide nothing: make a longer recording"
-    )
+    if blocks < LEAST_UNITS:
+        more = f"{blocks} blocks decide nothing: make a longer recording"
+    elif any(row["turned"] for row in rows if row["id"] in ("R1", "B1")):
+        more = f"its parts disagree: without {LEFT_OUT} of {blocks} blocks a verdict changes"
+    else:
+        more = "a longer recording of the same motion, or several, may decide it"
     return f"**Not decided**: {helps}; {more}."
 
 
@@ -123,10 +124,9 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         words = verdict_in_words(row["verdict"], True, row["turned"])
         line = f"{row['claim']} ({row['id']}): {words}."
         if row["ratio"] is not None:
-            line += (
-                f" FPRC's error is {row['ratio']:#.3g} ({row['low']:#.3g} to {row['high']:#.3g}) "
-                f"times that of {row['other']}."
-            )
+            decides = row["blocks"] >= LEAST_UNITS  # the interval of a few blocks has no end
+            interval = f"({row['low']:#.3g} to {row['high']:#.3g}) " if decides else ""
+            line += f" FPRC's error is {row['ratio']:#.3g} {interval}times that of {row['other']}."
         lines.append(f"{line[0].upper()}{line[1:]} {row['reason']}".rstrip())
     return lines
 

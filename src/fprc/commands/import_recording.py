@@ -9,13 +9,22 @@ import numpy as np
 from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
 from fprc.channels import CHANNELS, TARGETS, unit_of
 from fprc.config import Settings
-from fprc.config.importing import ImportMap, likely_channel, likely_unit, read_csv, read_map
+from fprc.config.importing import (
+    ImportMap,
+    is_absolute,
+    is_time,
+    likely_channel,
+    likely_time_unit,
+    likely_unit,
+    read_csv,
+    read_map,
+)
 from fprc.errors import ConfigError, LogError, UsageError
 from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import read_columns, write_raw
-from fprc.logs.clock import Recording, likely_rate, other_unit, refuse_length
+from fprc.logs.clock import SECONDS, Recording, likely_rate, other_unit, refuse_length
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather, read_source
 from fprc.logs.isolated import attempt_each
@@ -227,7 +236,7 @@ def list_columns(content: Source) -> str:
         visible(f"{content.path}: {content.kind}, {len(columns)} columns"),
         f"  {'column':{width}}  {'samples':>8}  {'lowest':>10}  {'highest':>10}  remark",
     ]
-    guesses = [_guess_rate(values) for values in columns.values()]
+    guesses = [_guess_clock(name, values) for name, values in columns.items()]
     for (name, values), guess in zip(columns.items(), guesses, strict=True):
         finite = values[np.isfinite(values)]
         low, high = (f"{v:.4g}" for v in (finite.min(), finite.max())) if finite.size else "--"
@@ -252,8 +261,10 @@ def draft_map(content: Source) -> str:
     a unit that no name gives is marked: the user completes them.
     """
     columns = content.columns
-    guesses = {name: _guess_rate(values) for name, values in columns.items()}
-    clock = next((name for name, guess in guesses.items() if guess), None)
+    guesses = {name: _guess_clock(name, values) for name, values in columns.items()}
+    clocks = [name for name, guess in guesses.items() if guess]
+    # a row's number is one too, so the name decides; else the first
+    clock = min(clocks, key=lambda name: not is_time(name), default=None)
     found: dict[str, str] = {}
     for name in columns:
         if name != clock and (likely := likely_channel(name)):
@@ -268,7 +279,9 @@ def draft_map(content: Source) -> str:
             f"# sample_rate_hz: {float(f'{guess[0]:.4g}'):.10g}  # of the file; the default is "
             "200, as the workflow expects"
         )
-        lines.append(f"time: {{column: {_quoted(clock or '')}, unit: {guess[1]}}}")
+        others = "".join(f", or {_quoted(name)}?" for name in clocks if name != clock)
+        doubt = "" if not others or is_time(clock or "") else f"  # this{others}"
+        lines.append(f"time: {{column: {_quoted(clock or '')}, unit: {guess[1]}}}{doubt}")
     else:
         for name, values in columns.items():
             (back,) = np.nonzero(values[1:] < values[:-1])
@@ -284,14 +297,21 @@ def draft_map(content: Source) -> str:
             column = found[channel.name]
             unit = likely_unit(column, channel.name)
             spec = f"{{column: {_quoted(column)}, unit: {unit or channel.unit}}}"
-            lines.append(f"  {channel.name}: {spec}{'' if unit else '  # unit?'}")
+            doubt = "" if unit else "  # unit?"
+            if channel.unit == "kPa" and is_absolute(column):
+                doubt += "  # absolute? then offset: minus the air's, -101.325 kPa"
+            lines.append(f"  {channel.name}: {spec}{doubt}")
         elif channel.name in _DRAFTED and not (
             channel.name == TARGETS["measured"] and TARGETS["command"] in found
         ):
             spec = f'{{column: "?", unit: {channel.unit}}}'
             lines.append(f"  {channel.name}: {spec}  # {channel.meaning}")
     left = [_quoted(name) for name in columns if name not in (clock, *found.values())]
-    return "\n".join([*lines, *(["# columns left: " + ", ".join(left)] if left else [])])
+    lines += ["# columns left: " + ", ".join(left)] if left else []
+    lines += [
+        visible(f"# {name}: cannot be a channel: {why}") for name, why in content.others.items()
+    ]
+    return "\n".join(lines)
 
 
 def _quoted(name: str) -> str:
@@ -306,6 +326,15 @@ def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) ->
         return f"a clock? {guess[0]:.4g} Hz if in {guess[1]}"
     fresh = np.count_nonzero(values[1:] != values[:-1]) / max(len(values) - 1, 1)
     return "constant" if fresh == 0.0 else f"{fresh:.0%} new values" if fresh < 0.9 else ""
+
+
+def _guess_clock(name: str, values: np.ndarray) -> tuple[float, str] | None:
+    """Guess rate and unit of a column that increases as a clock; its name may have the unit."""
+    if (guess := _guess_rate(values)) is None:
+        return None
+    rate_hz, unit = guess
+    named = likely_time_unit(name) or unit
+    return rate_hz * SECONDS[unit] / SECONDS[named], named
 
 
 @np.errstate(all="ignore")  # differences of large values may overflow, and are no steps of a clock

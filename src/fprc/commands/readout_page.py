@@ -28,6 +28,10 @@ _SUBSTITUTES = {
     "shifted": "than with P_o shifted in time",
 }
 
+#: Share of the variance of another channel that P_o explains only if it is a copy. A pressure loop
+#: follows its command to 0.999.
+_COPIES = {"p_target_kpa": ("P_exp, the target", 0.99), "theta_deg": ("theta", 0.9999)}
+
 
 def log_names(experiment: str, count: int) -> list[str]:
     """Return the names of an experiment's raw logs: ``sweep``, ``sweep_2``, ``sweep_3``, ..."""
@@ -157,9 +161,20 @@ def quality_records(folder: Path) -> list[str]:
 
 
 def cautions(folder: Path, settings: Mapping[str, Any]) -> list[str]:
-    """Return what makes the answer doubtful: failed checks of the logs, and a narrow theta."""
+    """Return what makes the answer doubtful: failed checks, a narrow theta, P_o as a copy."""
     lines = failed_checks(quality_records(folder))
-    (theta,) = read_columns(folder / "data/sweep.h5", ("theta_deg",)).channels.values()
+    channels = read_columns(
+        folder / "data/sweep.h5", ("theta_deg", "p_target_kpa"), optional=("p_o_kpa",)
+    ).channels
+    theta, p_o = channels["theta_deg"], channels.get("p_o_kpa")
+    for other, (name, most) in _COPIES.items():
+        if p_o is not None and np.ptp(p_o) > 0.0 and np.ptp(channels[other]) > 0.0:
+            explained = np.corrcoef(p_o, channels[other])[0, 1] ** 2
+            if explained > most:
+                lines.append(
+                    f"a straight line of P_o explains {100.0 * explained:.4g} % of {name}: is its "
+                    "column that of another signal, such as the actuator's own pressure?"
+                )
     sigma = settings["models"]["fprc"]["sigma"]
     if (spread := np.std(theta)) < sigma:
         lines.append(

@@ -61,7 +61,7 @@ class FirstSearch(Section):
     """The first search, on the first seed; that for ``calibration.fit``, on all seeds, follows."""
 
     fit: tuple[Term, ...] = Field(
-        ("tables", "orders", "plausible", "C18", "C18c", "open_loop"),
+        ("tables", "orders", "plausible", "C18", "open_loop"),
         description="terms of its objective, of those in calibration.fit; none: no first search",
     )
     rounds: int = quantity(
@@ -138,7 +138,7 @@ class Calibration(Section):
     )
     fit: NotEmpty[Term] = Field(
         (
-            "tables", "orders", "plausible", "C8", "C9b", "C11", "C12", "C18", "C18c", "open_loop",
+            "tables", "orders", "plausible", "C8", "C9b", "C11", "C12", "C18", "open_loop",
             "closed_loop", "closed_sweep", "margin",
         ),
         description="terms of the objective: errors of Tables II and III, their orders (C1, C2, "
@@ -147,7 +147,7 @@ class Calibration(Section):
         "large, closed_sweep for its printed error in the sweep",
     )  # fmt: skip
     seeds: NotEmpty[int] = quantity(
-        (21, 22), (0, 2**31),
+        (21, 22, 23, 24), (0, 2**31),
         "noise seeds of the objective; with few, the search fits the noise",
     )  # fmt: skip
     full_seeds: NotEmpty[int] = quantity(

@@ -127,7 +127,7 @@ class Limits(Section):
     )
     stale_s: float = quantity(0.25, (0.01, 10), "longest time without a new value from a sensor")
     overruns_in_a_row: int = quantity(
-        5, (0, 1000), "consecutive missed ticks allowed", unit="ticks"
+        5, (0, 1000), "missed ticks allowed with none on time between them", unit="ticks"
     )
 
     @field_validator("p_exp_kpa", "p_i_kpa")

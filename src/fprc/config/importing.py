@@ -87,8 +87,34 @@ def likely_unit(name: str, channel: str) -> str | None:
     return next((unit for unit in units if _has_word(name, unit.lower())), None)
 
 
+#: Words for a clock, and for units of time.
+_CLOCK = "time|timestamp|datetime|date|clock|elapsed|t"
+_TIME_UNITS = {
+    "min": "min|minutes?",
+    "s": "s|sec|seconds?",
+    "ms": "ms|msec|millis|milliseconds?",
+    "us": "us|usec|micros|microseconds?",
+    "ns": "ns|nanoseconds?",
+}
+
+
+def is_time(name: str) -> bool:
+    """Return whether a word in a column's name says that it holds times."""
+    return _has_word(name, "|".join([_CLOCK, *_TIME_UNITS.values()]))
+
+
+def likely_time_unit(name: str) -> str | None:
+    """Guess the unit of a clock from its name; None if the name holds none."""
+    return next((unit for unit, words in _TIME_UNITS.items() if _has_word(name, words)), None)
+
+
+def is_absolute(name: str) -> bool:
+    """Return whether a word in a column's name says that its pressure is absolute."""
+    return _has_word(name, "abs|absolute|kpaa|bara|psia")
+
+
 def _has_word(name: str, words: str) -> bool:
-    separate = re.sub("[^a-z0-9]+", "_", name.lower())
+    separate = re.sub("[^a-z0-9]+", "_", name.lower().replace("\N{MICRO SIGN}", "u"))
     return bool(re.search(rf"(?<![a-z0-9])(?:{words})(?![a-z0-9])", separate))
 
 

@@ -65,7 +65,7 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
     Raises
     ------
     ConfigError
-        Lists every file that cannot be read, and why; or the errors that ``check`` lists.
+        Lists every file that cannot be read, and why, and the errors that ``check`` lists.
     """
     merged = Settings().model_dump()
     unread = []
@@ -74,8 +74,6 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
             _merge_layer(merged, layer if isinstance(layer, Mapping) else read_yaml(layer))
         except ConfigError as error:
             unread.append(str(error))
-    if unread:
-        raise ConfigError("\n".join(unread))
     problems: dict[str, None] = {}
     restored: set[tuple[Any, ...]] = set()
     while True:
@@ -92,7 +90,9 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
                 break
     if problems:
         files = f" ({', '.join(map(str, paths))})" if paths else ""
-        raise ConfigError.listing(problems, f"configuration{files}")
+        unread.append(str(ConfigError.listing(problems, f"configuration{files}")))
+    if unread:
+        raise ConfigError("\n".join(unread))
     return settings
 
 

@@ -31,7 +31,7 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
     if kind == "missing" and not last.isdigit():
         return f"{key}: missing; see {page}"
     if kind == "extra_forbidden":
-        return f"{key}: unknown key; {_nearest(above, last, defaults)}"
+        return f"{key}: unknown key; {_nearest(above, last, defaults, page)}"
     if kind == "invalid_key":
         return f"{'.'.join([*above, str(value)])}: unknown key; keys are words, such as seed"
     message = item["msg"].removeprefix("Value error, ").replace("a valid tuple", "a list")
@@ -54,7 +54,7 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
     return f"{key}{shown}: {message}{remedy}" if key else message
 
 
-def _nearest(above: list[str], last: str, known: Iterable[str]) -> str:
+def _nearest(above: list[str], last: str, known: Iterable[str], page: str) -> str:
     """Return the key that was probably meant, or else the keys that there are."""
     ways = [tuple(key.split(".")) for key in known]
     ways = list(dict.fromkeys(way[:depth] for way in ways for depth in range(1, len(way) + 1)))
@@ -63,5 +63,5 @@ def _nearest(above: list[str], last: str, known: Iterable[str]) -> str:
     near += [name for name in siblings if name.startswith(last)]
     likely = [way for way in ways if way[-1] == last] or [(*above, name) for name in near]
     if not likely:
-        return f"the keys are {in_words(siblings)}"
+        return f"the keys are {in_words(siblings)}" if siblings else f"see {page}"
     return f"did you mean {'.'.join(likely[0])}?"

@@ -54,7 +54,7 @@ class Metronome:
         Raises
         ------
         ControlError
-            More ticks than allowed were missed in a row.
+            More ticks than allowed were missed, with none on time between them.
         """
         if self._start_s is None:
             self._start_s = self.now() + self.period_s - tick * self.period_s
@@ -71,9 +71,10 @@ class Metronome:
             self._in_a_row += missed
             if self._in_a_row > self.overruns_in_a_row:
                 raise ControlError(
-                    f"{self._in_a_row} ticks of {1e3 * self.period_s:g} ms were missed in a row, "
-                    f"the limit is {self.overruns_in_a_row} (hardware.limits.overruns_in_a_row); "
-                    "close other programs, or use a faster model"
+                    f"{self._in_a_row} ticks of {1e3 * self.period_s:g} ms were missed, and none "
+                    f"was on time between them; the limit is {self.overruns_in_a_row} "
+                    "(hardware.limits.overruns_in_a_row); close other programs, or use a faster "
+                    "model"
                 )
             tick += missed
             due_s += missed * self.period_s

@@ -20,6 +20,7 @@ from fprc.control import (
 from fprc.control.simulated import Precomputed, simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
+from fprc.escape import visible
 from fprc.evaluation import rmse
 from fprc.experiments.data import Data
 from fprc.experiments.measures import (
@@ -212,7 +213,7 @@ def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
     """Return the log attributes of the model of a run: its class, and the file that held it."""
     return {
         "model": type(model).__name__,
-        "model_file": Path(path).name,
+        "model_file": visible(Path(path).name),
         "model_sha256": sha256(str(path)),
     }
 

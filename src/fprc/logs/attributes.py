@@ -127,6 +127,6 @@ def as_written(value: Any) -> Any:
     if not isinstance(value, str | bool | int | float | np.generic):
         value = json.dumps(json.loads(json.dumps(value), parse_constant=lambda text: None))
     if isinstance(value, str):
-        text = value.encode("utf-8")
+        text = value.encode("utf-8", "backslashreplace")  # a name that is not UTF-8 has surrogates
         return np.array(text, dtype=h5py.string_dtype("utf-8", max(len(text), 1)))
     return value

@@ -57,6 +57,10 @@ def read_text(
         for number, line in enumerate(lines, 1)
         if number == header_line or not line.lstrip().startswith(("#", "%"))
     }
+    named = re.fullmatch(r"sep=(.)\s*", lines[0]) if lines and not header_line else None
+    if named:  # which spreadsheets write
+        separator = separator or named[1]
+        content.pop(1, None)
     top = header_line or next((number for number, line in content.items() if line.strip()), 0)
     if not content.get(top, "").strip("\r\n"):
         raise LogError(
@@ -81,7 +85,8 @@ def read_text(
             f"{path}: the header has {len(names)} fields separated by "
             f"{_SEPARATORS.get(delimiter, delimiter)}, line {numbers[unfit[0]]} has "
             f"{len(rows[unfit[0]])}; lines that do not match in all: {len(unfit)}; repair them, or "
-            "set csv.separator, csv.header_line and csv.data_line"
+            "say in a map where the table begins, as `csv: {header_line: 4, data_line: 6}`, or "
+            "csv.separator; --list and --draft take that map too (--map)"
         )
     table = [fields for fields in fitted if fields is not None]
     if header_line is None and all(_is_number(name) and not _is_missing(name) for name in names):

@@ -109,7 +109,9 @@ class Online:
         self._gains = np.empty_like(self.learned)
         self._phi = np.zeros((self.delay, len(self.learned)))
         self.reset()
-        self._learn(0, 0.0, 0.0)  # compiles; from no command, nothing is learned
+        # both compile, before the first tick of a loop; from no command, nothing is learned
+        self._learn(0, 0.0, 0.0)
+        self._readout.regress(np.zeros(self._readout.n_features_in_), np.empty_like(self.learned))
 
     def __copy__(self) -> Self:
         """Return a deep copy: two models must not share what they learn."""

@@ -1,6 +1,6 @@
 """A model with memory: a sequential feature map, and a readout of single rows."""
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from copy import deepcopy
 from typing import Any, Self, TypeVar
@@ -24,7 +24,7 @@ Recordings = Any
 MOST_WEIGHTS = 512
 
 
-class SequenceModel(RegressorMixin, BaseEstimator):
+class SequenceModel(RegressorMixin, BaseEstimator, ABC):
     """Base of the feedforward models: rows of ``X`` are samples in time.
 
     The features depend on the history of the log, the readout on single rows.

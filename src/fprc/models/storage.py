@@ -111,7 +111,10 @@ def _known_classes(classes: Collection[type]) -> dict[str, type]:
 def _name_of(cls: type, names: Mapping[type, str]) -> str:
     if cls not in names:
         known = ", ".join(names.values())
-        raise FprcError(f"{cls.__name__} is not a model of fprc; save one of {known}")
+        raise FprcError(
+            f"{cls.__name__} is not a model of fprc, which are {known}; give its class "
+            f"too: save_model(model, path, [{cls.__name__}])"
+        )
     return names[cls]
 
 

@@ -133,6 +133,14 @@ def test_check_that_is_stopped_says_so_and_shows_what_it_saw(look):
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
 
 
+@pytest.mark.parametrize("ticks", [20, 1000, 1300])
+def test_phase_that_was_cut_short_accuses_no_part(look, ticks):
+    """Whenever the check of a rig as it should be is stopped, the only trouble is the stop."""
+    reasons = iter([""] * (200 + ticks) + ["stopped by Ctrl-C"] * 2)
+    _, troubles = look(stop=lambda: next(reasons))
+    assert [trouble.split(":")[0] for trouble in troubles] == ["stopped"]
+
+
 def test_stall_at_rest_is_given_up_once():
     asked = []
 

@@ -32,14 +32,21 @@ def test_every_name_can_be_planned(settings, fprc_file):
             experiment.law(experiment.samples, NOW)
 
 
-@pytest.mark.parametrize(("limit_kpa", "refused"), [(349.0, True), (350.1, False)])
-def test_command_beyond_the_limit_of_the_readings_is_refused(settings, limit_kpa, refused):
-    settings["hardware"]["limits"]["p_exp_kpa"] = [-20.0, limit_kpa]
-    if refused:
-        with pytest.raises(ConfigError, match=r"up to 350 kPa.*hardware\.limits\.p_exp_kpa"):
-            plan("sweep", settings)
-    else:
-        plan("sweep", settings)
+@pytest.mark.parametrize(
+    ("name", "sensor", "highest_kpa"),
+    [
+        ("sweep", "p_exp_kpa", 350.0),
+        ("sweep", "p_i_kpa", 450.0),
+        ("track_sine_0p2_pd", "p_exp_kpa", 450.0),
+        ("track_sine_0p2_pd", "p_i_kpa", 420.0),  # 7 kPa/deg, 60 deg
+    ],
+)
+def test_command_beyond_the_limit_of_the_readings_is_refused(settings, name, sensor, highest_kpa):
+    settings["hardware"]["limits"][sensor] = [-20.0, highest_kpa + 0.1]
+    plan(name, settings)
+    settings["hardware"]["limits"][sensor] = [-20.0, highest_kpa - 1.0]
+    with pytest.raises(ConfigError, match=rf"up to {highest_kpa:g} kPa.*limits\.{sensor}"):
+        plan(name, settings)
 
 
 @pytest.mark.parametrize("feedback", ["incremental", "positional"])

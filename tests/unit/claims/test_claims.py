@@ -582,7 +582,7 @@ def test_few_medium_and_many_taps_exist_in_every_grid(sizes, expected):
         ("C14", ("tables",), "predicted"),
         ("C14", ("open_loop",), "half fitted"),
         ("C14", ("closed_loop",), "half fitted"),
-        ("C16", ("closed_sweep",), "predicted"),
+        ("C16", ("closed_sweep",), "half fitted"),
         ("C5a", ("tables",), "timed"),
         ("C17", ("tables",), "assumed"),
     ],

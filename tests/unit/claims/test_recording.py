@@ -47,6 +47,13 @@ def test_too_few_blocks_are_named_as_why_nothing_is_decided():
     assert "5 blocks decide nothing" in answer(judge_recording(report(blocks=5)))
 
 
+def test_parts_that_disagree_are_named_as_why_nothing_is_decided():
+    rows = judge_recording(report(spread=0.1))
+    assert "its parts disagree" not in answer(rows)
+    rows[0] |= {"verdict": "undecided", "turned": "superior"}
+    assert "its parts disagree" in answer(rows)
+
+
 def test_clear_pairs_are_decided_and_named():
     results = report(fprc_lowpass=0.7, ridge_p_o=1.5)
     assert verdicts(results) == {"B1": "superior", "B4": "inferior", "R1": "equivalent"}

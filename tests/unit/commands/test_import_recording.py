@@ -267,6 +267,34 @@ def test_draft_says_where_a_clock_was_reset(recorded, tmp_path, capsys):
     assert said == ["# time_s goes back at sample 2500: a clock's reset?"]
 
 
+@pytest.mark.parametrize(
+    ("columns", "clock"),
+    [
+        ({"": 1.0, "timestamp": 0.005}, "timestamp, unit: s"),  # pandas writes the row's number
+        ({"sample": 1.0, "Elapsed [ms]": 5.0}, "Elapsed [ms], unit: ms"),
+        ({"time [s]": 1.0}, "time [s], unit: s"),  # 1 Hz, and not 1 kHz
+        ({"t_µs": 5000.0}, "t_µs, unit: us"),
+        ({"n": 1.0, "ticks": 5.0}, "n, unit: ms}  # this, or ticks?"),
+    ],
+)
+def test_draft_takes_the_clock_and_its_unit_from_names(columns, clock, recorded, tmp_path, capsys):
+    count = len(recorded["sweep"]["time_s"])
+    table = pd.DataFrame({name: step * np.arange(count) for name, step in columns.items()})
+    table["PAM B [bar abs]"] = 1.0 + recorded["sweep"]["p_o_kpa"] / 100.0
+    table.to_csv(tmp_path / "arm.csv", index=False)
+    assert main(["import", str(tmp_path / "arm.csv"), "--draft"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (time,) = (line.replace('"', "") for line in lines if line.startswith("time:"))
+    assert f"column: {clock}" in time
+    assert any("unit: bar" in line and "-101.325" in line for line in lines)
+
+
+def test_draft_says_why_a_column_is_no_channel(tmp_path, capsys):
+    (tmp_path / "arm.csv").write_text("Time;Angle\ns;deg\n0,0;1,0\n0,1;2,0\n")
+    assert main(["import", str(tmp_path / "arm.csv"), "--draft"]) == 0
+    assert "# Angle: cannot be a channel: line 2 holds 'deg'" in capsys.readouterr().out
+
+
 @given(name=st.text(min_size=1).filter(lambda name: name.isprintable()))
 def test_draft_quotes_any_name_as_yaml(name):
     assert yaml.safe_load(_quoted(name)) == name

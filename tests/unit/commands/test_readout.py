@@ -295,11 +295,18 @@ def test_answer_is_doubtful_if_a_check_failed_or_theta_is_narrow(tmp_path):
     settings = {"models": {"fprc": {"sigma": 2.0}}}
     for factor, count in ((1.0, 1), (np.pi / 180.0, 2)):
         theta = factor * 30.0 * np.sin(np.arange(100.0))
-        write_columns(tmp_path / "data/sweep.h5", {"theta_deg": theta}, {})
+        channels = {"theta_deg": theta, "p_target_kpa": np.cos(np.arange(100.0))}
+        write_columns(tmp_path / "data/sweep.h5", channels, {})
         found = cautions(tmp_path, settings)
         assert len(found) == count
         assert "p_o_kpa" in found[0]
     assert "theta_deg" in found[1]
+    # a pressure that follows its command, as the actuator's own, and a chamber of its own
+    noise = np.random.default_rng(1).normal(size=100)
+    for off, count in ((0.02, 3), (0.3, 2)):
+        p_o = {"p_o_kpa": 5.0 - 2.0 * channels["p_target_kpa"] + off * noise}
+        write_columns(tmp_path / "data/sweep.h5", channels | p_o, {})
+        assert len(cautions(tmp_path, settings)) == count
 
 
 @pytest.mark.usefixtures("stopped")

@@ -30,6 +30,13 @@ def read_back(folder, attributes):
     return read_columns(folder / "any.h5", ()).attributes
 
 
+def test_name_of_a_file_that_is_not_utf8_is_written_with_escapes(tmp_path):
+    """Else a run could not be converted to a log."""
+    assert read_back(tmp_path, {"model_file": "mod\udce9le.h5"}) == {
+        "model_file": r"mod\udce9le.h5"
+    }
+
+
 def test_attributes_come_back_as_they_were(tmp_path):
     attributes = {
         "experiment": "Zoë\t\n\U0001f321",

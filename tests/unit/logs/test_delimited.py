@@ -45,6 +45,12 @@ def columns(source):
     return {name: values.tolist() for name, values in source.columns.items()}
 
 
+def test_first_line_of_a_spreadsheet_names_the_separator(table):
+    source = table("sep=;\nt;p,kPa\n0;1,5\n1;2,5\n")
+    assert columns(source) == {"t": [0.0, 1.0], "p,kPa": [1.5, 2.5]}
+    assert source.lines.tolist() == [3, 4]
+
+
 # --- names and numbers ----------------------------------------------------------------------
 
 #: Any text; without characters that files cannot hold, and line ends that reading unifies.

@@ -143,6 +143,16 @@ def test_settings_that_cannot_be_are_refused(model, wrong):
         Online(model[0], Learning(**wrong), PERIOD_S)
 
 
+def test_everything_is_compiled_before_the_first_step(model, monkeypatch):
+    found, called = model[0], []
+    regress = type(found.readout_).regress
+    monkeypatch.setattr(
+        type(found.readout_), "regress", lambda *given: called.append(regress(*given))
+    )
+    Online(found, Learning(), PERIOD_S)
+    assert called
+
+
 def test_copy_learns_apart(model):
     found, X = model
     first = Online(found, Learning(), PERIOD_S)
