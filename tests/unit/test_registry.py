@@ -53,6 +53,11 @@ def test_model_from_outside_is_built_with_its_settings_and_the_seed(settings):
     assert settings_of("taps_a", settings["models"]) == {"others": settings["models"]["others"]}
 
 
+class Unfinished(SequenceModel):
+    def make_features(self):
+        return TapFeatures()
+
+
 @pytest.mark.parametrize("name", ["esn", "trees", "bank_tuned", "pd", "x_pd"])
 def test_name_of_a_model_must_not_be_read_as_a_controller_or_as_ours(name):
     with pytest.raises(ConfigError, match=rf"models\.others.*{name} is taken"):
@@ -69,7 +74,7 @@ def raising():
 @pytest.mark.parametrize(
     "estimator",
     ["nowhere.Model", f"{__name__}.NO_MODEL", f"{__name__}.raising", f"{__name__}.Gone",
-     "builtins.int", "sklearn.linear_model.Ridge"],
+     f"{__name__}.Unfinished", "builtins.int", "sklearn.linear_model.Ridge"],
 )  # fmt: skip
 def test_estimator_that_is_no_model_is_refused_by_its_key(settings, estimator):
     settings["models"]["others"]["taps_a"]["estimator"] = estimator
