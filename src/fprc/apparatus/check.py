@@ -45,7 +45,12 @@ _AT_REST = (
 )  # fmt: skip
 
 
-def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str]) -> int:
+def check_rig(
+    settings: Mapping[str, Any],
+    armed: bool,
+    stop: Callable[[], str],
+    guarded: Callable[[], bool] = lambda: True,
+) -> int:
     """Read every sensor at rest; if armed, also fill and vent one chamber after the other.
 
     Logs the readings and all problems; returns 0 if there is no problem, else 1.
@@ -60,14 +65,14 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Callable[[], str])
     phases = PHASES if armed else PHASES[:1]
     ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
     at_rest = partial(_read_at_rest, samples=int(ends[0]), stop=stop)
-    seen = on_rig(hardware, period_s, at_rest)
+    seen = on_rig(hardware, period_s, at_rest, guarded)
     channels = seen.channels
     if armed and not seen.unvented:  # a rig that may not vent must not be filled
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
         how = pressure_loops(control, hardware["valves"]["neutral_v"])
         how |= {"samples": len(setpoints), "stop": stop}
         filling = partial(run, law=lambda k, now: setpoints[k], **how)
-        seen = on_rig(hardware, period_s, filling)
+        seen = on_rig(hardware, period_s, filling, guarded)
         seen.channels["time_s"] += ends[0] * period_s
         channels = {k: np.append(values, seen.channels[k]) for k, values in channels.items()}
     lines, problems = describe(channels, ends * period_s, phases)

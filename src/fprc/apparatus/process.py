@@ -46,8 +46,8 @@ def main() -> int:
     stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
     try:
         if request["what"] == "check":
-            return check_rig(request["settings"], request["armed"], stop)
-        record(**request["run"], settings=request["settings"], stop=stop)
+            return check_rig(request["settings"], request["armed"], stop, stop.guarded)
+        record(**request["run"], settings=request["settings"], stop=stop, guarded=stop.guarded)
     except FprcError as error:
         log.error("error: %s", error)
         return 1
@@ -61,6 +61,7 @@ def record(
     settings: Mapping[str, Any],
     model: str = "",
     stop: Callable[[], str],
+    guarded: Callable[[], bool] = lambda: True,
 ) -> None:
     """Run an experiment on the real rig and write its raw log, read-only.
 
@@ -107,7 +108,7 @@ def record(
                 stop=stop,
             )
 
-        channels, statistics, stopped, unvented = on_rig(hardware, period_s, drive)
+        channels, statistics, stopped, unvented = on_rig(hardware, period_s, drive, guarded)
         if unvented:
             complete = "the samples are complete, but the rig was not closed: "
             stopped = (f"{stopped}\n" if stopped else complete) + unvented

@@ -38,6 +38,7 @@ def on_rig(
     hardware: Mapping[str, Any],
     period_s: float,
     act: Callable[[Device, Clock], dict[str, np.ndarray]],
+    guarded: Callable[[], bool] = lambda: True,
 ) -> Session:
     """Open the real rig with its safety limits and clock; act; make it safe and release it.
 
@@ -45,6 +46,8 @@ def on_rig(
     ----------
     act : callable
         Returns channels, or raises RunAbortedError.
+    guarded : callable
+        Returns whether the guardian was heard lately; if not, it does not vent in our place.
 
     Raises
     ------
@@ -90,7 +93,7 @@ def on_rig(
             notify(SAFE)
         except DeviceError as closing:
             unvented = str(closing)
-            if not notify(HEARTBEAT):  # the guardian has ended, so that only this process can vent
+            if not (guarded() and notify(HEARTBEAT)):  # else only this process can vent
                 unvented += f"\n{vent_until_shown(hardware)}"
             if failed:  # which is not hidden
                 raise DeviceError(f"{failed}\n{unvented}") from failed
@@ -178,6 +181,10 @@ class Stop:
                     "(hardware.loop.stalled_s)"
                 )
         return self._reason
+
+    def guarded(self) -> bool:
+        """Return whether the guardian was heard lately; it may have been stopped, as by Ctrl-Z."""
+        return self._monotonic() - self._heartbeat_s <= self._stalled_s
 
     def _signalled(self, number: int, frame: Any) -> None:
         self._reason = self._reason or "stopped by Ctrl-C or a signal"

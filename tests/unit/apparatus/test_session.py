@@ -6,6 +6,7 @@ import pytest
 from fprc.apparatus import session
 from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.session import Stop
+from fprc.errors import DeviceError
 
 
 @pytest.fixture
@@ -38,6 +39,36 @@ def test_heartbeat_is_sent_when_the_loop_asks_and_one_is_due(stop, clocks, monke
         stop()
         clocks.ran_s += 0.01
     assert sent == 4 * [HEARTBEAT]
+
+
+@pytest.mark.parametrize(
+    ("silent_s", "sent", "tries_on"), [(0.0, True, 0), (0.0, False, 1), (0.6, True, 1)]
+)
+def test_rig_that_cannot_be_vented_is_left_to_a_guardian_that_is_there(
+    stop, clocks, settings, monkeypatch, silent_s, sent, tries_on
+):
+    """The guardian is there, or has ended, or was stopped."""
+
+    class Rig:
+        def __init__(self, *given, **named):
+            pass
+
+        def close(self):
+            raise DeviceError("board AIO001 failed")
+
+    def act(device, clock):
+        clocks.ran_s += silent_s
+        clock.wait_for(0)
+        return {}
+
+    tried = []
+    monkeypatch.setattr(session, "HardwareRig", Rig)
+    monkeypatch.setattr(session, "CheckedRig", lambda *given, **named: None)
+    monkeypatch.setattr(session, "notify", lambda message: sent)
+    monkeypatch.setattr(session, "vent_until_shown", lambda hardware: tried.append(1))
+    found = session.on_rig(settings["hardware"], 0.005, act, stop.guarded)
+    assert "AIO001" in found.unvented
+    assert len(tried) == tries_on
 
 
 def test_guardian_that_is_silent_ends_the_run(stop, clocks):
