@@ -280,4 +280,6 @@ def _explained(item: Mapping[str, Any]) -> str:
     likely = likely_channel(last) if above == ["channels"] else None
     if item["type"] == "extra_forbidden" and likely:
         return f"channels.{last}: unknown key; did you mean channels.{likely}?"
+    if item["input"] == "?":
+        return f"{'.'.join([*above, last])} = ?: the draft did not find it; give it"
     return explained(item, ImportMap, "docs/own-data.md")

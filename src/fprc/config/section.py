@@ -57,7 +57,7 @@ class Section(BaseModel):
         if cls.model_fields[str(info.field_name)].annotation is bool:
             return value
         if any(isinstance(part, bool) for part in parts):
-            raise ValueError("must be a number or a text, not true/false")
+            raise ValueError("must not be true or false")
         return value
 
 
