@@ -137,6 +137,8 @@ def _merge_layer(merged: dict[str, Any], content: Mapping[str, Any]) -> None:
     """
     rig = content.get("rig")
     if isinstance(rig, str):
+        # first all else: it is checked even if there is no such rig
+        _merge(merged, deepcopy({key: value for key, value in content.items() if key != "rig"}))
         content = {**content, "rig": {}, **read_yaml(rig_file(rig))}
         merged |= {"rig": Settings().rig.model_dump(), "fitted": {"name": rig}}
     elif isinstance(rig, Mapping) and "fitted" in content:
