@@ -1,6 +1,8 @@
 """Compile the kernels once: processes that begin together would each compile them."""
 
 from fprc.config import check
+from fprc.control import pressure_loops, run
+from fprc.devices.sim import SimulatedRig
 from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
@@ -25,9 +27,11 @@ def main() -> None:
     for adapt in (False, True):
         feedforward = control["feedforward"] | {"adapt": adapt}
         bench = Track(settings["tracking"], control | {"feedforward": feedforward}, rig, 1)
-        bench.follow("sine_0p5", "fprc_pd", fprc)
-        precomputed = bench.precompute(fprc, bench.inputs("sine_0p5"))
-        bench.simulate("sine_0p5", precomputed, feedback=True)
+        bench.follow("sine_0p5", ["fprc_pd"], {"fprc": fprc})
+        law = bench.law(bench.reference("sine_0p5")[:100], "fprc_pd", fprc)
+        device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=control["sample_rate_hz"])
+        extra = bench.channels("fprc_pd")
+        run(device, device, law, 100, **pressure_loops(control), extra=extra)
 
 
 if __name__ == "__main__":

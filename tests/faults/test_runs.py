@@ -71,7 +71,7 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
 
     simulator = Track(settings["tracking"], settings["control"], settings["rig"], settings["seed"])
     theta_d = simulator.reference("sine_0p5")
-    expected = simulator.follow("sine_0p5", "fprc_pd", load_model(model))
+    expected = simulator.follow("sine_0p5", ["fprc_pd"], {"fprc": load_model(model)})["fprc_pd"]
     compare(found.channels, expected)
     assert np.array_equal(found.channels["theta_d_deg"], theta_d)
     assert np.ptp(found.channels["p_ff_kpa"]) > 10.0

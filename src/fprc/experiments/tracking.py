@@ -12,9 +12,7 @@ from fprc.control import (
     PD,
     Law,
     feedforward,
-    pressure_loops,
     refuse_impossible,
-    run,
     tracking_law,
 )
 from fprc.control.simulated import Precomputed, simulate_tracking
@@ -121,30 +119,33 @@ class Track(NamedTuple):
         return (*TRACKING_CHANNELS, *LEARNING_CHANNELS) if learns else TRACKING_CHANNELS
 
     def follow(
-        self, reference: str, controller: str, model: SequenceModel | None
-    ) -> dict[str, np.ndarray]:
-        """Follow a reference with one of the controllers and return its channels.
+        self,
+        reference: str,
+        controllers: Sequence[str],
+        models: Mapping[str, SequenceModel],
+        *,
+        pushed: bool | None = None,
+    ) -> dict[str, dict[str, np.ndarray]]:
+        """Follow a reference on the simulated rig; return the channels of each controller.
 
-        ``model`` gives the feedforward; PD alone does not use it.
+        Parameters
+        ----------
+        models : Mapping
+            Models that give the feedforward, by name.
+        pushed : bool, optional
+            Whether the reservoir is pushed; by default in the disturbance test only.
         """
-        theta_d = self.reference(reference)
-        pushed = reference == DISTURBANCE
-        pushes = self.pushes(len(theta_d)).tolist() if pushed else [0.0]
-        device = SimulatedRig(
-            self.rig,
-            seed=self.seed,
-            run=TRACKING_RUNS[reference],
-            sample_rate_hz=self.control["sample_rate_hz"],
-            push_kpa=lambda tick: pushes[min(max(tick, 0), len(pushes) - 1)],
-        )
-        return run(
-            device,
-            device,
-            self.law(theta_d, controller, model),
-            len(theta_d),
-            **pressure_loops(self.control),
-            extra=self.channels(controller),
-        )
+        samples = len(self.reference(reference))
+        pushed = reference == DISTURBANCE if pushed is None else pushed
+        pushes = self.pushes(samples) if pushed else None
+        inputs = self.inputs(reference, pushes)
+        runs = {}
+        for name in controllers:
+            driver = feedforward_of(name)
+            p_ff = self.precompute(models[driver], inputs) if driver else np.zeros(samples)
+            runs[name] = self.simulate(reference, p_ff, pushes, feedback=has_feedback(name))
+        log.info("followed %s with %s", reference, ", ".join(controllers))
+        return runs
 
     def inputs(self, reference: str, pushes: np.ndarray | None = None) -> np.ndarray:
         """Return the inputs of the models for a whole reference, of shape (n_samples, 2).
@@ -183,7 +184,15 @@ class Track(NamedTuple):
         *,
         feedback: bool,
     ) -> dict[str, np.ndarray]:
-        """Do as ``follow``, in compiled code, with P_ff in kPa, or as ``precompute`` gives it."""
+        """Return the channels of a run, simulated in compiled code.
+
+        They are those of ``law`` in the loop that runs the real rig, on a ``SimulatedRig``.
+
+        Parameters
+        ----------
+        precomputed : ndarray or Precomputed
+            P_ff in kPa, or the result of ``precompute``.
+        """
         rate_hz, number = self.control["sample_rate_hz"], TRACKING_RUNS[reference]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
         return simulate_tracking(
@@ -245,28 +254,17 @@ def measure_control(
         Models that give the feedforward, by name.
     """
 
-    def follow(
-        reference: str, names: Sequence[str], pushed: bool = False
-    ) -> dict[str, dict[str, np.ndarray]]:
-        """Return the channels of each controller after the settling time."""
-        samples = len(bench.reference(reference))
-        pushes = bench.pushes(samples) if pushed else None
-        inputs = bench.inputs(reference, pushes)
-        runs = {}
-        for name in names:
-            driver = feedforward_of(name)
-            p_ff = bench.precompute(models[driver], inputs) if driver else np.zeros(samples)
-            channels = bench.simulate(reference, p_ff, pushes, feedback=has_feedback(name))
-            runs[name] = settled(channels, bench.tracking["references"][reference]["settle_s"])
-        log.info("followed %s with %s", reference, ", ".join(names))
-        return runs
+    def follow(reference: str, names: Sequence[str], pushed: bool | None = None) -> dict[str, Any]:
+        runs = bench.follow(reference, names, models, pushed=pushed)
+        settle_s = bench.tracking["references"][reference]["settle_s"]
+        return {name: settled(channels, settle_s) for name, channels in runs.items()}
 
     runs = {
         f"{reference}/{name}": run
         for reference in bench.tracking["references"]
-        for name, run in follow(reference, controllers, reference == DISTURBANCE).items()
+        for name, run in follow(reference, controllers).items()
     }
-    unpushed = follow(DISTURBANCE, ["fprc_pd"])["fprc_pd"]
+    unpushed = follow(DISTURBANCE, ["fprc_pd"], pushed=False)["fprc_pd"]
     return {
         "hysteresis": measure_hysteresis(sweep.channels),
         "pressure_error": measure_pressure_error(sweep.channels),

@@ -4,7 +4,6 @@ import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fprc.control import RunAbortedError
 from fprc.experiments.tracking import Track, describe_model, tracking_rmse
 from fprc.logs import write_raw
 from fprc.models import load_model
@@ -38,28 +37,19 @@ def track(
     Raises
     ------
     ControlError
-        The reference is impossible, or a run was aborted; its samples are then
-        kept next to the log as ``*.aborted.h5``.
+        The reference is impossible, or a model gives no finite P_ff.
     """
     bench = Track(tracking, control, rig, seed)
     files = dict(zip(names, models, strict=True))
     fitted = {
         name: load_model(path, outside_class(name, classes or {})) for name, path in files.items()
     }
-    for path, controller in zip(raw, controllers, strict=True):
+    for path, (controller, channels) in zip(
+        raw, bench.follow(reference, controllers, fitted).items(), strict=True
+    ):
         described = bench.describe(reference, controller)
         described |= {"source": "sim", "rig": {"rig": rig, **described["rig"]}}
-        feedforward = feedforward_of(controller)
-        model = fitted[feedforward] if feedforward else None
-        if feedforward:
+        if feedforward := feedforward_of(controller):
             described |= describe_model(fitted[feedforward], files[feedforward])
-        try:
-            channels = bench.follow(reference, controller, model)
-        except RunAbortedError as stopped:
-            rescued = f"{path.removesuffix('.h5')}.aborted.h5"
-            described |= {"complete": False, "incomplete_reason": str(stopped)}
-            write_raw(rescued, stopped.channels, **described)
-            log.error("the recorded samples are kept in %s", rescued)
-            raise
         write_raw(path, channels, **described)
         log.info("%s: RMSE %.3f deg", controller, tracking_rmse(channels, described["settle_s"]))

@@ -2,6 +2,8 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
+from fprc.control import pressure_loops, run
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.experiments import tracking
 from fprc.experiments.data import Data
@@ -10,7 +12,6 @@ from fprc.experiments.measures import measure_hysteresis, measure_pressure_error
 from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, tracking_rmse
 from fprc.models import FPRC, FuzzyLinear
 from fprc.paper import CONTROLLERS, REFERENCES
-from fprc.registry import has_feedback
 
 NO_PUSHES = {"quiet_s": 8.0, "every_s": 1.0, "sigma_kpa": 0.0}
 
@@ -37,6 +38,22 @@ def models(recorded):
     }
 
 
+def tick_by_tick(bench, reference, name, model):
+    """Return the channels of the law in the loop that runs the real rig."""
+    theta_d = bench.reference(reference)
+    pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else np.zeros(len(theta_d))
+    device = SimulatedRig(
+        bench.rig,
+        seed=bench.seed,
+        run=TRACKING_RUNS[reference],
+        sample_rate_hz=bench.control["sample_rate_hz"],
+        push_kpa=lambda tick: pushes[np.clip(tick, 0, len(pushes) - 1)],
+    )
+    law, extra = bench.law(theta_d, name, model), bench.channels(name)
+    loops = pressure_loops(bench.control)
+    return run(device, device, law, len(theta_d), **loops, extra=extra)
+
+
 def changed(bench, **feedforward):
     control = bench.control | {"feedforward": bench.control["feedforward"] | feedforward}
     return bench._replace(control=control)
@@ -47,12 +64,8 @@ def changed(bench, **feedforward):
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_compiled_run_is_that_of_the_model_in_the_loop(bench, models, reference, name, feedforward):
     bench = changed(bench, **feedforward)
-    expected = bench.follow(reference, name, models["fprc"])
-    samples = len(bench.reference(reference))
-    pushes = bench.pushes(samples) if reference == "disturbance" else None
-    precomputed = bench.precompute(models["fprc"], bench.inputs(reference, pushes))
-    precomputed = np.zeros(samples) if name == "pd" else precomputed
-    result = bench.simulate(reference, precomputed, pushes, feedback=has_feedback(name))
+    expected = tick_by_tick(bench, reference, name, models["fprc"])
+    result = bench.follow(reference, [name], models)[name]
     assert np.ptp(expected["theta_deg"]) > 5.0
     learns = "adapt" in feedforward and name != "pd"
     assert learns is ("p_learned_kpa" in expected) is ("p_learned_kpa" in result)
@@ -121,7 +134,7 @@ def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, 
         (runs["disturbance/fprc_pd"], bench, "disturbance", "fprc_pd"),
         (unpushed, no_push, "disturbance", "fprc_pd"),
     ):
-        expected = at.follow(reference, name, models["fprc"])
+        expected = at.follow(reference, [name], models)[name]
         for channel in ("time_s", "theta_d_deg", "theta_deg", "p_ff_kpa", "phi_deg"):
             after = expected[channel][expected["time_s"] >= 5.0]
             np.testing.assert_allclose(found[channel], after, atol=0.1)

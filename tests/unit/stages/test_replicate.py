@@ -145,5 +145,7 @@ def test_starts_drive_the_loops_of_table_4(errors, settings, on_rig, judgement):
     readout.fit(features.transform(X)[part], y[part])
     bench = Track(settings["tracking"], settings["control"], settings["rig"], SEED)
     for run in ("sweep/fprc", "complex/fprc_pd"):
-        followed = bench.follow(*run.split("/"), model.assembled(features, readout))
+        reference, name = run.split("/")
+        fitted = {"fprc": model.assembled(features, readout)}
+        followed = bench.follow(reference, [name], fitted)[name]
         assert found[run][3] == pytest.approx(tracking_rmse(followed, SETTLE_S), rel=1e-6)

@@ -296,7 +296,7 @@ def test_share_and_loops_of_the_full_models_are_those_of_the_workflow(settings, 
     for loop, gains in (("closed_loop", 1.0), ("firm_loop", 1.5)):
         pd = {name: gains * value for name, value in on_rig.control["pd"].items()}
         bench = Track(tracking, {**on_rig.control, "pd": pd}, on_rig.rig, 41)
-        run = bench.follow("sweep", "fprc_pd", models["fprc"])
+        run = bench.follow("sweep", ["fprc_pd"], models)["fprc_pd"]
         assert judged[loop]["sweep"] == pytest.approx(tracking_rmse(run, settle_s), rel=1e-6)
     assert judged["firm_loop"]["sweep"] != judged["closed_loop"]["sweep"]
 

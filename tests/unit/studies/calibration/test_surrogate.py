@@ -219,7 +219,7 @@ def test_open_loop_errors_are_those_of_the_model_in_the_loop(judged, logs, on_ri
     bench = Track(tracking, on_rig.control, on_rig.rig, SEED)
     assert list(judged["open_loop"]) == list(REFERENCES)
     for reference, found in judged["open_loop"].items():
-        log = bench.follow(reference, "fprc", model)
+        log = bench.follow(reference, ["fprc"], {"fprc": model})["fprc"]
         error = (log["theta_d_deg"] - log["theta_deg"])[log["time_s"] >= 0.5]
         # P_ff differs by rounding, and a converter may round to the other side
         assert found == pytest.approx(rms(error), rel=1e-3), reference
@@ -232,7 +232,7 @@ def test_measures_of_control_are_those_of_runs_with_the_model(judged, logs, on_r
         assert errors == pytest.approx(judged[loop])
     model = build("fprc").assembled(*fitted(logs, "sweep", "fprc"))
     bench = Track(tracking, on_rig.control, on_rig.rig, SEED)
-    both, alone = (bench.follow("sweep", law, model) for law in ("fprc_pd", "pd"))
+    both, alone = bench.follow("sweep", ["fprc_pd", "pd"], {"fprc": model}).values()
     after = both["time_s"] >= 0.5
     effort = rms(both["p_fb_kpa"][after]) / rms(both["p_ff_kpa"][after])
     assert control["effort"]["sweep"] == pytest.approx(effort, rel=0.02)
