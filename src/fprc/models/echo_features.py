@@ -7,7 +7,7 @@ import numpy as np
 from sklearn.utils import check_random_state
 
 from fprc.models.echo import echo_states, narrowed, update
-from fprc.models.features import FeatureMap, lagged, refuse_shorter, taps
+from fprc.models.features import FeatureMap, refuse_shorter, taps
 from fprc.models.kernels import shift
 from fprc.models.learned import Learned
 from fprc.models.limits import Limit, Seed, Whole
@@ -99,9 +99,6 @@ class EchoStates(FeatureMap):
         rows = echo_states(padded, self.w_in_, self.W_r_, self.gamma, free)[self.washout :]
         rows[:, :free] = references
         return rows
-
-    def _named(self, columns: list[str]) -> list[str]:
-        return lagged(columns, self.n_y) + [f"state{i}" for i in range(len(self.W_r_))]
 
     def _start(self, x: np.ndarray) -> None:
         self._W_r = narrowed(self.W_r_)

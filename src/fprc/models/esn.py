@@ -58,7 +58,7 @@ class ESN(SequenceModel):
 
     def make_features(self) -> EchoStates:
         """Return the unfitted network."""
-        return self._part(EchoStates).set_output(transform="default")
+        return self._part(EchoStates)
 
     def make_readout(self) -> RidgeReadout:
         """Return the unfitted readout."""

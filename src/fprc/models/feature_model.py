@@ -40,7 +40,7 @@ class FeatureModel(SequenceModel):
         """Return the unfitted map."""
         if not isinstance(self.features, FeatureMap):
             raise _not(self.features, "features", "a FeatureMap")
-        return self._seeded(self.features).set_output(transform="default")
+        return self._seeded(self.features)
 
     def make_readout(self) -> BaseEstimator:
         """Return the unfitted readout."""

@@ -13,7 +13,7 @@ from typing import Self
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from sklearn.base import BaseEstimator, OneToOneFeatureMixin, TransformerMixin
+from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.kernels import shift
@@ -45,11 +45,6 @@ def refuse_shorter(X: np.ndarray, size: int) -> None:
         )
 
 
-def lagged(columns: list[str], size: int) -> list[str]:
-    """Return the names of the taps of some columns; lag 0 is the present sample."""
-    return [f"{column}_lag{lag}" for column in columns for lag in range(size)]
-
-
 def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0) (Eq. 6)."""
     # not scipy.signal.lfilter: its import takes half a second, and pandas is imported anyway
@@ -60,7 +55,7 @@ def _is_sample(value: float) -> bool:
     return -LARGEST <= value <= LARGEST  # NaN is not
 
 
-class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
+class FeatureMap(TransformerMixin, BaseEstimator):
     """Base of the sequential feature maps."""
 
     #: See ``fprc.models.limits``.
@@ -91,29 +86,6 @@ class FeatureMap(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):
                 f"{LARGEST:g}, remove the fault from the log"
             )
         return samples
-
-    def get_feature_names_out(self, input_features: ArrayLike | None = None) -> np.ndarray:
-        """Return the name of each feature, such as ``theta_deg_lag1`` for a tap of ``theta_deg``.
-
-        Parameters
-        ----------
-        input_features : array-like of str of shape (n_inputs,), optional
-            Names of the columns; by default those of the DataFrame in ``fit``, else x0, x1, ...
-
-        Returns
-        -------
-        ndarray of str of shape (n_features,)
-
-        Raises
-        ------
-        NotFittedError
-            ``fit`` was not called.
-        ValueError
-            The names are not those in ``fit``, or their number is wrong.
-        """
-        # the mixin gives the names of the columns, which one-to-one maps keep
-        columns = super().get_feature_names_out(input_features)
-        return np.array(self._named(list(columns)), dtype=object)
 
     def count_features(self) -> int | None:
         """Return the number of features; None if it is unknown for a class."""
@@ -242,11 +214,6 @@ class TapFeatures(FeatureMap):
         references = [taps(column, self.n_y) for column in X.T[:split]]
         readouts = [taps(lowpass(column, self.epsilon), self.n_u) for column in X.T[split:]]
         return np.hstack(references + readouts)
-
-    def _named(self, columns: list[str]) -> list[str]:
-        references = columns[: self.n_references]
-        readouts = [f"{column}_lowpass" for column in columns[len(references) :]]
-        return lagged(references, self.n_y) + lagged(readouts, self.n_u)
 
     def _start(self, x: np.ndarray) -> None:
         split, sizes = self.count_references(), self.tap_sizes()

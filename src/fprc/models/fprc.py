@@ -62,7 +62,7 @@ class FPRC(SequenceModel):
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps and filter."""
-        return self._part(TapFeatures).set_output(transform="default")
+        return self._part(TapFeatures)
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""
@@ -117,8 +117,7 @@ class FuzzyLinear(SequenceModel):
 
     def make_features(self) -> TapFeatures:
         """Return the unfitted taps."""
-        taps = self._part(TapFeatures, n_references=None, n_u=1)
-        return taps.set_output(transform="default")
+        return self._part(TapFeatures, n_references=None, n_u=1)
 
     def make_readout(self) -> TakagiSugenoReadout:
         """Return the unfitted readout."""

@@ -43,9 +43,6 @@ class LowpassBank(FeatureMap):
         # a copy: numba would compile again for another layout or a read-only array
         return follow_log(np.array(X, order="C"), self._factors())
 
-    def _named(self, columns: list[str]) -> list[str]:
-        return [f"{column}_lowpass{epsilon:g}" for column in columns for epsilon in self.epsilons]
-
     def _start(self, x: np.ndarray) -> None:
         self._epsilons = self._factors()
         self._row = np.repeat(x, len(self._epsilons))

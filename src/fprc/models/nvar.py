@@ -88,11 +88,6 @@ class NVAR(FeatureMap):
             products *= linear[:, columns]
         return np.hstack([linear, products])
 
-    def _named(self, columns: list[str]) -> list[str]:
-        lags = range(0, self._span(), self.spacing)
-        linear = [f"{column}_lag{lag}" for column in columns for lag in lags]
-        return linear + [" ".join(linear[i] for i in product) for product in self._factors()]
-
     def _start(self, x: np.ndarray) -> None:
         self._products = self._factors()
         self._row = np.empty(len(x) * self.n_taps + len(self._products))

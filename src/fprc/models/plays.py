@@ -59,9 +59,6 @@ class PlayOperators(FeatureMap):
         # a copy: numba would compile again for another layout or a read-only array
         return play_log(np.array(X, order="C"), self.half_widths_)
 
-    def _named(self, columns: list[str]) -> list[str]:
-        return [f"{column}_play{i}" for column in columns for i in range(self.n_plays)]
-
     def _start(self, x: np.ndarray) -> None:
         self._row = np.repeat(x, self.half_widths_.shape[1])
 

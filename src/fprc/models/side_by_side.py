@@ -81,7 +81,7 @@ class SideBySide(FeatureMap):
 
     def _prepare(self, X: np.ndarray) -> None:
         self.maps_ = [
-            clone(part).set_output(transform="default").fit(X[:, columns])
+            clone(part).fit(X[:, columns])
             for (_, part, _), columns in zip(self.maps, self._columns(), strict=True)
         ]
 
@@ -123,23 +123,10 @@ class SideBySide(FeatureMap):
     def _transform(self, X: np.ndarray) -> np.ndarray:
         return np.hstack([part.transform(X[:, columns]) for part, columns in self.parts()])
 
-    def _named(self, columns: list[str]) -> list[str]:
-        return [
-            f"{name}__{feature}"
-            for (name, _, _), (part, indices) in zip(self.maps, self.parts(), strict=True)
-            for feature in part.get_feature_names_out([columns[i] for i in indices])
-        ]
-
     def _start(self, x: np.ndarray) -> None:
-        self._parts, edge = [], 0
-        for part, columns in self.parts():
+        self._parts = [(part, np.array(columns)) for part, columns in self.parts()]
+        for part, columns in self._parts:
             part.reset(x[columns])
-            size = len(part.get_feature_names_out())
-            self._parts.append((part, np.array(columns), slice(edge, edge + size)))
-            edge += size
-        self._row = np.empty(edge)
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        for part, columns, place in self._parts:
-            self._row[place] = part.advance(x[columns])
-        return self._row
+        return np.concatenate([part.advance(x[columns]) for part, columns in self._parts])

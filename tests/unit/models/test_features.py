@@ -11,12 +11,8 @@ from sklearn.base import clone
 from fprc.models import (
     ESN,
     FPRC,
-    NVAR,
     EchoStates,
     FuzzyLinear,
-    LowpassBank,
-    PlayOperators,
-    SideBySide,
     TapFeatures,
     kernels,
 )
@@ -107,40 +103,6 @@ def log(size):
 def table(samples=30):
     values = np.random.default_rng(4).standard_normal((samples, 2))
     return pd.DataFrame(values, columns=["theta", "p_o"], index=np.arange(samples) / 200.0)
-
-
-def test_columns_hold_what_their_names_say():
-    X = table()
-    features = TapFeatures(n_y=3, n_u=2, epsilon=0.1).set_output(transform="pandas")
-    found = features.fit(X).transform(X)
-    smooth = X["p_o"].ewm(alpha=0.1, adjust=False).mean()
-    expected = {f"theta_lag{lag}": X["theta"].shift(lag).bfill() for lag in range(3)}
-    expected |= {f"p_o_lowpass_lag{lag}": smooth.shift(lag).bfill() for lag in range(2)}
-    pd.testing.assert_frame_equal(found, pd.DataFrame(expected))
-
-
-@pytest.mark.parametrize(
-    ("features", "names"),
-    [
-        (LowpassBank((1.0, 0.003)), "theta_lowpass1, theta_lowpass0.003"),
-        (PlayOperators(n_plays=2), "theta_play0, theta_play1"),
-        (
-            NVAR(n_taps=2, spacing=5),
-            "theta_lag0, theta_lag5, "
-            "theta_lag0 theta_lag0, theta_lag0 theta_lag5, theta_lag5 theta_lag5",
-        ),
-    ],
-)
-def test_names_say_column_and_factor_or_number_or_lags_in_samples(features, names):
-    features.fit(table()[["theta"]])
-    assert list(features.get_feature_names_out()) == names.split(", ")
-
-
-def test_names_of_several_maps_begin_with_that_of_the_map():
-    maps = [("bank", LowpassBank((0.5,)), [1, 0]), ("plays", PlayOperators(n_plays=1), [0])]
-    assert list(SideBySide(maps).fit(table()).get_feature_names_out()) == [
-        "bank__p_o_lowpass0.5", "bank__theta_lowpass0.5", "plays__theta_play0"
-    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(

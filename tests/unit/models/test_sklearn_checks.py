@@ -1,13 +1,5 @@
 import pytest
-from sklearn.base import clone
-from sklearn.utils.estimator_checks import (
-    check_global_output_transform_pandas,
-    check_set_output_transform,
-    check_set_output_transform_pandas,
-    check_transformer_get_feature_names_out,
-    check_transformer_get_feature_names_out_pandas,
-    parametrize_with_checks,
-)
+from sklearn.utils.estimator_checks import parametrize_with_checks
 
 from fprc.models import (
     ESN,
@@ -62,21 +54,3 @@ def test_model_with_memory_passes_scikit_learns_check(estimator, check):
             check(estimator)
     else:
         check(estimator)
-
-
-# two of the checks fit a table and transform an array, or the other way round
-@pytest.mark.filterwarnings("ignore:X .* feature names:UserWarning")
-@pytest.mark.parametrize(
-    "check",
-    [
-        check_transformer_get_feature_names_out,
-        check_transformer_get_feature_names_out_pandas,
-        check_set_output_transform,
-        check_set_output_transform_pandas,
-        check_global_output_transform_pandas,
-    ],
-)
-@pytest.mark.parametrize("features", [*MAPS, EchoStates(r=12)])
-def test_names_of_features_pass_scikit_learns_check(features, check):
-    """Which the checks above leave out."""
-    check(type(features).__name__, clone(features))
