@@ -6,7 +6,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help paper smoke quick style fast types kernels lint site tests faults test damage test-kill reproduce-twice processors \
+.PHONY: help paper smoke quick style fast types kernels lint site tests faults test damage test-kill reproduce-twice \
 	slurm slurm-programs test-slurm chromium docs check lowest newest fault-matrix fuzz loop-benchmark benchmark \
 	recordings container test-container release release-tools test-release clean
 
@@ -73,9 +73,6 @@ test-kill: .venv/.ready  ## kill the workflow at twenty random moments: ten minu
 
 reproduce-twice: .venv/.ready  ## compare two cold builds byte by byte: ten minutes on two cores
 	python tools/twice.py
-
-processors: .venv/.ready  ## compare with builds as on older processors: ten minutes on one core
-	python tools/twice.py --smoke --processors
 
 # Without Slurm, tests/workflow/test_slurm.py is skipped. The plugin has its own folder because, once
 # installed, it calls Slurm at every start of Snakemake.
@@ -148,7 +145,7 @@ loop-benchmark: .venv/.ready  ## measure the timing of the real rig's loop on th
 	python tests/faults/benchmark_loop.py
 
 # The libraries have their own folder, so that nothing else finds them. Variables can select kernels of
-# BLAS that are older than the processor; `make processors` wants that, a measurement of speed does not.
+# BLAS that are older than the processor, which a measurement of speed does not want.
 benchmark: .venv/.ready  ## compare speed with other libraries, for docs/running.md: some minutes
 	python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
 	  --target .venv/benchmark --requirement tools/benchmark/requirements.txt

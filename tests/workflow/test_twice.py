@@ -1,15 +1,9 @@
 """A second cold build: one core, another folder, time zone, locale and hash seed."""
 
 import json
-import math
-import shutil
 import time
 
-import h5py
-import numpy as np
-import pandas as pd
 import pytest
-from PIL import Image
 
 from fprc.fingerprint import _closure
 from fprc.provenance import write_digests
@@ -45,73 +39,23 @@ def test_every_module_that_ran_is_in_the_fingerprint_of_its_rule(rebuilt):
     assert {rule: names for rule, names in missing.items() if names} == {}
 
 
-@pytest.fixture
-def written(tmp_path):
-    """Write one result of each kind into a folder; numbers times ``factor``."""
-
-    def write(name, factor=1.0, **texts):
-        folder = tmp_path / name
-        for part in ("predictions", "tables", "replicates/command", "figures", "timing"):
-            (folder / part).mkdir(parents=True, exist_ok=True)
-        with h5py.File(folder / "predictions/sweep_esn_test.h5", "w") as file:
-            file["p_ff_kpa"] = np.array([1e-9, 100.0, np.nan]) * factor
-            file["count"] = np.arange(3)
-        table = {"model": ["ESN", texts.get("model", "FPRC")], "rmse_kpa": [10.0, 20 * factor]}
-        pd.DataFrame(table).to_csv(folder / "tables/table2.csv", index=False)
-        control = {"seed": 1, "runs": [{"rmse_deg": [0.5, 4.0 * factor], "reference": "sine"}]}
-        (folder / "replicates/command/control_101.json").write_text(json.dumps(control))
-        (folder / "claims.json").write_text(json.dumps({"verdict": texts.get("verdict", "yes")}))
-        pixels = np.zeros((30, 40), np.uint8)
-        pixels[: texts.get("rows", 0)] = 200
-        Image.fromarray(pixels).save(folder / "figures/fig01.png")
-        # the JSON beside a picture has hashes and is not compared
-        (folder / "figures/fig01.json").write_text(json.dumps({"commit": texts.get("commit", "a")}))
-        for name in ("times", "times_over_n_c", "steps"):
-            (folder / f"timing/{name}.json").write_text(str(time.monotonic()))
-            write_digests([str(folder / f"timing/{name}.json")], folder)
-        return folder
-
-    return write
-
-
-def test_builds_are_compared_by_their_numbers(written):
-    first = twice.files(written("one"))
-    shown, largest = twice.digits(first, twice.files(written("two", 1 + 1e-6, commit="b")))
-    assert largest == pytest.approx(1e-6)
-    apart = [line.split()[-1] for line in shown.splitlines()[2:]]
-    assert apart == ["0.0e+00", "0.0e+00", "1.0e-06", "1.0e-06", "1.0e-06"]
-    same = [line.split()[-2] for line in shown.splitlines()[2:]]
-    assert same == ["1", "1", "0", "0", "0"]
-    assert twice.digits(first, first)[1] == 0.0
-
-
-@pytest.mark.parametrize("change", [{"verdict": "no"}, {"model": "other"}, {"factor": np.nan}])
-def test_other_results_are_infinitely_apart(written, change):
-    first, second = written("one"), written("two", **change)
-    assert twice.digits(*map(twice.files, (first, second)))[1] == math.inf
-
-
-@pytest.mark.parametrize(
-    ("arguments", "factor", "code"),
-    [
-        (["--smoke"], 1.0, 0),
-        (["--smoke"], 1 + 1e-9, 1),
-        (["--smoke", "--processors"], 1 + 1e-9, 0),
-        (["--smoke", "--processors"], 1.1, 1),
-    ],
-)
-def test_exit_code_says_whether_builds_agree(written, monkeypatch, arguments, factor, code):
-    begun = []
-
+@pytest.mark.parametrize(("second", "code"), [("same", 0), ("other", 1)])
+def test_exit_code_says_whether_builds_agree(monkeypatch, second, code):
     def build(folder, circumstances, *options):
         assert options == ("--configfile", "config/smoke.yaml")
         assert (folder / "workflow/Snakefile").exists()
-        if folder not in begun:
-            begun.append(folder)
-            found = written(f"build {len(begun)}", factor if len(begun) == 2 else 1.0)
-            shutil.copytree(found, folder / "results/smoke")
+        results = folder / "results/smoke"
+        if results.exists():  # the second build again, with the measurements of the first
+            return
+        (results / "timing").mkdir(parents=True)
+        for name in twice.MEASURED:
+            (results / name).write_text(str(time.monotonic()))
+            write_digests([str(results / name)], results)
+        begun.append(results)
+        (results / "claims.json").write_text(second if len(begun) == 2 else "same")
 
+    begun = []
     monkeypatch.setattr(twice, "build", build)
-    monkeypatch.setattr("sys.argv", ["twice.py", *arguments])
+    monkeypatch.setattr("sys.argv", ["twice.py", "--smoke"])
     assert twice.main() == code
-    assert len(begun) == (3 if "--processors" in arguments else 2)
+    assert len(begun) == 2
