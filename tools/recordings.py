@@ -13,7 +13,7 @@ import pandas as pd
 import yaml
 
 from fprc.artifacts import read_json, write_text
-from fprc.claims.paired import LEAST_UNITS
+from fprc.claims.paired import LEAST_UNITS, verdict_in_words
 from fprc.cli import main
 from fprc.studies.blocks import replace_block
 
@@ -63,7 +63,7 @@ def row(name: str, report: Mapping[str, Any]) -> dict[str, str]:
     few = ", too few" if len(lengths) < LEAST_UNITS else ""
     verdicts = {
         claim["id"]: f"{claim['ratio']:.2f} ({claim['low']:.2f} to {claim['high']:.2f}), "
-        f"{claim['verdict']}"
+        f"{verdict_in_words(claim['verdict'], True, claim['turned'])}"
         for claim in report["verdicts"]
     }
     tests = {

@@ -130,12 +130,13 @@ def judge_claims(
 
 
 def _ours(statements: Sequence[Statement]) -> str:
-    """Return our numbers; of many statements, the one that is closest to its limit."""
+    """Return our numbers; of many statements, that nearest to its limit or furthest beyond it."""
     if len(statements) <= 6:
         return "; ".join(statement.shown() for statement in statements)
     held = sum(statement.verdict == REPRODUCED for statement in statements)
-    closest = min(statements, key=lambda statement: statement.margin)
-    return f"{held} of {len(statements)} hold; closest: {closest.shown()}"
+    worst = min(statements, key=lambda statement: statement.margin)
+    what = "closest" if worst.margin > 0.0 else "furthest off"
+    return f"{held} of {len(statements)} hold; {what}: {worst.shown()}"
 
 
 def _limits(statements: Sequence[Statement]) -> str:

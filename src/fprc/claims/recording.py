@@ -26,6 +26,12 @@ from fprc.registry import title_of
 LEFT_OUT = 2
 
 
+#: Verdicts on an error, in words.
+_AGAINST = {
+    SUPERIOR: "lower than", INFERIOR: "higher than", EQUIVALENT: "within 5 % of that"
+}  # fmt: skip
+
+
 class Claim(NamedTuple):
     """FPRC against one competitor."""
 
@@ -84,8 +90,8 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
 
     It pays if FPRC beats both the same readout without P_o (R1) and that on low-passed theta (B1).
     """
-    verdict = {row["id"]: row["verdict"] for row in rows}
-    alone, lowpass = verdict["R1"], verdict["B1"]
+    by_id = {row["id"]: row for row in rows}
+    alone, lowpass = (by_id[name]["verdict"] for name in ("R1", "B1"))
     if NOT_JUDGED in (alone, lowpass):
         return "**Not judged**: too few blocks have an error of all models; see the reasons below."
     if alone == lowpass == SUPERIOR:
@@ -98,19 +104,18 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
                 "without it" if alone == against else "with low-passed theta, which costs nothing"
             )
             return f"**No**: with P_o the error is {words.format(other)}."
-    helps = (
-        "P_o lowers the error, but so may low-passed theta"
-        if alone == SUPERIOR
-        else (
-            "with P_o the error may be higher or lower than without it"
-            if lowpass == UNDECIDED
-            else "P_o beats low-passed theta, but not for certain the readout without P_o"
-        )
-    )
+    if alone == SUPERIOR:
+        helps = "P_o lowers the error, but so may low-passed theta"
+    elif turned := by_id["R1"]["turned"]:
+        helps = f"over the whole recording the error with P_o is {_AGAINST[turned]} without it"
+    elif lowpass == UNDECIDED:
+        helps = "with P_o the error may be higher or lower than without it"
+    else:
+        helps = "P_o beats low-passed theta, but not for certain the readout without P_o"
     blocks = min(row["blocks"] for row in rows)
     if blocks < LEAST_UNITS:
         more = f"{blocks} blocks decide nothing: make a longer recording"
-    elif any(row["turned"] for row in rows if row["id"] in ("R1", "B1")):
+    elif any(by_id[name]["turned"] for name in ("R1", "B1")):
         more = f"its parts disagree: without {LEFT_OUT} of {blocks} blocks a verdict changes"
     else:
         more = "a longer recording of the same motion, or several, may decide it"

@@ -180,6 +180,7 @@ def _learning(online: Online) -> dict[str, str]:
     }  # fmt: skip
     return {
         "n_w": str(len(prior)),
+        "prior_s": f"{settings.prior_s:g}",
         "delay": str(online.delay),
         "prior": _literals(prior, "prior", False),
         **{key: repr(float(value)) for key, value in numbers.items()},

@@ -177,7 +177,7 @@ LEARNING = {
 """),
     "prior": Template("""\
 
-/* Covariance of the weights after the training. */
+/* Covariance of the weights after the training, as if it had lasted $prior_s s. */
 static const ${name}_real ${name}_prior[$n_w][$n_w] = {
 $prior
 };

@@ -35,7 +35,8 @@ _ABOVE_0, _FROM_0 = Limit(0.0, math.inf, True, True), Limit(0.0, math.inf, False
 class Online:
     """A model whose readout learns from the tracking error by recursive least squares.
 
-    P_ff(k) = (w + v(k)) phi(k), with the regressors phi of the readout and its trained weights w.
+    P_ff(k) = w phi(k) + v(k) phi(k), with the regressors phi of the readout and its trained weights
+    w; the second term, which is learned, stays within ``limit_kpa`` either way.
     The error of now is charged to the command that caused it, d samples ago:
 
         v <- v + G (P_ff(k-d) + S e(k) - (w + v) phi(k-d)),  G = C phi / (1 + phi^T C phi)
@@ -61,7 +62,7 @@ class Online:
     learned : ndarray of shape (n_weights,)
         v, what the weights have learned.
     p_learned_kpa : float
-        v phi of the last step.
+        v phi of the last step, within ``limit_kpa`` either way.
     n_features_in_ : int
         Inputs of the model.
 

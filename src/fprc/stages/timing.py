@@ -14,9 +14,6 @@ from fprc.registry import build, has_steps
 
 log = logging.getLogger(__name__)
 
-#: Samples of each log that are timed one by one over the number of rules.
-STEPS = 3000
-
 
 def measure_times(
     train: str,
@@ -34,8 +31,7 @@ def measure_times(
 ) -> None:
     """Time training and test of every model on this machine, and steps of the closed loop.
 
-    FPRC and Fuzzy-linear also over the number of rules (Fig. 10c): whole logs at once, and the
-    first ``STEPS`` samples of each log one by one.
+    FPRC and Fuzzy-linear also over the number of rules (Fig. 10c).
     """
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
@@ -65,14 +61,9 @@ def measure_times(
         if name in logs
         for rules in n_c
     }
-    parts = {
-        key: (model, (X[:STEPS], y[:STEPS]), (X_test[:STEPS], y_test[:STEPS]))
-        for key, (model, (X, y), (X_test, y_test)) in with_rules.items()
-    }
     over_n_c = [
         {"model": name, "n_c": rules, **entry}
-        for mode, pieces in (("batch", with_rules), ("sequential", parts))
-        for (name, rules), entries in time_models(pieces, repeats, modes=(mode,)).items()
+        for (name, rules), entries in time_models(with_rules, repeats).items()
         for entry in entries
     ]
     write_json(times_over_n_c, described | {"times": over_n_c})

@@ -81,6 +81,17 @@ def test_verdict_that_few_subsets_share_is_shown_as_unstable_and_counts_as_undec
     assert answer(rows).startswith("**Not decided**: ")
 
 
+@pytest.mark.parametrize(
+    ("turned", "words"),
+    [("superior", "lower than"), ("inferior", "higher than"), ("equivalent", "within 5 %")],
+)
+def test_answer_says_what_the_whole_recording_shows_if_its_parts_disagree(turned, words):
+    rows = judge_recording(report(spread=0.1))
+    rows[-1] |= {"verdict": "undecided", "turned": turned}
+    assert f"with P_o is {words}" in answer(rows)
+    assert "higher or lower" not in answer(rows)
+
+
 def test_model_without_errors_leaves_its_claim_unjudged():
     results = report(fprc_lowpass=0.7)
     results["cells"][2] = {"model": "ridge_p_o", "reason": "too long"}

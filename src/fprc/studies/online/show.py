@@ -98,7 +98,7 @@ def _verdicts(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, s
             "id": name,
             "claim": CLAIMS[name],
             "part": part.text,
-            "verdict": verdict_in_words(outcome.verdict, part.ratio),
+            "verdict": verdict_in_words(outcome.verdict, part.ratio, outcome.turned),
             **(part.ends(outcome.level) if len(part.values) > 1 else nothing),
             "units": len(part.values),
             "source": "sim",
