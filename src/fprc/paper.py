@@ -31,8 +31,6 @@ SOURCES = {
     "sim": "simulated rig, not hardware",
     "rig": "recorded on the rig",
     "import": "imported recordings",
-    "rig+sim": "recorded on the rig, P_o simulated, driven by the recorded theta",
-    "import+sim": "imported recordings, P_o simulated, driven by the recorded theta",
 }
 
 REFERENCE_NAMES = {

@@ -40,14 +40,14 @@ def describe(
     Returns
     -------
     dict
-        ``source``, ``simulated`` (also true if only a part is), ``seeds``, ``commit``,
-        ``dirty``, ``config_sha256``, ``versions``, ``inputs``, ``outputs``. ``commit`` and
-        ``dirty`` are None where the code is not in a git checkout.
+        ``source``, ``simulated``, ``seeds``, ``commit``, ``dirty``, ``config_sha256``,
+        ``versions``, ``inputs``, ``outputs``. ``commit`` and ``dirty`` are None where the code is
+        not in a git checkout.
     """
     commit, dirty = checkout()
     return {
         "source": data["source"],
-        "simulated": data["source"].endswith("sim"),
+        "simulated": data["source"] == "sim",
         "seeds": [
             int(seed) for seed in data.get("seeds", [data["seed"]] if "seed" in data else [])
         ],

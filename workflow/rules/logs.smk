@@ -51,32 +51,6 @@ if SETTINGS["source"] == "rig":
             "../scripts/stage.py"
 
 
-if PLAN.simulates_reservoir:
-
-    rule add_reservoir:
-        input:
-            raw=PATHS.log("{name}"),
-        output:
-            extended=PATHS.with_reservoir("{name}"),
-        log:
-            PATHS.messages("add_reservoir_{name}"),
-        wildcard_constraints:
-            name="|".join([*EXPERIMENTS, *PLAN.further]),
-        params:
-            **stage("reservoir.add_reservoir"),
-            experiment=lambda wildcards: wildcards.name.partition("_")[0],
-            sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
-            rate_tolerance=SETTINGS["quality"]["rate_tolerance"],
-            zero_deg=SETTINGS["evaluation"]["reservoir_zero_deg"],
-            control=of_pressures(SETTINGS),
-            rig=SETTINGS["rig"],
-            seed=SETTINGS["seed"],
-        message:
-            "Simulated reservoir, driven by theta of the {wildcards.name} log"
-        script:
-            "../scripts/stage.py"
-
-
 rule preprocess:
     input:
         raw=lambda wildcards: PLAN.logs_of(wildcards.experiment),

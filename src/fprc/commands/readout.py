@@ -37,7 +37,6 @@ from fprc.stages.competitors import compare_competitors, tabulate_competitors
 from fprc.stages.draw import draw_readout
 from fprc.stages.preprocess import preprocess
 from fprc.stages.readout import measure_readout
-from fprc.stages.reservoir import add_reservoir
 from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
@@ -108,17 +107,18 @@ def report_readout(
             "pip install 'fprc[readout]'"
         )
     settings = from_files(config).model_dump(mode="json")
-    simulated = settings["evaluation"]["reservoir"] == "simulated"
     refuse_repeats([source, *train], "a test on training samples proves nothing")
     mapping = read_map(map_)
-    if problems := _problems_of_map(map_, mapping, simulated=simulated, more=bool(train)):
+    if problems := _problems_of_map(map_, mapping, more=bool(train)):
         raise ConfigError("\n".join(problems))
     count = processes(workers)
     folder = Path(out or Path("results", Path(source).stem))
     refuse_unwritable([folder])
     rate_hz, duration_s = own_rate(mapping, source)
     recorded_hz = [rate_hz, *(own_rate(mapping.of_whole("sweep"), path)[0] for path in train)]
-    rate_hz = mapping.sample_rate_hz or _common_rate(recorded_hz, settings)
+    highest_hz = settings["control"]["sample_rate_hz"]
+    # that of the slowest recording, at least 1 Hz as in a map, at most the configuration's
+    rate_hz = mapping.sample_rate_hz or min(highest_hz, max(1.0, min(recorded_hz)))
     mapping = mapping.model_copy(update={"sample_rate_hz": rate_hz})
     if mapping.experiment == "sweep":
         test_from_s = mapping.start_s + float(f"{_TRAINED * duration_s:.4g}")
@@ -187,42 +187,13 @@ def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> dict[str, R
     }
 
 
-def _common_rate(recorded_hz: Sequence[float], settings: Mapping[str, Any]) -> float:
-    """Return the rate at which the models work on recordings of these rates, Hz.
-
-    It is that of the slowest recording, at least the 1 Hz that a map can give and at most the
-    configuration's. The loops of a simulated reservoir need the configuration's.
-    """
-    highest: float = settings["control"]["sample_rate_hz"]
-    is_simulated = settings["evaluation"]["reservoir"] == "simulated"
-    return highest if is_simulated else min(highest, max(1.0, min(recorded_hz)))
-
-
 def _prepare(
     experiment: str, recordings: Recordings, settings: Mapping[str, Any], folder: Path
 ) -> str:
     """Import the recordings of one role and preprocess them; return the path of their data."""
-    sample_rate_hz = recordings[0][1].rate_hz
-    logs = []
-    names = log_names(experiment, len(recordings))
-    for name, (source, mapping) in zip(names, recordings, strict=True):
-        raw = folder / "raw" / f"{name}.h5"
-        import_mapped(mapping, source, str(raw))
-        if settings["evaluation"]["reservoir"] == "simulated":
-            driven = folder / "reservoir" / raw.name
-            add_reservoir(
-                str(raw),
-                str(driven),
-                experiment=experiment,
-                sample_rate_hz=sample_rate_hz,
-                rate_tolerance=settings["quality"]["rate_tolerance"],
-                zero_deg=settings["evaluation"]["reservoir_zero_deg"],
-                control=settings["control"],
-                rig=settings["rig"],
-                seed=settings["seed"],
-            )
-            raw = driven
-        logs.append(str(raw))
+    logs = [str(folder / f"raw/{name}.h5") for name in log_names(experiment, len(recordings))]
+    for raw, (source, mapping) in zip(logs, recordings, strict=True):
+        import_mapped(mapping, source, raw)
     data = str(folder / "data" / f"{experiment}.h5")
     preprocess(
         logs,
@@ -230,13 +201,13 @@ def _prepare(
         str(folder / "quality" / f"{experiment}.json"),
         experiment=experiment,
         target=settings["evaluation"]["target"],
-        sample_rate_hz=sample_rate_hz,
+        sample_rate_hz=recordings[0][1].rate_hz,
         limits=settings["quality"],
     )
     return data
 
 
-def _problems_of_map(path: str, mapping: ImportMap, *, simulated: bool, more: bool) -> list[str]:
+def _problems_of_map(path: str, mapping: ImportMap, *, more: bool) -> list[str]:
     problems = []
     if mapping.experiment == "complex" and not more:
         problems.append(
@@ -244,10 +215,9 @@ def _problems_of_map(path: str, mapping: ImportMap, *, simulated: bool, more: bo
             "to train on; give --train, or in the map test_from_s, the time in s at which the test "
             "part begins, instead of experiment"
         )
-    if mapping.channels.model_dump()["p_o_kpa"] is None and not simulated:
+    if mapping.channels.model_dump()["p_o_kpa"] is None:
         problems.append(
-            f"{path}: channels.p_o_kpa is missing: it is the readout to evaluate; add it, or set "
-            "evaluation.reservoir: simulated"
+            f"{path}: channels.p_o_kpa is missing: it is the readout to evaluate; add it"
         )
     return problems
 

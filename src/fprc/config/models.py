@@ -101,14 +101,6 @@ class Evaluation(Section):
     target: Literal["command", "measured"] = Field(
         "command", description="P_exp that the models learn: commanded or measured pressure"
     )
-    reservoir: Literal["recorded", "simulated"] = Field(
-        "recorded",
-        description="P_o of recorded logs: the recorded one, or that of the simulated reservoir, "
-        "driven by the recorded theta",
-    )
-    reservoir_zero_deg: float = quantity(
-        0, (-1e4, 1e4), "recorded theta at which the simulated reservoir is vented"
-    )
     timing_repeats: int = quantity(10, (1, 100), "repeats of the timing", "paper, Sec. III-D")
     replicate_seeds: Distinct[int] = quantity(
         (501, 502, 503, 504, 505, 506, 507, 508, 509, 510), (0, 2**31),

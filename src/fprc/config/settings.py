@@ -171,15 +171,6 @@ class Settings(Section):
         return self
 
     @model_validator(mode="after")
-    def _only_recorded_logs_lack_a_reservoir(self) -> "Settings":
-        if self.evaluation.reservoir == "simulated" and self.source != "recorded":
-            raise ValueError(
-                f"evaluation.reservoir = simulated is for recorded logs, and source is "
-                f"{self.source}; set source: recorded, or remove evaluation.reservoir"
-            )
-        return self
-
-    @model_validator(mode="after")
     def _commands_are_within_the_limit(self) -> "Settings":
         limit = self.tracking.pressure_limit_kpa
         sines = {"sweep": 1, "complex": len(self.experiments.complex.f_hz)}

@@ -132,8 +132,6 @@ _ORIGINS = {
     "sim": "simulated rig, seed {seed}",
     "rig": "recorded on the rig",
     "import": "imported recordings",
-    "rig+sim": "recorded on the rig; $P_o$ simulated, seed {seed}",
-    "import+sim": "imported recordings; $P_o$ simulated, seed {seed}",
     "none": "drawing, no data",
 }
 

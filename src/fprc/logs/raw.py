@@ -38,7 +38,7 @@ def write_raw(path: Path | str, channels: Mapping[str, np.ndarray], /, **attribu
     LogError
         One of these attributes is missing, or see ``write_columns``.
     """
-    simulated = str(attributes.get("source")).endswith("sim")
+    simulated = attributes.get("source") == "sim"
     described = {"software": f"fprc {__version__}", **attributes, "simulated": simulated}
     if missing := [name for name in RAW_ATTRIBUTES if name not in described]:
         raise LogError(f"{path}: a raw log needs {in_words(missing)}; give each as an argument")
@@ -116,9 +116,8 @@ def read_run(path: Path | str) -> Columns:
 def _gather(path: Path | str) -> tuple[Columns, list[str]]:
     """Read a raw log with the channels and attributes that its kind requires."""
     attributes = gather_columns(path, ())[0].attributes
-    recorded = str(attributes.get("source"))
-    source = next((word for word in ("import", "rig") if recorded.startswith(word)), "sim")
-    needed = needed_by(source, tracking=_is_run(attributes))
+    source = attributes.get("source")
+    needed = needed_by(source if source in SOURCES else "sim", tracking=_is_run(attributes))
     required = RUN_ATTRIBUTES if _is_run(attributes) else ()
     log, problems = gather_columns(
         path,
@@ -143,7 +142,7 @@ def _contradictions(attributes: Mapping[str, Any]) -> list[str]:
     rate_hz = attributes.get("sample_rate_hz", 1.0)
     if source is not None and source not in SOURCES:
         problems.append(f"attribute source = {source}; must be {', '.join(SOURCES)}")
-    elif source and simulated is not None and simulated != source.endswith("sim"):
+    elif source and simulated is not None and simulated != (source == "sim"):
         problems.append(
             f"attribute simulated = {simulated} contradicts source = {source}; correct one of them"
         )

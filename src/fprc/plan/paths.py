@@ -30,10 +30,6 @@ class Paths:
         """Return the quality record of a raw log."""
         return self.below(f"quality/{experiment}.json")
 
-    def with_reservoir(self, experiment: str) -> str:
-        """Return a recorded log whose reservoir is simulated."""
-        return self.below(f"reservoir/{experiment}.h5")
-
     def judged(self, experiment: str, model: str) -> dict[str, str]:
         """Return what ``fprc.stages.judge`` writes, by its arguments, for one training log."""
         return {

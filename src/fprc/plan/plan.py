@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fprc.channels import CHANNELS, RESERVOIR, unit_of
+from fprc.channels import CHANNELS, unit_of
 from fprc.errors import LogError
 from fprc.escape import in_words, terminal
 from fprc.logs import Columns, headers, refuse_other_source
@@ -45,11 +45,6 @@ class Plan:
         """Whether the workflow records logs."""
         return self.settings["source"] != "recorded"
 
-    @property
-    def simulates_reservoir(self) -> bool:
-        """Whether a simulated reservoir is added to the recorded logs."""
-        return self.settings["evaluation"]["reservoir"] == "simulated"
-
     @cached_property
     def controllers(self) -> list[str]:
         """Controllers of the closed-loop runs."""
@@ -84,8 +79,6 @@ class Plan:
         for name in self.every_log if self.records else ():
             if self.on_simulated_rig or name not in logs:
                 logs[name] = Columns(Path(self.paths.log(name)), {}, {}, names=channels)
-        if self.simulates_reservoir:
-            logs |= {name: _with_reservoir(logs[name]) for name in EXPERIMENTS if name in logs}
         return logs
 
     @cached_property
@@ -237,12 +230,9 @@ class Plan:
         return self.replicates("grids") if self.on_simulated_rig else []
 
     def logs_of(self, experiment: str) -> list[str]:
-        """Return the raw logs of an experiment, or their copies with a simulated reservoir."""
-        files = self.paths.with_reservoir if self.simulates_reservoir else self.paths.log
-        return [files(name) for name in self._parts_of(experiment)]
-
-    def _parts_of(self, experiment: str) -> list[str]:
-        return [experiment, *(self.further if experiment == TRAINING else [])]
+        """Return the raw logs of an experiment."""
+        further = self.further if experiment == TRAINING else []
+        return [self.paths.log(name) for name in (experiment, *further)]
 
     def _files_of(self, result: Result) -> list[str]:
         parts = [part for part in RESULTS if part.part_of == result.name]
@@ -274,11 +264,8 @@ class Plan:
     @cached_property
     def _data(self) -> list[str]:
         paths, logs = self.paths, self.experiments
-        raw = [name for log in logs for name in self._parts_of(log)]
-        extended = [paths.with_reservoir(name) for name in raw] if self.simulates_reservoir else []
-        return [
-            *map(paths.log, raw), *extended, *map(paths.data, logs), *map(paths.quality, logs)
-        ]  # fmt: skip
+        raw = [file for log in logs for file in self.logs_of(log)]
+        return [*raw, *map(paths.data, logs), *map(paths.quality, logs)]
 
     @cached_property
     def _loops(self) -> list[str]:
@@ -315,13 +302,6 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
             "there, or set folders.raw; see docs/own-data.md"
         )
     return plan
-
-
-def _with_reservoir(log: Columns) -> Columns:
-    """Return a log after a reservoir is simulated, whose channels have no notes."""
-    notes = log.attributes.get("notes", {})
-    kept = {name: note for name, note in notes.items() if name not in RESERVOIR}
-    return log._replace(names=log.names | {*RESERVOIR}, attributes={"notes": kept})
 
 
 def _is_further(log: str) -> bool:

@@ -117,7 +117,7 @@ def banner(sources: set[str]) -> str:
     """Return the kind of the page's data, in capitals."""
     if sources == {"sim"}:
         return "SIMULATED DATA"
-    if any(source.endswith("sim") for source in sources):
+    if "sim" in sources:
         return "PARTLY SIMULATED DATA"
     return "MEASURED DATA"
 

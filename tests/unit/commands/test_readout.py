@@ -217,6 +217,15 @@ def test_map_of_a_whole_test_log_needs_training_logs(recording, tmp_path):
         report_readout(str(tmp_path / "log.csv"), map_=map_file, out=str(tmp_path / "out"))
 
 
+def test_map_without_the_readout_is_refused_with_every_other_problem(recording, tmp_path, capsys):
+    channels = {name: CHANNELS[name] for name in ("theta_deg", "p_exp_kpa")}
+    assert run(tmp_path, recording(channels, test_from_s=None, experiment="complex")) == 1
+    message = capsys.readouterr().err
+    assert "channels.p_o_kpa is missing: it is the readout to evaluate" in message
+    assert "nothing is left to train on" in message
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize(
     ("own_hz", "given_hz", "used_hz"),
     [

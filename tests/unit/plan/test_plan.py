@@ -50,9 +50,9 @@ def simulated():
     return Plan(Settings().model_dump(mode="json"), {}, "data/raw")
 
 
-def recorded(*names, lacking=(), notes=None, **evaluation):
+def recorded(*names, lacking=(), notes=None):
     """Return the plan of logs that were recorded elsewhere."""
-    settings = check({"source": "recorded", "evaluation": evaluation}).model_dump(mode="json")
+    settings = check({"source": "recorded"}).model_dump(mode="json")
     channels = frozenset(RAW_CHANNELS) - {*lacking}
     there = {
         name: Columns(Path(f"data/raw/{name}.h5"), {}, {"notes": notes or {}}, names=channels)
@@ -193,14 +193,6 @@ def test_without_p_o_fprc_is_left_out_everywhere():
     assert "results/grids/n_c.json" in plan.targets["fig10"]
 
 
-def test_simulated_reservoir_takes_the_place_of_one_that_is_not_there():
-    plan = recorded(*EXPERIMENTS, lacking=["p_o_kpa", "p_i_kpa", "phi_deg"], reservoir="simulated")
-    assert plan.models == list(MODELS)
-    assert plan.logs_of("sweep") == ["results/reservoir/sweep.h5"]
-    assert {"results/reservoir/sweep.h5", "data/raw/sweep.h5"} <= set(plan.targets["table2"])
-    assert recorded(*EXPERIMENTS).logs_of("sweep") == ["data/raw/sweep.h5"]
-
-
 def test_model_from_outside_is_judged_drawn_and_drives_if_it_can():
     other = {"estimator": "fprc.models.fprc.FuzzyLinear", "inputs": ["theta_deg"]}
     settings = check({"models": {"others": {"taps": other}}}).model_dump(mode="json")
@@ -224,6 +216,3 @@ def test_further_training_logs_are_read_in_order_and_only_where_recorded():
     ]
     assert plan.logs_of("complex") == ["data/raw/complex.h5"]
     assert {"data/raw/sweep_2.h5", "data/raw/sweep_10.h5"} < set(plan.targets["table2"])
-    driven = recorded(*names, reservoir="simulated")
-    assert driven.logs_of("sweep")[1] == "results/reservoir/sweep_2.h5"
-    assert set(driven.logs_of("sweep")) < set(driven.targets["table2"])
