@@ -238,10 +238,7 @@ def controller(respond):
 
 def asked_to_stop(bench, settings, begin):
     asked = []
-    return {
-        "at": asked.append,
-        "stop": lambda: "stopped by SIGTERM" if asked[-1] == begin else "",
-    }
+    return {"at": asked.append, "stop": lambda: "stopped by SIGTERM" if asked[-1] == begin else ""}
 
 
 PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")

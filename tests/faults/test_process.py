@@ -51,9 +51,7 @@ def shared(tmp_path_factory, compiled_driver):
     """Memory of a rig that runs in a separate process during the tests of this module."""
     path = tmp_path_factory.mktemp("bench") / "bench"
     with subprocess.Popen(
-        [sys.executable, FOLDER / "bench.py", path],
-        stdout=subprocess.PIPE,
-        env=environment(path),
+        [sys.executable, FOLDER / "bench.py", path], stdout=subprocess.PIPE, env=environment(path)
     ) as rig:
         assert rig.stdout.readline() == b"ready\n"
         with path.open("r+b") as file:

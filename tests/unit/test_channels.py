@@ -2,12 +2,7 @@
 
 from pathlib import Path
 
-from fprc.channels import (
-    CHANNELS,
-    LEARNING_CHANNELS,
-    RAW_CHANNELS,
-    needed_by,
-)
+from fprc.channels import CHANNELS, LEARNING_CHANNELS, RAW_CHANNELS, needed_by
 from fprc.rig.closed_loop import RECORDED
 
 README = Path(__file__).parents[2] / "data/raw/README.md"

@@ -282,12 +282,7 @@ PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, RIGS)
             )
             for page in ("README.md", RESULTS)
         ),
-        (
-            RESULTS,
-            r"error in the sweep is (\S+) deg",
-            "verdicts",
-            [("C15", "Ours, 95 % interval")],
-        ),
+        (RESULTS, r"error in the sweep is (\S+) deg", "verdicts", [("C15", "Ours, 95 % interval")]),
     ],
 )
 def test_numbers_of_a_sentence_are_those_of_the_generated_table(page, sentence, block, cells):

@@ -31,10 +31,7 @@ def test_figure_shows_text_and_no_formula(text):
     assert not is_math_text(shown)
     fig = plt.figure()
     try:
-        assert fig.text(0, 0, "")._preprocess_math(shown) == (
-            escape.visible(text),
-            False,
-        )
+        assert fig.text(0, 0, "")._preprocess_math(shown) == (escape.visible(text), False)
     finally:
         plt.close(fig)
 

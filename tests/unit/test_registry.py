@@ -8,14 +8,7 @@ from fprc.config import check
 from fprc.errors import ConfigError
 from fprc.models import RidgeReadout, SequenceModel, TapFeatures
 from fprc.paper import CONTROLLERS, DISTURBANCE, REFERENCES, reference_and_controller, run_log
-from fprc.registry import (
-    build,
-    controllers,
-    feedforward_of,
-    load_class,
-    model_of_run,
-    settings_of,
-)
+from fprc.registry import build, controllers, feedforward_of, load_class, model_of_run, settings_of
 
 
 class Outside(SequenceModel):

@@ -38,7 +38,7 @@ def quoted():
     return {
         "data/raw/README.md": [f"memory ({isolated._LIMIT_BYTES >> 30} GB)"],
         "docs/benchmark.md": [
-            f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.seeds - 1}, ",
+            f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.seeds - 1}, "
         ],
         "docs/decisions/0022-another-processor.md": [
             f"by more than {checked._LEVELS} levels and accepts up to {checked._PIXELS}:"

@@ -18,10 +18,7 @@ def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(pr
     assert profile["max-threads"] == profile["cores"] == 8
 
 
-@pytest.mark.parametrize(
-    ("given", "workers"),
-    [(["64", "--max-threads", "8"], 5), (["8"], 4)],
-)
+@pytest.mark.parametrize(("given", "workers"), [(["64", "--max-threads", "8"], 5), (["8"], 4)])
 def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, workers):
     done = project.snakemake("--dry-run", "results/grids/taps.json", "--cores", *given)
     assert f"Grid of taps, workers: {workers}" in done.stdout
@@ -71,11 +68,7 @@ PLANNED = [
         {"judge_family", "families_figure", "targets_table", "replicate", "smoke"},
         {"judge", "fit_rig"},
     ),
-    (
-        [*STUDIES, "readme"],
-        {"readme", "timing_table", "ledger", "readout_table"},
-        {"fit_rig"},
-    ),
+    ([*STUDIES, "readme"], {"readme", "timing_table", "ledger", "readout_table"}, {"fit_rig"}),
 ]
 
 

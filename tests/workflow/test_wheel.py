@@ -47,11 +47,7 @@ IMPORT = "import log.csv --map one.yaml --out sweep.h5"
 READOUT = "readout log.csv --map two.yaml --config few.yaml --workers 1"
 LIST = "rig run list"
 #: What each command leaves in the folder.
-WRITTEN = {
-    IMPORT: "sweep.h5",
-    READOUT: "results/log/report.md",
-    LIST: None,
-}
+WRITTEN = {IMPORT: "sweep.h5", READOUT: "results/log/report.md", LIST: None}
 
 #: Small models.
 FEW = """

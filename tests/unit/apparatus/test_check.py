@@ -47,11 +47,7 @@ def test_unarmed_check_moves_no_valve_and_says_so(look):
 
 
 @pytest.mark.parametrize(
-    "wiring",
-    [
-        {"main_output": 1, "reservoir_output": 0},
-        {"p_exp_input": 1, "p_i_input": 0},
-    ],
+    "wiring", [{"main_output": 1, "reservoir_output": 0}, {"p_exp_input": 1, "p_i_input": 0}]
 )
 def test_swapped_hoses_or_channels_are_named_before_the_wrong_chamber_is_full(
     look, settings, wiring

@@ -26,9 +26,7 @@ def own_signals(monkeypatch):
 @pytest.fixture
 def stop(clocks):
     return Stop(
-        0.5,
-        monotonic=lambda: clocks.ran_s,
-        boottime=lambda: clocks.ran_s + clocks.suspended_s,
+        0.5, monotonic=lambda: clocks.ran_s, boottime=lambda: clocks.ran_s + clocks.suspended_s
     )
 
 

@@ -555,8 +555,7 @@ def test_verdict_is_reproduced_or_not_only_where_the_interval_excludes_the_limit
 
 
 @pytest.mark.parametrize(
-    ("sizes", "expected"),
-    [((1, 4), [1, 4, 4]), ((2, 9), [2, 9, 9]), ((1, 2, 5, 10), [1.5, 5, 10])],
+    ("sizes", "expected"), [((1, 4), [1, 4, 4]), ((2, 9), [2, 9, 9]), ((1, 2, 5, 10), [1.5, 5, 10])]
 )
 def test_few_medium_and_many_taps_exist_in_every_grid(sizes, expected):
     cells = [

@@ -1,13 +1,7 @@
 import pytest
 import yaml
 
-from fprc.config.importing import (
-    Time,
-    likely_channel,
-    likely_unit,
-    read_csv,
-    read_map,
-)
+from fprc.config.importing import Time, likely_channel, likely_unit, read_csv, read_map
 from fprc.errors import ConfigError
 from fprc.logs.clock import SECONDS
 

@@ -11,10 +11,7 @@ ROOT = Path(__file__).parents[3]
 
 @pytest.mark.parametrize(
     ("page", "file"),
-    [
-        (reference.defaults, "config/config.yaml"),
-        (reference.reference, "docs/configuration.md"),
-    ],
+    [(reference.defaults, "config/config.yaml"), (reference.reference, "docs/configuration.md")],
 )
 def test_generated_file_is_up_to_date(page, file):
     committed = (ROOT / file).read_text(encoding="utf-8")

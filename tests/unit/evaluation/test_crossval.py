@@ -7,14 +7,7 @@ from sklearn.pipeline import make_pipeline
 from fprc.errors import EvaluationError
 from fprc.evaluation import cross_validate, rmse, split_rows
 from fprc.evaluation.crossval import evaluate, prepare
-from fprc.models import (
-    ESN,
-    FPRC,
-    FuzzyLinear,
-    SequenceModel,
-    TakagiSugenoReadout,
-    TapFeatures,
-)
+from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, TakagiSugenoReadout, TapFeatures
 
 MODELS = [
     ESN(r=10, random_state=1),

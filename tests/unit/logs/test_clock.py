@@ -7,13 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from fprc.errors import LogError
-from fprc.logs.clock import (
-    MOST_POINTS,
-    SECONDS,
-    likely_rate,
-    other_unit,
-    refuse_length,
-)
+from fprc.logs.clock import MOST_POINTS, SECONDS, likely_rate, other_unit, refuse_length
 from fprc.logs.gather import gather
 from fprc.logs.resample import resample
 from fprc.logs.source import Source

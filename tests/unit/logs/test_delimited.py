@@ -100,8 +100,7 @@ def test_table_of_any_names_comes_back_as_it_was_written(
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["t;a, deg;p\n0,5;1,5;2,5\n1,5;2,5;3,5\n", "t\ta b\tp\n0,5\t1,5\t2,5\n1,5\t2,5\t3,5\n"],
+    "text", ["t;a, deg;p\n0,5;1,5;2,5\n1,5;2,5;3,5\n", "t\ta b\tp\n0,5\t1,5\t2,5\n1,5\t2,5\t3,5\n"]
 )
 def test_separator_that_leaves_numbers_is_preferred(table, text):
     assert list(columns(table(text)).values()) == [[0.5, 1.5], [1.5, 2.5], [2.5, 3.5]]

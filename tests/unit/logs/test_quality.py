@@ -189,10 +189,7 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
     log.channels["p_exp_kpa"][10] = 1000.0
     log.channels["time_s"] *= 1.2
     lines = warnings(judge(log))
-    assert [line.split(": ")[:2] for line in lines] == [
-        ["log.h5", "rate"],
-        ["log.h5", "range"],
-    ]
+    assert [line.split(": ")[:2] for line in lines] == [["log.h5", "rate"], ["log.h5", "range"]]
 
 
 @pytest.mark.parametrize(

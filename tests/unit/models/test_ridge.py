@@ -55,11 +55,7 @@ def test_part_that_is_large_costs_the_others_no_digits():
 
 @pytest.mark.parametrize(
     "X",
-    [
-        np.eye(3, 6),
-        np.repeat(np.arange(50.0)[:, None] ** 0.5, 2, axis=1),
-        np.full((50, 1), 33.3),
-    ],
+    [np.eye(3, 6), np.repeat(np.arange(50.0)[:, None] ** 0.5, 2, axis=1), np.full((50, 1), 33.3)],
     ids=["fewer samples than weights", "repeated column", "constant column"],
 )
 def test_singular_regression_without_ridge_asks_for_a_larger_alpha(X):

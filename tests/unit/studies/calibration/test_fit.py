@@ -373,10 +373,7 @@ def test_all_searches_share_the_time(quick, judged, tmp_path, monkeypatch):
     found = quick.fit(tmp_path, **changes)
     assert (found["finished"], found["rounds"]) == (False, 3 + 1)
     every = list(quick.settings["calibration"]["fit"])
-    assert found["searches"] == [
-        {"fit": ["tables"], "rounds": 3},
-        {"fit": every, "rounds": 1},
-    ]
+    assert found["searches"] == [{"fit": ["tables"], "rounds": 3}, {"fit": every, "rounds": 1}]
 
 
 @pytest.mark.parametrize(

@@ -34,10 +34,7 @@ def reports(error):
     }
 
 
-CONTROL = {
-    "source": "sim",
-    "rmse_deg": {"sweep/fprc": 1.0, "sweep/fprc_pd": 1.0},
-}
+CONTROL = {"source": "sim", "rmse_deg": {"sweep/fprc": 1.0, "sweep/fprc_pd": 1.0}}
 
 
 @pytest.fixture
