@@ -31,8 +31,13 @@ def names(folder):
     return sorted(path.name for path in folder.iterdir())
 
 
-@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, None])
-def test_several_files_are_all_replaced_or_none(tmp_path, error):
+TOO_LARGE = OSError(errno.EFBIG, "File too large")
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, TOO_LARGE, None])
+def test_several_files_are_all_replaced_or_none(tmp_path, monkeypatch, error):
+    synced = []
+    monkeypatch.setattr(os, "fsync", synced.append)
     paths = [tmp_path / "a.json", tmp_path / "a.b.png", tmp_path / "a.h5"]
     paths[2].write_text("old")
 
@@ -48,13 +53,14 @@ def test_several_files_are_all_replaced_or_none(tmp_path, error):
             second.write_text("new")
 
     if error:
-        with pytest.raises(error):
+        with pytest.raises(OutputError if error is TOO_LARGE else error):
             write()
         assert names(tmp_path) == ["a.h5"]
         assert paths[2].read_text() == "old"
     else:
         write()
         assert names(tmp_path) == ["a.b.png", "a.h5", "a.json"]
+        assert len(synced) == 3
         assert paths[2].read_text() == "new"
 
 

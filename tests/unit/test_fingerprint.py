@@ -199,25 +199,9 @@ def test_name_that_a_package_imports_from_itself_is_no_obstacle(mine):
     assert code("model") != before
 
 
-#: Modules of our own that a stage with a model runs, and some that it does not.
-CLOSURES = {
-    ("stages.judge", "models.esn"): (["models.ridge_readout", "models.ridge"], ["models.fprc"]),
-    ("stages.judge", "models.fprc"): (
-        ["models.ridge"],
-        ["models.esn", "models.echo", "models.ridge_readout", "rig.valve", "figures.style"],
-    ),
-    ("stages.draw",): (["figures.style"], []),
-    ("stages.record",): (["rig.valve"], []),
-    ("stages.replicate",): (["rig.valve"], []),
-}
-
-
-@pytest.mark.parametrize("runs", CLOSURES)
-def test_stage_of_our_own_runs_what_it_needs_and_nothing_else(runs):
-    found = {name.removeprefix("fprc.") for name in module._closure(f"fprc.{run}" for run in runs)}
-    needed, spared = CLOSURES[runs]
-    assert {*runs, *needed} <= found
-    assert not found & {*spared}
+def test_training_runs_neither_another_model_nor_the_rig_nor_figures():
+    found = module._closure(("fprc.stages.judge", "fprc.models.fprc"))
+    assert not found & {"fprc.models.esn", "fprc.rig.valve", "fprc.figures.style"}
 
 
 def test_our_own_code_has_no_import_that_would_not_be_followed():

@@ -61,18 +61,6 @@ def test_bad_raw_log_is_one_line_and_nothing_is_overwritten(smoked_copy):
 
 
 @pytest.mark.slow
-def test_log_that_was_not_simulated_is_never_recorded_over(smoked_copy):
-    raw = smoked_copy.folder / "results/smoke/raw/sweep.h5"
-    with h5py.File(raw, "a") as log:
-        log.attrs["source"] = "rig"
-    before = raw.read_bytes()
-    done = smoked_copy.smoke("all", "--config", "seed=2")
-    assert done.returncode != 0
-    assert "sweep.h5" in done.stdout
-    assert raw.read_bytes() == before
-
-
-@pytest.mark.slow
 def test_diverging_simulation_is_an_error_that_leaves_no_log_and_passes_off_no_old_table(
     smoked_copy,
 ):
@@ -84,14 +72,3 @@ def test_diverging_simulation_is_an_error_that_leaves_no_log_and_passes_off_no_o
         assert "[record sweep] error: " in done.stdout
         assert "Traceback" not in done.stdout
         assert not [*raw.glob("*sweep.h5"), *raw.glob("*complex.h5")]
-
-
-@pytest.mark.slow
-def test_logs_of_two_kinds_are_not_mixed(smoked_copy):
-    raw = smoked_copy.folder / "results/smoke/raw/sweep.h5"
-    with h5py.File(raw, "a") as log:
-        log.attrs.update({"source": "rig", "simulated": False})
-    model = "results/smoke/models/sweep_fuzzy_linear.h5"
-    done = smoked_copy.smoke(model, "--config", "source=recorded")
-    assert done.returncode != 0
-    assert "source is rig, the test log's sim" in done.stdout

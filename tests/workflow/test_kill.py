@@ -12,7 +12,6 @@ import shutil
 import subprocess
 import time
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
 
@@ -22,7 +21,6 @@ pytestmark = pytest.mark.slow
 
 KILLS = int(os.environ.get("FPRC_KILLS", "0"))
 SEED = int(os.environ.get("FPRC_KILL_SEED", "1"))
-TRACING = str(Path(__file__).parent / "tracing")
 #: What jobs print of their progress, and Snakemake of their end; some 320 lines in a whole run.
 PROGRESS = re.compile(r"^(?:\[[a-z_0-9]+[] ]|Finished jobid)", re.MULTILINE)
 
@@ -84,29 +82,6 @@ def test_killed_at_random_moments_the_run_ends_the_same(smoked, project):
     assert done.returncode == 0, done.stdout
     assert_no_cell_again([*runs, done.stdout])
     assert_same_results(project, smoked)
-
-
-def test_killed_while_it_writes_a_raw_log_it_leaves_no_half_log(smoked_copy):
-    raw = smoked_copy.folder / "results/smoke/raw"
-    before = smoked_copy.files("results/smoke/raw")
-    path = raw / "sweep.h5"
-    path.unlink()
-    stopping = {
-        "FPRC_STOP_AT": "raw/.sweep.",
-        "PYTHONPATH": os.pathsep.join([TRACING, os.environ.get("PYTHONPATH", "")]),
-    }
-    run = smoked_copy.begin("logs", "--configfile", "config/smoke.yaml", **stopping)
-    deadline = time.monotonic() + 120
-    while not (half := [*raw.glob(".sweep.*.part.h5")]):
-        assert time.monotonic() < deadline, run.printed()
-        time.sleep(0.01)
-    run.kill()
-    assert half[0].exists()
-    assert not path.exists()
-    smoked_copy.recover()
-    done = smoked_copy.smoke("logs")
-    assert done.returncode == 0, done.stdout
-    assert smoked_copy.files("results/smoke/raw") == before
 
 
 def finished_cells(checkpoint):

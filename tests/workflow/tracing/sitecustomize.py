@@ -1,10 +1,8 @@
-"""Trace or stop the processes of a build; each process imports this if its folder is on PYTHONPATH.
+"""Trace the processes of a build; each process imports this if its folder is on PYTHONPATH.
 
 FPRC_TRACE names a folder. Each process writes a file there. A line has either a rule's fingerprint
 and a module of which a function ran for that rule, or a fingerprint and the modules from which it
 was computed.
-
-FPRC_STOP_AT is a part of a path: a process that writes such a file stops before the rename.
 """
 
 import builtins
@@ -12,7 +10,6 @@ import importlib
 import json
 import os
 import sys
-import time
 
 FUNCTION = 0x1  # CO_OPTIMIZED: not the body of a module or a class
 
@@ -77,19 +74,6 @@ def watch(write):
     builtins.__import__ = untraced
 
 
-def stop_at(part):
-    fsync = os.fsync
-
-    def stopping(file):
-        while part in os.readlink(f"/proc/self/fd/{file}"):
-            time.sleep(1)
-        fsync(file)
-
-    os.fsync = stopping
-
-
-if os.environ.get("FPRC_STOP_AT"):
-    stop_at(os.environ["FPRC_STOP_AT"])
 if os.environ.get("FPRC_TRACE"):
     write = writer(os.environ["FPRC_TRACE"])
     # Snakemake itself runs no stage, and a trace would double its time
