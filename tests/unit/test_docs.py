@@ -162,129 +162,59 @@ PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, RIGS)
 @pytest.mark.parametrize(
     ("page", "sentence", "block", "cells"),
     [
-        (
-            "README.md",
-            r"FPRC\+PD is (\S+) deg off, Fuzzy-linear\+PD (\d+\.\d+)\.",
-            "beyond_models",
-            [("FPRC", CLOSED), ("Fuzzy-linear", CLOSED)],
-        ),
-        (
-            BEYOND,
-            r"FPRC\+PD is (\S+) deg off and Fuzzy-linear\+PD (\S+) on the default rig",
-            "beyond_models",
-            [("FPRC", CLOSED), ("Fuzzy-linear", CLOSED)],
-        ),
-        (
-            BEYOND,
-            r"error to (\S+) times on the default rig and to (\S+) times on the Bouc-Wen rig",
-            "beyond_claims",
-            [("B1", "paper"), ("B1", "Bouc-Wen")],
-        ),
+        ("README.md", r"FPRC\+PD is (\S+) deg off, Fuzzy-linear\+PD (\d+\.\d+)\.",
+         "beyond_models", [("FPRC", CLOSED), ("Fuzzy-linear", CLOSED)]),
+        (BEYOND, r"FPRC\+PD is (\S+) deg off and Fuzzy-linear\+PD (\S+) on the default rig",
+         "beyond_models", [("FPRC", CLOSED), ("Fuzzy-linear", CLOSED)]),
+        (BEYOND, r"error to (\S+) times on the default rig and to (\S+) times on the Bouc-Wen rig",
+         "beyond_claims", [("B1", "paper"), ("B1", "Bouc-Wen")]),
         *(
-            (
-                BEYOND,
-                words + r" (\S+) times on the default rig, (\S+) on Bouc-Wen, (\S+) on \*dry\*, "
-                r"(\S+) on viscous, (\S+) on near print and (\S+) on drawn rigs",
-                "beyond_beside",
-                [
-                    (ratio, rig)
-                    for rig in ("paper", "Bouc-Wen", "dry", "viscous", "near print", "drawn")
-                ],
-            )
+            (BEYOND, words + r" (\S+) times on the default rig, (\S+) on Bouc-Wen, (\S+) on "
+             r"\*dry\*, (\S+) on viscous, (\S+) on near print and (\S+) on drawn rigs",
+             "beyond_beside", [(ratio, rig) for rig in
+                               ("paper", "Bouc-Wen", "dry", "viscous", "near print", "drawn")])
             for words, ratio in (
                 ("tuned alike it is", "FPRC / FPRC on low-passed theta_d, both tuned alike"),
                 ("its error is", "FPRC / ridge on low-passes of theta_d"),
             )
         ),
-        (
-            BEYOND,
-            r"there B1 had (\S+), B4 (\S+) instead of (\S+), and B3 was superior",
-            "beyond_claims",
-            [("B1", "dry"), ("B4", "dry"), ("B4", "paper")],
-        ),
-        (
-            BEYOND,
-            r"the closed loop is (\S+) times as far off",
-            "beyond_claims",
-            [("B3", "paper", 1)],
-        ),
-        (
-            BEYOND,
-            r"they are (\S+) and (\S+) deg off; NVAR, whose output is smoother, has (\S+)\.",
-            "beyond_models",
-            [("FPRC", OPEN), ("Fuzzy-linear", OPEN), ("NVAR", CLOSED)],
-        ),
-        (
-            BEYOND,
-            r"in open loop (\S+) deg on the default rig, .* and (\S+) kPa in the forward test",
-            "beyond_models",
-            [(LOWPASS, OPEN), (LOWPASS, FORWARD)],
-        ),
-        (
-            DETAILS,
-            r"on the default rig from (\S+) to (\S+) kPa\. .* \((\S+) instead of (\S+) deg",
-            "beyond_models",
-            [("FPRC", FORWARD), ("FPRC, tuned", FORWARD), ("FPRC, tuned", OPEN), ("FPRC", OPEN)],
-        ),
-        (
-            BEYOND,
-            r"nonlinear capacity\*\*: (\S+) of degree 2",
-            "beyond_capacities",
-            [("P_o", "Degree 2")],
-        ),
-        (
-            DRIFT,
-            r"Without an offset FPRC is (\S+) and (\S+) deg off",
-            "online_errors",
-            [("FPRC", "Open loop, as trained"), ("FPRC", "Closed loop, as trained")],
-        ),
-        (
-            DRIFT,
-            r"on \*paper\*, and (\S+) and (\S+) in \[beyond\.md\]",
-            "beyond_models",
-            [("FPRC", OPEN), ("FPRC", CLOSED)],
-        ),
-        (
-            DETAILS,
-            r"(\S+) here and \S+ there on \*paper\*, (\S+) and \S+ on \*dry\*, (\S+) and \S+ on "
-            r"viscous, (\S+) and",
-            "beyond_claims",
-            [("B1", rig) for rig in ("paper", "dry", "viscous", "drawn")],
-        ),
-        (
-            DETAILS,
-            r"here and (\S+) there on \*paper\*, \S+ and (\S+) on \*dry\*, \S+ and (\S+) on "
-            "viscous",
-            "families_answer",
-            [
-                (f"Rig {rig}", "FPRC / FPRC on low-passed theta_d, test RMSE")
-                for rig in ("paper", "dry", "viscous")
-            ],
-        ),
-        (
-            BEYOND,
-            r"goes from (\S+) to (\S+) kPa \(Fuzzy-linear: (\S+) kPa",
-            "beyond_offsets",
-            [("FPRC", "0"), ("FPRC", "-2"), ("Fuzzy-linear", "0")],
-        ),
-        (
-            BEYOND,
-            r"low-passed theta_d from (\S+) to (\S+) kPa, and FPRC from (\S+) to (\S+) kPa",
-            "beyond_lengths",
-            [(LOWPASS, "120 s"), (LOWPASS, "two logs"), ("FPRC", "120 s"), ("FPRC", "two logs")],
-        ),
+        (BEYOND, r"there B1 had (\S+), B4 (\S+) instead of (\S+), and B3 was superior",
+         "beyond_claims", [("B1", "dry"), ("B4", "dry"), ("B4", "paper")]),
+        (BEYOND, r"the closed loop is (\S+) times as far off",
+         "beyond_claims", [("B3", "paper", 1)]),
+        (BEYOND, r"they are (\S+) and (\S+) deg off; NVAR, whose output is smoother, has (\S+)\.",
+         "beyond_models", [("FPRC", OPEN), ("Fuzzy-linear", OPEN), ("NVAR", CLOSED)]),
+        (BEYOND, r"in open loop (\S+) deg on the default rig, .* and (\S+) kPa in the forward test",
+         "beyond_models", [(LOWPASS, OPEN), (LOWPASS, FORWARD)]),
+        (DETAILS, r"on the default rig from (\S+) to (\S+) kPa\. .* \((\S+) instead of (\S+) deg",
+         "beyond_models", [("FPRC", FORWARD), ("FPRC, tuned", FORWARD), ("FPRC, tuned", OPEN),
+                           ("FPRC", OPEN)]),
+        (BEYOND, r"nonlinear capacity\*\*: (\S+) of degree 2",
+         "beyond_capacities", [("P_o", "Degree 2")]),
+        (DRIFT, r"Without an offset FPRC is (\S+) and (\S+) deg off", "online_errors",
+         [("FPRC", "Open loop, as trained"), ("FPRC", "Closed loop, as trained")]),
+        (DRIFT, r"on \*paper\*, and (\S+) and (\S+) in \[beyond\.md\]",
+         "beyond_models", [("FPRC", OPEN), ("FPRC", CLOSED)]),
+        (DETAILS, r"(\S+) here and \S+ there on \*paper\*, (\S+) and \S+ on \*dry\*, (\S+) and "
+         r"\S+ on viscous, (\S+) and",
+         "beyond_claims", [("B1", rig) for rig in ("paper", "dry", "viscous", "drawn")]),
+        (DETAILS, r"here and (\S+) there on \*paper\*, \S+ and (\S+) on \*dry\*, \S+ and (\S+) on "
+         "viscous",
+         "families_answer", [(f"Rig {rig}", "FPRC / FPRC on low-passed theta_d, test RMSE")
+                             for rig in ("paper", "dry", "viscous")]),
+        (BEYOND, r"goes from (\S+) to (\S+) kPa \(Fuzzy-linear: (\S+) kPa",
+         "beyond_offsets", [("FPRC", "0"), ("FPRC", "-2"), ("Fuzzy-linear", "0")]),
+        (BEYOND, r"low-passed theta_d from (\S+) to (\S+) kPa, and FPRC from (\S+) to (\S+) kPa",
+         "beyond_lengths", [(LOWPASS, "120 s"), (LOWPASS, "two logs"), ("FPRC", "120 s"),
+                            ("FPRC", "two logs")]),
         *(
-            (
-                page,
-                r"Table III, Fuzzy-linear, Test RMSE: (\S+) against (\S+) kPa",
-                "table3_seeds",
-                [("Test RMSE", "Fuzzy-linear, ours"), ("Test RMSE", "Fuzzy-linear, paper")],
-            )
+            (page, r"Table III, Fuzzy-linear, Test RMSE: (\S+) against (\S+) kPa", "table3_seeds",
+             [("Test RMSE", "Fuzzy-linear, ours"), ("Test RMSE", "Fuzzy-linear, paper")])
             for page in ("README.md", RESULTS)
         ),
         (RESULTS, r"error in the sweep is (\S+) deg", "verdicts", [("C15", "Ours, 95 % interval")]),
     ],
-)
+)  # fmt: skip
 def test_numbers_of_a_sentence_are_those_of_the_generated_table(page, sentence, block, cells):
     """A cell is a row, a column and, if not the first, which decimal; a sentence may round it."""
     # of several rows of a model the first counts

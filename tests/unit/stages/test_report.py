@@ -371,23 +371,13 @@ def test_claim_shows_its_statements_and_links_to_what_shows_them(project):
     assert judged.endswith("Shown inFig. 4")
 
 
-def test_result_has_the_command_that_makes_it_and_its_files(project):
-    folder = project.folder / "more"
-    folder.mkdir()
-    for name in ("table2_seeds.md", "table2_seeds.csv", "table2_seeds.tex"):
-        (folder / name).write_text("A: b\n\n| c |\n|:--|\n| d |\n")
-    beside = report._origin(str(folder / "table2_seeds.md"), project.folder, (".csv", ".tex"))
-    assert beside == {
-        "target": "report",
-        "files": {"CSV": "more/table2_seeds.csv", "TEX": "more/table2_seeds.tex"},
-    }
-    made = report._origin("results/figures/fig08_training.png", Path("results"), ())
-    assert made["target"] == "fig8"
-    assert report._origin("r/tables/table2_seeds.md", Path("r"), ())["target"] == "seeds"
-
-
 def test_every_figure_is_shown_with_number_caption_and_origin(project):
+    (project.folder / "tables").mkdir()
+    project.add_table("Table I. A: b.", "tables/table1", A=["b"])
     page = project.page()
+    commands = [text.split()[-1] for text in page.texts("code") if "snakemake --cores 2 " in text]
+    assert commands == ["claims", "report", "report", "table1", "report", "report", "report"]
+    assert "tables/table1.csv" in [link["href"] for link in page.all("a")]
     assert [figure["id"] for figure in page.all("figure")] == ["fig4", "fig6", "fig12"]
     captions = page.texts("figcaption")
     assert captions[0].startswith("Fig. 4. Loops of θ over Pexp.")

@@ -69,42 +69,33 @@ def test_cost_of_a_step_is_that_of_a_second_round(logs, settings, clock):
         assert entry["p99_9_us"] == pytest.approx(20.0 + 0.701 * 3980.0)
 
 
-@pytest.mark.parametrize(
-    ("model", "columns"),
-    [(ESN, 1), (FPRC, 2), (FuzzyLinear, 1)],
-    ids=["esn", "fprc", "fuzzy_linear"],
-)
-def test_each_step_of_the_controller_is_fed_the_log_sample_by_sample(
-    logs, settings, clock, monkeypatch, model, columns
+def spy(monkeypatch, kind):
+    """Return a list, to which each step of an object of this class adds what it is given."""
+    seen, step = [], kind.step
+
+    def noting(self, *given):
+        seen.append(given)
+        return step(self, *given)
+
+    monkeypatch.setattr(kind, "step", noting)
+    return seen
+
+
+def test_each_step_of_a_controller_is_fed_the_log_and_runs_both_pressure_loops(
+    logs, settings, clock, monkeypatch
 ):
-    seen = []
-    step = model.step
-
-    def spy(self, x):
-        seen.append(x)
-        return step(self, x)
-
-    monkeypatch.setattr(model, "step", spy)
+    models = {model: spy(monkeypatch, model) for model in (ESN, FPRC, FuzzyLinear)}
+    loops = spy(monkeypatch, PressurePI)
     measure(logs, settings)
     data = read_data(logs[1]).channels
-    expected = np.column_stack([data["theta_deg"], data["p_o_kpa"]])[:, :columns]
-    np.testing.assert_array_equal(seen, np.concatenate([expected[:WARM_UP], expected]))
-
-
-def test_each_step_of_the_controller_runs_both_pressure_loops(logs, settings, clock, monkeypatch):
-    seen = []
-    step = PressurePI.step
-
-    def spy(self, setpoint, reading):
-        seen.append((setpoint, reading))
-        return step(self, setpoint, reading)
-
-    monkeypatch.setattr(PressurePI, "step", spy)
-    measure(logs, settings)
-    assert len(seen) == 2 * 3 * (WARM_UP + SAMPLES)
-    data = read_data(logs[1]).channels
+    for model, seen in models.items():
+        inputs = ["theta_deg", "p_o_kpa"][: 1 + (model is FPRC)]
+        expected = np.column_stack([data[name] for name in inputs])
+        fed = [x for (x,) in seen]
+        np.testing.assert_array_equal(fed, np.concatenate([expected[:WARM_UP], expected]))
+    assert len(loops) == 2 * 3 * (WARM_UP + SAMPLES)
     begin, end = 2 * WARM_UP, 2 * (WARM_UP + SAMPLES)
-    main, reservoir = seen[begin:end:2], seen[begin + 1 : end : 2]
+    main, reservoir = loops[begin:end:2], loops[begin + 1 : end : 2]
     np.testing.assert_array_equal([reading for _, reading in main], data["p_target_kpa"])
     assert all(0.0 <= setpoint <= 450.0 for setpoint, _ in main)
     np.testing.assert_allclose([setpoint for setpoint, _ in reservoir], 7.0 * data["theta_deg"])

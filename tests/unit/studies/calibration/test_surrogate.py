@@ -88,18 +88,18 @@ def pair(logs, log, name):
     return np.column_stack([logs[log][key] for key in INPUTS[name]]), logs[log]["p_target_kpa"]
 
 
-def fitted(logs, trained_on, name, stride=STRIDE, **changed):
+def fitted(logs, trained_on, name, **changed):
     """Return features of whole logs and a readout of every strided row."""
     X, y = pair(logs, trained_on, name)
-    model = build(name, stride, **changed)
+    model = build(name, **changed)
     features = model.make_features().fit(X)
-    return features, model.make_readout().fit(features.transform(X)[::stride], y[::stride])
+    return features, model.make_readout().fit(features.transform(X)[::STRIDE], y[::STRIDE])
 
 
-def error_of(logs, parts, name, log, stride=STRIDE):
+def error_of(logs, parts, name, log):
     features, readout = parts
     X, y = pair(logs, log, name)
-    return rms(readout.predict(features.transform(X))[::stride] - y[::stride])
+    return rms(readout.predict(features.transform(X))[::STRIDE] - y[::STRIDE])
 
 
 def rms(values):
@@ -114,17 +114,6 @@ def test_errors_are_those_of_a_readout_of_every_strided_row(judged, logs, traine
     log = trained_on if phase == "train" else OTHER[trained_on]
     expected = error_of(logs, fitted(logs, trained_on, model), model, log)
     assert judged["errors"][f"{trained_on}/{model}/{phase}"] == pytest.approx(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize("model", INPUTS)
-def test_without_a_stride_the_errors_are_those_of_the_model_itself(judge, logs, model):
-    errors = judge(stride=1)["errors"]
-    for trained_on in OTHER:
-        whole = build(model, 1).fit(*pair(logs, trained_on, model))
-        for phase, log in (("train", trained_on), ("test", OTHER[trained_on])):
-            X, y = pair(logs, log, model)
-            expected = rms(whole.predict(X) - y)
-            assert errors[f"{trained_on}/{model}/{phase}"] == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("model", INPUTS)

@@ -230,16 +230,3 @@ def test_rig_that_cannot_be_simulated_itself_is_an_error(by_stiffness):
     soft["bending"]["stiffness_kpa_per_deg"] = 2.0
     with pytest.raises(FprcError, match="it diverged"):
         judged_over(soft, steps=2, seeds=[0])
-
-
-@pytest.mark.slow
-def test_every_number_of_the_surrogate_is_there(signals):
-    settings = RigSettings(**on_rig(SETTINGS) | {"signals": signals})
-    how = {"stride": 5, "esn_nodes": 20, "restarts": 1, "taps": GRIDS["n_u"]}
-    numbers = sensitivity.numbers_of(
-        settings, {1: {}}, surrogate=how, grids=GRIDS,
-        models=SETTINGS["models"], tracking=SETTINGS["tracking"],
-    )  # fmt: skip
-    values = [value for group in numbers.values() for value in group.values()]
-    assert len(values) == len(sensitivity.NUMBERS) == 12 + 3 + 4 + 2 + 6 + 8 + 9 + 2 + 8
-    assert np.isfinite(values).all()
