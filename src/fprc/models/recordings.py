@@ -13,20 +13,18 @@ def are_several(X: Any) -> bool:
     return isinstance(X, list | tuple) and len(X) > 0 and np.ndim(X[0]) == 2
 
 
-def joined(X: Any, y: Any = None, lengths: ArrayLike | None = None) -> tuple[Any, Any, Any]:
-    """Return inputs, output and lengths of recordings; a list becomes one array.
+def joined(X: Any, y: Any = None) -> tuple[Any, Any, list[int] | None]:
+    """Return inputs and output, and the lengths of several recordings; a list becomes one array.
 
     Raises
     ------
     ValueError
-        ``X`` is a list, but ``y`` is not one of as long arrays, or lengths are given too; or a
-        recording, which the message names, holds NaN or infinity.
+        ``X`` is a list, but ``y`` is not one of as long arrays; or a recording, which the message
+        names, holds NaN or infinity.
     """
     if not are_several(X):
-        return X, y, lengths
+        return X, y, None
     each = [len(recording) for recording in X]
-    if lengths is not None:
-        raise ValueError("X is a list of recordings, so lengths must be left out")
     if y is not None and list(map(np.shape, y)) != [(length,) for length in each]:
         raise ValueError(f"X has {len(X)} recordings; y must be a list of arrays of their lengths")
     for name, parts in {"X": X, "y": y or []}.items():
@@ -57,13 +55,10 @@ def transform_each(
     Raises
     ------
     ValueError
-        A recording, which the message names, is shorter than the taps; or ``lengths`` are not
-        above 0, or do not add up to the samples.
+        A recording, which the message names, is shorter than the taps.
     """
     if lengths is None:
         return features.transform(X)
-    if np.min(lengths) < 1 or np.sum(lengths) != len(X):
-        raise ValueError(f"lengths = {lengths}; must be above 0 and add up to {len(X)} samples")
     parts = np.split(X, np.cumsum(lengths)[:-1])
     if len(parts) == 1:
         return features.transform(X)

@@ -46,7 +46,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         shared = part.get_params(deep=False).keys() & own.keys() - settings.keys()
         return part.set_params(**{name: own[name] for name in shared})
 
-    def fit(self, X: Recordings, y: Recordings, lengths: ArrayLike | None = None) -> Self:
+    def fit(self, X: Recordings, y: Recordings) -> Self:
         """Train on one recording or on several.
 
         Features restart at the first sample of each recording; the readout is trained on all
@@ -58,29 +58,26 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
             Samples in the order of time; a list has one array per recording.
         y : array-like of shape (n_samples,), or list of them
             P_exp, kPa.
-        lengths : array-like of int, optional
-            Number of samples of each recording, if ``X`` holds several in one array.
 
         Raises
         ------
         ValueError
-            ``X`` or ``y`` is not finite, a recording is shorter than the taps, or ``lengths`` do
-            not add up to the samples.
+            ``X`` or ``y`` is not finite, or a recording is shorter than the taps.
         """
-        X, y, lengths = joined(X, y, lengths)
+        X, y, lengths = joined(X, y)
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         self.features_ = self.make_features().fit(rows)
         features = transform_each(self.features_, rows, lengths)
         self.readout_ = self.make_readout().fit(features, targets)
         return self
 
-    def predict(self, X: Recordings, lengths: ArrayLike | None = None) -> Any:
+    def predict(self, X: Recordings) -> Any:
         """Return P_ff of whole recordings, kPa.
 
         Parameters
         ----------
-        X, lengths
-            As ``fit`` takes them.
+        X
+            As ``fit`` takes it.
 
         Returns
         -------
@@ -88,17 +85,17 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
             A list if ``X`` is one.
         """
         check_is_fitted(self)
-        samples, _, parts = joined(X, None, lengths)
+        samples, _, parts = joined(X)
         rows = validate_data(self, samples, reset=False, dtype=np.float64)
         output = self.readout_.predict(transform_each(self.features_, rows, parts))
-        return np.split(output, np.cumsum(parts)[:-1]) if are_several(X) else output
+        return np.split(output, np.cumsum(parts)[:-1]) if parts else output
 
     def learns_online(self) -> bool:
         """Return whether the fitted model can learn on: its readout is linear in few weights."""
         weights = getattr(self.readout_, "weights", None)
         return weights is not None and weights.size <= MOST_WEIGHTS
 
-    def remember(self, X: Recordings, lengths: ArrayLike | None = None) -> Self:
+    def remember(self, X: Recordings) -> Self:
         """Keep of the training data what ``partial_fit`` and ``Online`` need to go on from it.
 
         Sets ``information_``, the sum of the products of the readout's regressors.
@@ -114,13 +111,13 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
                 f"{type(self).__name__} cannot learn on: that needs a readout of this package with "
                 f"at most {MOST_WEIGHTS} weights"
             )
-        X, _, lengths = joined(X, None, lengths)
+        X, _, lengths = joined(X)
         rows = validate_data(self, X, reset=False, dtype=np.float64)
         phi = self.readout_.regressors(transform_each(self.features_, rows, lengths))
         self.information_ = phi.T @ phi
         return self
 
-    def partial_fit(self, X: Recordings, y: Recordings, lengths: ArrayLike | None = None) -> Self:
+    def partial_fit(self, X: Recordings, y: Recordings) -> Self:
         """Continue to learn from more recordings; memberships and features stay as they are.
 
         The weights become those of a ridge regression on these data and on all that the model
@@ -129,7 +126,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
 
         Parameters
         ----------
-        X, y, lengths
+        X, y
             As ``fit`` takes them.
 
         Raises
@@ -137,12 +134,14 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         ValueError
             As ``fit`` and ``remember``.
         """
-        X, y, lengths = joined(X, y, lengths)
         if not hasattr(self, "readout_"):
-            return self.fit(X, y, lengths).remember(X, lengths)
-        rows, targets = validate_data(self, X, y, reset=False, y_numeric=True, dtype=np.float64)
+            return self.fit(X, y).remember(X)
+        samples, y, lengths = joined(X, y)
+        rows, targets = validate_data(
+            self, samples, y, reset=False, y_numeric=True, dtype=np.float64
+        )
         if not hasattr(self, "information_"):
-            self.remember(X, lengths)
+            self.remember(X)
         phi = self.readout_.regressors(transform_each(self.features_, rows, lengths))
         self.information_ = self.information_ + phi.T @ phi
         missing = phi.T @ (targets - phi @ self.readout_.weights)
@@ -155,24 +154,20 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         """Return whether ``fit`` has ended: one that failed leaves some attributes."""
         return hasattr(self, "readout_")
 
-    def score(
-        self,
-        X: Recordings,
-        y: Recordings,
-        sample_weight: ArrayLike | None = None,
-        lengths: ArrayLike | None = None,
-    ) -> float:
+    def score(self, X: Recordings, y: Recordings, sample_weight: ArrayLike | None = None) -> float:
         """Return R^2 over all samples.
 
         Parameters
         ----------
-        X, y, lengths
+        X, y
             As ``fit`` takes them.
         sample_weight : array-like of shape (n_samples,), optional
             Weight of each sample, over all recordings.
         """
-        X, y, lengths = joined(X, y, lengths)
-        return r2_score(y, self.predict(X, lengths), sample_weight=sample_weight)
+        _, y, _ = joined(X, y)
+        output = self.predict(X)
+        output = np.concatenate(output) if are_several(X) else output
+        return r2_score(y, output, sample_weight=sample_weight)
 
     def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> Self:
         """Return a fitted copy of this model made of fitted parts, with a separate stream."""

@@ -1,5 +1,3 @@
-import re
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -41,21 +39,17 @@ def test_training_equals_that_on_stacked_features_computed_apart(model, recordin
     X, y = recordings
     stacked = np.vstack([clone(model).make_features().fit(X[0]).transform(x) for x in X])
     readout = model.make_readout().fit(stacked, np.concatenate(y))
-    model.fit(np.vstack(X), np.concatenate(y), lengths=LENGTHS)
+    model.fit(X, y)
     assert learned(model.readout_).keys() == learned(readout).keys()
     for name, value in learned(readout).items():
         assert np.array_equal(learned(model.readout_)[name], value), name
 
 
-def test_list_of_recordings_equals_one_array_with_lengths(model, recordings):
+def test_list_of_recordings_gives_a_list_of_outputs(model, recordings):
     X, y = recordings
-    joined = clone(model).fit(np.vstack(X), np.concatenate(y), lengths=np.array(LENGTHS))
-    model.fit(X, y)
-    listed = model.predict(X)
-    assert [len(recording) for recording in listed] == LENGTHS
-    assert np.array_equal(
-        np.concatenate(listed), joined.predict(np.vstack(X), lengths=tuple(LENGTHS))
-    )
+    listed = model.fit(X, y).predict(X)
+    for output, x in zip(listed, X, strict=True):
+        assert_allclose(output, model.predict(x), rtol=1e-12)
 
 
 @settings(max_examples=20, deadline=None)
@@ -87,30 +81,12 @@ def test_splitters_of_scikit_learn_keep_recordings_whole():
     assert len(search.predict(X)) == 4
 
 
-@pytest.mark.parametrize(
-    ("lengths", "problem"),
-    [
-        ([60, 7], "[60, 7]; must be above 0 and add up to 157"),
-        ([-5, 162], "[-5, 162]; must be above 0"),
-        ([157, 0], "[157, 0]; must be above 0"),
-    ],
-)
-def test_wrong_lengths_are_refused(lengths, problem, model, recordings):
-    X, y = recordings
-    with pytest.raises(ValueError, match=re.escape(problem)):
-        model.fit(np.vstack(X), np.concatenate(y), lengths=lengths)
-    model.fit(X, y)
-    with pytest.raises(ValueError, match=re.escape(problem)):
-        model.predict(np.vstack(X), lengths=lengths)
-
-
 def with_nan(x):
     return np.where(np.arange(len(x))[:, None] == 4, np.nan, x)
 
 
 #: What is given to ``fit`` for three recordings, and the message.
 WRONG = [
-    (lambda X, y: (X, y, LENGTHS), "lengths must be left out"),
     (lambda X, y: (X, y[:2]), "X has 3 recordings; y must be a list"),
     (lambda X, y: (X, np.concatenate(y)), "X has 3 recordings; y must be a list"),
     (lambda X, y: (X, [1.0, 2.0, 3.0]), "X has 3 recordings; y must be a list"),

@@ -314,8 +314,8 @@ class Outside(SequenceModel):
     def make_readout(self):
         return TakagiSugenoReadout(n_c=3, random_state=1)
 
-    def fit(self, X, y, lengths=None):
-        super().fit(X, y, lengths)
+    def fit(self, X, y):
+        super().fit(X, y)
         self.offset_, self.names_ = 0.5, ["a", "b"]
         self.table_ = np.arange(6).reshape(2, 3)
         self.inner_ = [RidgeReadout().fit(X, y)]
