@@ -273,10 +273,6 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
         "fitted": ["tables", "orders", "open_loop"],
         "cells": cells,
         "capacity": [_capacity(unit, random) for unit in range(units)],
-        "training_length": [
-            {"seed": 601, "training": training, "models": _over_length(seconds)}
-            for training, seconds in {"15 s": 15, "30 s": 30, "60 s": 60, "two logs": 240}.items()
-        ],
         "step_us": {model: 1.0 + ratio for model, ratio in ratios.items()},
     } | more
 
@@ -310,11 +306,4 @@ def _capacity(unit, random):
             }
             for (name, (linear, other, states)), f in zip(sets.items(), noise, strict=True)
         },
-    }
-
-
-def _over_length(seconds):
-    return {
-        model: 10.0 * RATIOS[model] * (1.0 + 10.0 / seconds)
-        for model in ("fprc", "fprc_lowpass", "bank")
     }

@@ -204,9 +204,6 @@ PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, RIGS)
                              for rig in ("paper", "dry", "viscous")]),
         (BEYOND, r"goes from (\S+) to (\S+) kPa \(Fuzzy-linear: (\S+) kPa",
          "beyond_offsets", [("FPRC", "0"), ("FPRC", "-2"), ("Fuzzy-linear", "0")]),
-        (BEYOND, r"low-passed theta_d from (\S+) to (\S+) kPa, and FPRC from (\S+) to (\S+) kPa",
-         "beyond_lengths", [(LOWPASS, "120 s"), (LOWPASS, "two logs"), ("FPRC", "120 s"),
-                            ("FPRC", "two logs")]),
         *(
             (page, r"Table III, Fuzzy-linear, Test RMSE: (\S+) against (\S+) kPa", "table3_seeds",
              [("Test RMSE", "Fuzzy-linear, ours"), ("Test RMSE", "Fuzzy-linear, paper")])

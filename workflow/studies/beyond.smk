@@ -15,7 +15,7 @@ FIGURES_BEYOND = {
 }
 #: Names of the tables in Markdown.
 PAGES_BEYOND = (
-    "claims tracking models offsets capacities lengths worlds beside fitted details leaderboard"
+    "claims tracking models offsets capacities worlds beside fitted details leaderboard"
 ).split()
 #: Settings of the models and of their competitors, with their own number of starts of a clustering.
 CONTESTANTS = paper_models(SETTINGS) | {
@@ -37,24 +37,6 @@ LONG_JOBS["beyond_world"] = judgement_spec(
     families=lambda wildcards: [family_of(wildcards)],
     units=lambda wildcards: list(range(units_of(wildcards))),
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
-)
-
-LONG_JOBS["beyond_training"] = judgement_spec(
-    "beyond/training_logs",
-    "Beyond the paper: length and number of the training logs",
-    "beyond.contest.judge_lengths",
-    *COMPETITORS,
-    given={"tuned": TUNED},
-    families=lambda wildcards: [family_named(CONFIGURED_FAMILY)],
-    units=list(range(BEYOND["training"]["seeds"])),
-    how={
-        "contest": CONTEST,
-        "seconds": BEYOND["training"]["seconds"],
-        "second_log": {
-            **SETTINGS["experiments"]["complex"],
-            "f_hz": BEYOND["training"]["second_f_hz"],
-        },
-    },
 )
 
 LONG_JOBS["beyond_steps"] = judgement_spec(
@@ -91,7 +73,7 @@ LONG_JOBS["beyond_settings"] = judgement_spec(
     *COMPETITORS,
     given={"tuned": TUNED},
     families=families_of_one_rig,
-    units=list(range(BEYOND["training"]["seeds"])),
+    units=list(range(BEYOND["setting_seeds"])),
     how={
         "contest": CONTEST,
         "grids": {
@@ -132,12 +114,11 @@ STUDY_RESULTS["beyond_tables"] = result_spec(
     {
         "families": expand(PATHS.below("beyond/{world}.json"), world=FAMILIES),
         "capacity": PATHS.below("beyond/capacity.json"),
-        "training": PATHS.below("beyond/training_logs.json"),
         "steps": PATHS.below("beyond/steps.json"),
         "over_settings": PATHS.below("beyond/settings.json"),
     },
     {
-        **{name: PATHS.below(f"beyond/{name}.csv") for name in (*PAGES_BEYOND[:6], "settings")},
+        **{name: PATHS.below(f"beyond/{name}.csv") for name in (*PAGES_BEYOND[:5], "settings")},
         "pages": expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
     },
     **stage("studies.show_beyond.tabulate_beyond"),

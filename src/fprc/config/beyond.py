@@ -13,19 +13,6 @@ class Disturbances(Section):
     noise_kpa: float = quantity(1.0, (0, 100), "standard deviation of white noise added to P_o")
 
 
-class TrainingLogs(Section):
-    """Training logs of other lengths, and a second training log."""
-
-    seeds: int = quantity(10, (1, 1000), "seeds on which each length is judged")
-    seconds: NotEmpty[float] = quantity(
-        (15, 30, 60, 120, 240), (5, 3600), "lengths; each log sweeps the whole band", unit="s"
-    )
-    second_f_hz: NotEmpty[float] = quantity(
-        (0.18, 0.07, 0.43, 0.23, 0.37), (0.001, 10),
-        "frequencies of a second training log, a multisine like the test log",
-    )  # fmt: skip
-
-
 class Tuning(Section):
     """Choice of the competitors' settings, on seeds and rigs that are used for nothing else."""
 
@@ -80,7 +67,9 @@ class Beyond(Section):
     restarts: int = quantity(
         10, (1, 1000), "starts of every clustering; the lowest objective is kept"
     )
+    setting_seeds: int = quantity(
+        10, (1, 1000), "seeds on which values of epsilon and n_c are judged"
+    )
     disturbances: Disturbances = Disturbances()
-    training: TrainingLogs = TrainingLogs()
     tuning: Tuning = Tuning()
     capacity: Capacity = Capacity()

@@ -34,15 +34,12 @@ def acquire(
     rig: Mapping[str, Any],
     seed: int,
     *,
-    run: int | None = None,
     pushes: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
     """Return the channels of one hysteresis experiment on the simulated rig.
 
     Parameters
     ----------
-    run : int, optional
-        Run number; by default that of the experiment.
     pushes : ndarray of shape (n_samples,), optional
         Push on the reservoir at every sample, kPa.
 
@@ -52,6 +49,5 @@ def acquire(
         The simulation diverges.
     """
     rate_hz = control["sample_rate_hz"]
-    number = RUNS[experiment] if run is None else run
-    device = SimulatedRig(rig, seed=seed, run=number, sample_rate_hz=rate_hz)
+    device = SimulatedRig(rig, seed=seed, run=RUNS[experiment], sample_rate_hz=rate_hz)
     return simulate_hysteresis(device, control, pressure_command(signal, rate_hz), pushes)

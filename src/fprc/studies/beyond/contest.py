@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.channels import TARGETS
 from fprc.errors import FprcError, in_one_line
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import prepare
@@ -37,8 +36,6 @@ ALL = (
 
 #: Marks the random stream of the noise that is added to P_o.
 _NOISE = 20243
-#: Run number of the second training log; ``hysteresis`` and ``tracking`` have the others.
-_SECOND_RUN = 80
 #: Training samples of a model whose step is timed.
 _ENOUGH = 4000
 
@@ -130,52 +127,6 @@ def judge_rig(
         except (FprcError, ValueError, np.linalg.LinAlgError) as error:
             judged[name] = {"failed": in_one_line(error)}
     return judged
-
-
-def judge_lengths(
-    unit: Unit,
-    *,
-    contest: Mapping[str, Any],
-    seconds: Sequence[float],
-    second_log: Mapping[str, Any],
-    names: Sequence[str] = BRIEF,
-) -> list[dict[str, Any]]:
-    """Return forward test errors after training on sweeps of several lengths, and on two logs.
-
-    Parameters
-    ----------
-    seconds : sequence of float
-        Durations of the sweeps, which cover the same band of frequencies.
-    second_log : Mapping
-        Pressure signal of the log that trains together with the sweep of the paper.
-    """
-    on_rig, seed = unit.rigs[0]
-    entered = Contest(**contest, tuned=unit.family["tuned"])
-    test = simulate(on_rig, seed)["complex"]
-
-    def recorded(signal: Mapping[str, Any], run: int | None = None) -> Data:
-        channels = acquire("sweep", signal, on_rig.control, on_rig.rig, seed, run=run)
-        return Data(channels | {"p_target_kpa": channels[TARGETS[on_rig.target]]}, test.attributes)
-
-    def errors(logs: Sequence[Data]) -> dict[str, float]:
-        result = {}
-        for name in names:
-            pairs = [log.pair(name) for log in logs]
-            model = entered.build(name, seed).fit(*map(list, zip(*pairs, strict=True)))
-            result[name] = _error(model, name, test)
-        return result
-
-    sweep = on_rig.signals["sweep"]
-    judged: list[dict[str, Any]] = [
-        {
-            "seed": seed,
-            "training": f"{length:g} s",
-            "models": errors([recorded({**sweep, "duration_s": length})]),
-        }
-        for length in seconds
-    ]
-    both = [recorded(sweep), recorded(second_log, _SECOND_RUN)]
-    return [*judged, {"seed": seed, "training": "two logs", "models": errors(both)}]
 
 
 def judge_settings(

@@ -1,8 +1,8 @@
 """Read the measurements of a family of the target ``beyond``; a family is one rig or a set of rigs.
 
 A family has ``name``, ``fitted`` (the terms that its rigs were fitted to), ``unit`` (seed or rig),
-``cells`` (one per rig and seed, with the errors of each model), and may have ``capacity``,
-``training_length`` and ``step_us``.
+``cells`` (one per rig and seed, with the errors of each model), and may have ``capacity`` and
+``step_us``.
 """
 
 from collections.abc import Mapping, Sequence

@@ -192,32 +192,6 @@ def capacity_page(table: pd.DataFrame) -> pd.DataFrame:
     return _named(page, States=lambda name: SETS.get(name, name), Number=str)
 
 
-def lengths(families: Families) -> pd.DataFrame:
-    """Forward test RMSE over the length of the training log, tidy.
-
-    Returns
-    -------
-    DataFrame
-        ``world``, ``model``, ``training`` (seconds of one log, or two logs), ``mean``, ``low``,
-        ``high``, ``units``, ``source``.
-    """
-    rows = [
-        (family["name"], entry["seed"], model, entry["training"], error)
-        for family in families
-        for entry in family.get("training_length", ())
-        for model, error in entry["models"].items()
-    ]
-    table = pd.DataFrame(rows, columns=["world", "unit", "model", "training", "value"])
-    return _means(table, "model", "training")
-
-
-def lengths_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per model of one family, one column per length of the training log."""
-    lengths = sorted(set(table["training"]), key=_seconds)
-    page = _wide(table, ["model"], "training", dict(zip(lengths, lengths, strict=True)))
-    return _named(page, Model=title_of)
-
-
 def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """Return FPRC's forward test error over that of FPRC on low-passed theta_d, tidy.
 
@@ -247,9 +221,9 @@ def pages(
     ledgers : sequence
         Of each family, the rows of ``beyond.claims.judge_family``.
     tables : Mapping
-        ``models``, ``tracking``, ``offsets``, ``capacities`` and ``lengths``, tidy.
+        ``models``, ``tracking``, ``offsets`` and ``capacities``, tidy.
     family : str
-        The family that the tables of models, offsets, capacities and lengths show.
+        The family that the tables of models, offsets and capacities show.
     """
     of_family = {name: table[table["world"] == family] for name, table in tables.items()}
     shown = {
@@ -262,7 +236,6 @@ def pages(
         "models": models_page(of_family["models"]),
         "offsets": offsets_page(of_family["offsets"]),
         "capacities": capacity_page(of_family["capacities"]),
-        "lengths": lengths_page(of_family["lengths"]),
         "leaderboard": leaderboard(of_family["models"]),
     }
     note = f"Data: {SOURCES['sim']}."
@@ -270,10 +243,6 @@ def pages(
     widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
     notes = {"offsets": f"{note} Means{widest}."}
     return {name: markdown(page, notes.get(name, note)) for name, page in shown.items()}
-
-
-def _seconds(training: str) -> float:
-    return float("inf") if training == "two logs" else float(training.removesuffix(" s"))
 
 
 def _means(table: pd.DataFrame, *keys: str) -> pd.DataFrame:

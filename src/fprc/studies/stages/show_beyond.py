@@ -19,7 +19,6 @@ from fprc.studies.beyond.verdicts import claims as claims_table
 def tabulate_beyond(
     families: Sequence[str],
     capacity: str,
-    training: str,
     steps: str,
     over_settings: str,
     pages: Sequence[str],
@@ -32,7 +31,7 @@ def tabulate_beyond(
     Parameters
     ----------
     families : sequence of str
-        Reports of the families; the first one's rig is that of ``training`` and ``steps``.
+        Reports of the families; the first one's rig is that of ``steps``.
     capacity : str
         Capacities in each family with one rig.
     over_settings : str
@@ -40,16 +39,15 @@ def tabulate_beyond(
     pages : sequence of str
         Tables in Markdown, named after ``tables.pages``.
     family : str
-        Family whose models, offsets, capacities and lengths the pages show.
+        Family whose models, offsets and capacities the pages show.
     **csv : str
         Tables by name: ``models``, ``claims``, ``tracking``, ``offsets``, ``capacities``,
-        ``lengths``, ``settings``.
+        ``settings``.
     """
     found = [family_of(read_json(path)) for path in families]
     capacities = read_json(capacity)["cells"]
     for judged in found:
         judged["capacity"] = [row for row in capacities if row["family"] == judged["name"]]
-    found[0]["training_length"] = read_json(training)["cells"]
     found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
     ledgers = list(map(judge_family, found))
     by_model = tables.models(found)
@@ -59,7 +57,6 @@ def tabulate_beyond(
         "tracking": tables.errors_and_tracking(by_model),
         "offsets": tables.offsets(found),
         "capacities": tables.capacity(found),
-        "lengths": tables.lengths(found),
         "settings": tables.over_settings(read_json(over_settings)["cells"]),
     }
     for name, table in made.items():

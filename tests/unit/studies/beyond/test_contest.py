@@ -16,7 +16,6 @@ from fprc.studies.beyond.contest import (
     BRIEF,
     SLOW,
     Contest,
-    judge_lengths,
     judge_models,
     judge_rig,
     judge_settings,
@@ -110,18 +109,6 @@ def test_tuned_settings_replace_the_defaults_and_no_others(judged):
     tuned, usual = judged["fprc_tuned"], judged["fprc"]
     assert tuned == {name: usual[name] for name in tuned}
     assert judged["bank_tuned"]["train"] > judged["bank"]["train"]  # a stronger ridge
-
-
-def test_length_of_the_usual_log_gives_the_usual_error(judged, on_rig, unit, how):
-    sweep, second = on_rig.signals["sweep"], on_rig.signals["complex"]
-    short, usual, both = judge_lengths(
-        unit, contest=how, seconds=[10.0, sweep["duration_s"]], second_log=second, names=("fprc",)
-    )
-    assert usual["models"]["fprc"] == judged["fprc"]["forward"]
-    assert short["models"] != usual["models"]
-    assert (usual["training"], both["training"]) == (f"{sweep['duration_s']:g} s", "two logs")
-    # the second log is the test log's signal, with other noise
-    assert both["models"]["fprc"] < usual["models"]["fprc"]
 
 
 def test_changed_setting_is_that_of_both_models(judged, unit, how):

@@ -14,7 +14,7 @@ from fprc.studies.beyond.claims import judge_family
 
 @pytest.fixture(scope="module")
 def families(make_family):
-    sparse = {"capacity": [], "training_length": [], "step_us": {}}
+    sparse = {"capacity": [], "step_us": {}}
     few = ("fprc", "fuzzy_linear", "fprc_lowpass")
     return {
         "dry": make_family(spread=0.02),
@@ -111,7 +111,7 @@ def test_stacked_capacities_end_at_the_total(families, axes):
 
 @pytest.mark.parametrize("what", ["pairs", "tracking", "offsets", "capacities"])
 def test_family_of_failures_is_drawn_empty(what, make_family, axes):
-    nothing = {"capacity": [], "training_length": [], "step_us": {}}
+    nothing = {"capacity": [], "step_us": {}}
     family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
     if what == "pairs":
         figures.plot_pairs(claims({"dry": family}), axes)

@@ -33,7 +33,7 @@ def test_means_and_intervals_are_over_units(families):
 
 
 def test_no_number_is_missing_where_there_are_two_units(families):
-    for make in (tables.models, tables.offsets, tables.capacity, tables.lengths):
+    for make in (tables.models, tables.offsets, tables.capacity):
         table = make(families)
         assert list(make(families[3:])) == list(table)  # of a family with nothing
         several = table[table["units"] > 1]
@@ -53,7 +53,6 @@ def test_pages_survive_a_family_with_nothing(families, ledgers):
                 (tables.models_page, tables.models),
                 (tables.offsets_page, tables.offsets),
                 (tables.capacity_page, tables.capacity),
-                (tables.lengths_page, tables.lengths),
             )
         ),
         *(
@@ -102,7 +101,7 @@ def test_pages_are_the_blocks_of_the_documentation(families, ledgers):
     found = {
         "models": tables.models(families), "offsets": tables.offsets(families),
         "tracking": tables.errors_and_tracking(tables.models(families)),
-        "capacities": tables.capacity(families), "lengths": tables.lengths(families),
+        "capacities": tables.capacity(families),
     }  # fmt: skip
     pages = tables.pages(families, ledgers, found, "dry")
     root = Path(__file__).parents[4]
@@ -113,9 +112,3 @@ def test_pages_are_the_blocks_of_the_documentation(families, ledgers):
     }
     assert {f"beyond_{name}" for name in pages} == begun
     assert pages["leaderboard"].startswith("Data: simulated rig, not hardware.")
-
-
-def test_lengths_are_in_order_and_two_logs_last(families):
-    page = tables.lengths_page(rows_of(tables.lengths(families), "dry"))
-    assert list(page) == ["Model", "15 s", "30 s", "60 s", "two logs"]
-    assert page.iloc[0].tolist() == ["FPRC", "16.7", "13.3", "11.7", "10.4"]

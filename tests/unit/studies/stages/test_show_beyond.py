@@ -6,7 +6,7 @@ import pytest
 
 from fprc.studies.stages.show_beyond import draw_beyond, tabulate_beyond
 
-CSV = ("models", "claims", "tracking", "offsets", "capacities", "lengths", "settings")
+CSV = ("models", "claims", "tracking", "offsets", "capacities", "settings")
 PAGES = (*CSV[:-1], "worlds", "beside", "fitted", "details", "leaderboard")
 
 
@@ -24,7 +24,7 @@ SETTINGS = [
 def tabulated(make_family, tmp_path_factory):
     """Tables of two families; a file for each part of the first one, as the workflow has them."""
     tmp_path = tmp_path_factory.mktemp("beyond")
-    parts = ("capacity", "training_length", "step_us")
+    parts = ("capacity", "step_us")
     families = [make_family(spread=0.02), make_family("viscous", spread=0.02)]
     taken = [{name: family.pop(name) for name in parts} for family in families]
     written = {
@@ -37,7 +37,6 @@ def tabulated(make_family, tmp_path_factory):
     }
     written |= {
         "capacity": {"cells": [{"family": "dry", **row} for row in taken[0]["capacity"]]},
-        "training": {"cells": taken[0]["training_length"]},
         "steps": {"cells": [{"step_us": taken[0]["step_us"]}]},
         "settings": {"cells": SETTINGS},
     }
@@ -47,7 +46,7 @@ def tabulated(make_family, tmp_path_factory):
     tables = {name: str(tmp_path / f"{name}.csv") for name in CSV}
     tabulate_beyond(
         [path["dry"], path["viscous"]],
-        *(path[name] for name in ("capacity", "training", "steps", "settings")),
+        *(path[name] for name in ("capacity", "steps", "settings")),
         [str(tmp_path / f"beyond/{name}.md") for name in PAGES], family="dry", **tables,
     )  # fmt: skip
     return tables
@@ -61,7 +60,7 @@ def test_what_was_measured_beside_the_models_belongs_to_its_family(tabulated):
     }  # no capacity of that family
     families = {name: set(pd.read_csv(path)["world"]) for name, path in tabulated.items()}
     assert families["claims"] == families["models"] == {"dry", "viscous"}
-    assert families["lengths"] == families["capacities"] == {"dry"}
+    assert families["capacities"] == {"dry"}
     written = Path(tabulated["claims"]).with_name("beyond").glob("*.md")
     assert {path.stem for path in written} == set(PAGES)
 
