@@ -8,15 +8,12 @@ FAMILIES = [CONFIGURED_FAMILY, *OTHER_RIGS, *SETS]
 #: Tables of the figures, and what these show.
 FIGURES_BEYOND = {
     "pairs": ("claims", "error ratios of pairs of models"),
-    "tracking": ("tracking", "tracking errors against test errors"),
     "offsets": ("offsets", "offset of P_o"),
     "capacities": ("capacities", "capacities"),
     "settings": ("settings", "what P_o is worth over epsilon and n_c"),
 }
 #: Names of the tables in Markdown.
-PAGES_BEYOND = (
-    "claims tracking models offsets capacities worlds beside fitted details leaderboard"
-).split()
+PAGES_BEYOND = "claims models offsets capacities worlds beside fitted details leaderboard".split()
 #: Settings of the models and of their competitors, with their own number of starts of a clustering.
 CONTESTANTS = paper_models(SETTINGS) | {
     "fprc": SETTINGS["models"]["fprc"] | {"restarts": BEYOND["restarts"]}
@@ -118,7 +115,7 @@ STUDY_RESULTS["beyond_tables"] = result_spec(
         "over_settings": PATHS.below("beyond/settings.json"),
     },
     {
-        **{name: PATHS.below(f"beyond/{name}.csv") for name in (*PAGES_BEYOND[:5], "settings")},
+        **{name: PATHS.below(f"beyond/{name}.csv") for name in (*PAGES_BEYOND[:4], "settings")},
         "pages": expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
     },
     **stage("studies.show_beyond.tabulate_beyond"),

@@ -1,14 +1,13 @@
-"""What the reservoir is worth: pairs of models, errors against tracking, offsets, capacities."""
+"""What the reservoir is worth: pairs of models, offsets, capacities."""
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, NullLocator
 from pandas import DataFrame
 
 from fprc import escape
 from fprc.claims.paired import EQUIVALENT_WITHIN
 from fprc.figures.style import line_of, symbols
-from fprc.paper import MODELS
 from fprc.registry import choice_of, title_of
 from fprc.studies.beyond.measurements import MEASURES, SETS, family_title
 
@@ -84,34 +83,6 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     ax.set_xticks(sorted(kept))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_locator(NullLocator())
-
-
-def plot_errors_and_tracking(table: DataFrame, ax: Axes) -> None:
-    """Draw tracking over forward test RMSE, one point per model.
-
-    Five at most have their names: the models of the paper, and the best in either error.
-
-    Parameters
-    ----------
-    table : DataFrame
-        One family and loop of ``tables.beyond.errors_and_tracking``.
-    """
-    place = table.set_index("model")[["forward", "tracking"]]
-    ax.plot(place["forward"], place["tracking"], "o", color="0.6", markersize=3.5)
-    best = [place[error].idxmin() for error in place if len(place)]
-    named = place[place.index.isin([*MODELS, *best])].sort_values("tracking")
-    # names of neighbours move apart
-    for shift, (name, point) in zip(
-        np.linspace(-1.0, 5.0, len(named)), named.iterrows(), strict=True
-    ):
-        ax.plot(*point, "o", color="black", markersize=3.5)
-        ax.annotate(symbols(title_of(str(name))), point, (5.0, shift), va="center",
-                    textcoords="offset points")  # fmt: skip
-    ax.set(xlabel="Test RMSE, forward [kPa]", ylabel="Tracking RMSE [deg]", xscale="log")
-    ax.xaxis.set_major_locator(MaxNLocator(8))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_locator(NullLocator())
-    ax.margins(0.08)
 
 
 def plot_settings(table: DataFrame, ax: Axes) -> None:

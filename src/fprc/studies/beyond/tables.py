@@ -85,52 +85,6 @@ def leaderboard(table: pd.DataFrame) -> pd.DataFrame:
     return page[[name for name in page if not name.startswith("Closed loop")]]
 
 
-def errors_and_tracking(table: pd.DataFrame) -> pd.DataFrame:
-    """Forward test RMSE beside tracking, and their rank correlation over the models, tidy.
-
-    Parameters
-    ----------
-    table : DataFrame
-        From ``models``. Models whose settings were chosen on the test log are left out.
-
-    Returns
-    -------
-    DataFrame
-        ``world``, ``model``, ``forward`` (kPa), ``loop`` (open_loop or closed_loop), ``tracking``
-        (deg), ``models`` (their number) and ``rank_correlation`` (Spearman's, of the family and
-        loop), ``source``. Families of fewer than three such models are left out.
-    """
-    offered = table[table["model"].map(choice_of) != "oracle"]
-    wide = offered.pivot(index=["world", "source", "model"], columns="measure", values="mean")
-    wide = wide.reindex(offered["world"].unique(), level=0)
-    parts = []
-    for loop in ("open_loop", "closed_loop"):
-        pairs = wide.reindex(columns=["forward", loop]).dropna().reset_index()
-        pairs = pairs.rename(columns={loop: "tracking"}).assign(loop=loop)
-        for _, of_family in pairs.groupby("world", sort=False):
-            if len(of_family) > 2:
-                rho = of_family["forward"].rank().corr(of_family["tracking"].rank())
-                parts.append(of_family.assign(models=len(of_family), rank_correlation=rho))
-    order = "world model forward loop tracking models rank_correlation source".split()
-    return pd.concat(parts or [pd.DataFrame(columns=order)], ignore_index=True)[order]
-
-
-def correlations_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return how forward test error ranks tracking, one row per family."""
-    wide = table.pivot_table(
-        index=["world", "models"], columns="loop", values="rank_correlation", sort=False
-    )
-    return pd.DataFrame(
-        {
-            "Rigs": family_title(family),
-            "Models": str(count),
-            "Open loop": f"{row['open_loop']:.2f}",
-            "Closed loop": f"{row['closed_loop']:.2f}",
-        }
-        for (family, count), row in wide.iterrows()
-    )
-
-
 def offsets(families: Families) -> pd.DataFrame:
     """Forward test RMSE, and tracking, where P_o is shifted or disturbed after training, tidy.
 
@@ -221,7 +175,7 @@ def pages(
     ledgers : sequence
         Of each family, the rows of ``beyond.claims.judge_family``.
     tables : Mapping
-        ``models``, ``tracking``, ``offsets`` and ``capacities``, tidy.
+        ``models``, ``offsets`` and ``capacities``, tidy.
     family : str
         The family that the tables of models, offsets and capacities show.
     """
@@ -232,7 +186,6 @@ def pages(
         "beside": beside_page(families),
         "fitted": fitted_page(ledgers),
         "details": details_page(ledgers),
-        "tracking": correlations_page(tables["tracking"]),
         "models": models_page(of_family["models"]),
         "offsets": offsets_page(of_family["offsets"]),
         "capacities": capacity_page(of_family["capacities"]),

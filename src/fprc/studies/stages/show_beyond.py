@@ -12,7 +12,7 @@ from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond.claims import judge_family
-from fprc.studies.beyond.measurements import family_of
+from fprc.studies.beyond.measurements import LOOPS, family_of
 from fprc.studies.beyond.verdicts import claims as claims_table
 
 
@@ -41,8 +41,7 @@ def tabulate_beyond(
     family : str
         Family whose models, offsets and capacities the pages show.
     **csv : str
-        Tables by name: ``models``, ``claims``, ``tracking``, ``offsets``, ``capacities``,
-        ``settings``.
+        Tables by name: ``models``, ``claims``, ``offsets``, ``capacities``, ``settings``.
     """
     found = [family_of(read_json(path)) for path in families]
     capacities = read_json(capacity)["cells"]
@@ -50,11 +49,9 @@ def tabulate_beyond(
         judged["capacity"] = [row for row in capacities if row["family"] == judged["name"]]
     found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
     ledgers = list(map(judge_family, found))
-    by_model = tables.models(found)
     made = {
-        "models": by_model,
+        "models": tables.models(found),
         "claims": claims_table(ledgers),
-        "tracking": tables.errors_and_tracking(by_model),
         "offsets": tables.offsets(found),
         "capacities": tables.capacity(found),
         "settings": tables.over_settings(read_json(over_settings)["cells"]),
@@ -72,8 +69,8 @@ def draw_beyond(table: str, pdf: str, png: str, *, figure: str, family: str) -> 
     Parameters
     ----------
     figure : str
-        ``pairs``, from the table of the claims, or ``tracking``, ``offsets``, ``capacities`` or
-        ``settings``, from the table of that name.
+        ``pairs``, from the table of the claims, or ``offsets``, ``capacities`` or ``settings``,
+        from the table of that name.
     family : str
         Family that is shown where only one is.
     """
@@ -81,26 +78,13 @@ def draw_beyond(table: str, pdf: str, png: str, *, figure: str, family: str) -> 
     fig, axes = style.figure(*grid, **shared)
     found = pd.read_csv(table)
     plot(found if figure in _OF_ALL else found[found["world"] == family], axes)
-    if figure != "tracking":  # whose points have their names beside them
-        style.share_legend(fig, fig.axes[0])
+    style.share_legend(fig, fig.axes[0])
     return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
-
-
-def _plot_tracking(table: pd.DataFrame, axes: Sequence[Axes]) -> None:
-    """Draw tracking over the forward test error, without and with feedback."""
-    for ax, (loop, words) in zip(axes, _LOOPS.items(), strict=True):
-        of_loop = table[table["loop"] == loop]
-        figures.plot_errors_and_tracking(of_loop, ax)
-        ax.label_outer()
-        found = "".join(
-            f"; rank correlation {value:.2f}" for value in of_loop["rank_correlation"][:1]
-        )
-        style.letter(ax, words + found)
 
 
 def _plot_offsets(table: pd.DataFrame, axes: Sequence[Axes]) -> None:
     """Draw the forward test error and the tracking errors over the offset of P_o."""
-    for ax, measure in zip(axes, ("forward", *_LOOPS), strict=True):
+    for ax, measure in zip(axes, ("forward", *LOOPS), strict=True):
         figures.plot_offsets(table, measure, ax)
 
 
@@ -112,11 +96,9 @@ def _plot_settings(table: pd.DataFrame, axes: Sequence[Axes]) -> None:
     axes[0].set_ylim(table["low"].min() / 1.05, table["high"].max() * 1.05)
 
 
-_LOOPS = {"open_loop": "(a) Open loop", "closed_loop": "(b) Closed loop"}
 #: Rows and columns of axes, width and height in inches, axes that are shared, and what draws.
 _FIGURES: dict[str, tuple[Any, ...]] = {
     "pairs": (1, 1, style.PAGE_IN, 4.6, {}, figures.plot_pairs),
-    "tracking": (2, 1, style.COLUMN_IN, 4.4, {"sharex": True}, _plot_tracking),
     "offsets": (1, 3, style.PAGE_IN, 2.6, {"sharex": True}, _plot_offsets),
     "capacities": (1, 1, style.COLUMN_IN, 3.0, {}, figures.plot_capacities),
     "settings": (1, 2, style.PAGE_IN, 2.4, {"sharey": True}, _plot_settings),

@@ -1,11 +1,8 @@
 """Figures of families with many models, and with almost none."""
 
-import numpy as np
 import pytest
 from matplotlib.colors import to_hex
-from scipy.stats import spearmanr
 
-from fprc.paper import MODELS
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond import verdicts
@@ -55,33 +52,6 @@ def test_hollow_markers_are_undecided(families, axes):
 
 
 @pytest.mark.parametrize("family", ["dry", "sparse"])
-def test_every_model_is_a_point_and_the_papers_and_the_best_have_names(families, family, axes):
-    table = of(tables.errors_and_tracking(tables.models(list(families.values()))), family)
-    table = table[table["loop"] == "closed_loop"].set_index("model")[["forward", "tracking"]]
-    figures.plot_errors_and_tracking(table.reset_index(), axes)
-    points = np.column_stack([axes.lines[0].get_xdata(), axes.lines[0].get_ydata()])
-    np.testing.assert_array_equal(points, table.to_numpy())
-    named = {*table.index} & {*MODELS} | {*table.idxmin()}
-    places = {tuple(text.xy) for text in axes.texts}
-    assert places == {tuple(table.loc[name]) for name in named}
-    assert len(axes.texts) <= 5
-
-
-def test_rank_correlation_is_spearmans(make_family):
-    random = np.random.default_rng(2)
-    family = make_family(units=2)
-    for cell in family["cells"]:
-        for report in cell["models"].values():
-            report["open_loop"] *= random.uniform(0.5, 2.0)
-    table = tables.errors_and_tracking(tables.models([family]))
-    for _, own in table.groupby("loop"):
-        expected = spearmanr(own["forward"], own["tracking"]).statistic
-        assert own["rank_correlation"].iloc[0] == pytest.approx(expected)
-        assert not own["model"].str.endswith("_oracle").any()
-        assert (own["models"] == len(own)).all()
-
-
-@pytest.mark.parametrize("family", ["dry", "sparse"])
 @pytest.mark.parametrize("measure", ["forward", "open_loop", "closed_loop"])
 def test_offsets_have_fuzzy_linear_as_a_level_line(families, family, measure, axes):
     table = of(tables.offsets(list(families.values())), family)
@@ -109,15 +79,12 @@ def test_stacked_capacities_end_at_the_total(families, axes):
     assert [text.get_text().split(" of ")[1] for text in axes.texts] == ["1", "4", "4", "300"]
 
 
-@pytest.mark.parametrize("what", ["pairs", "tracking", "offsets", "capacities"])
+@pytest.mark.parametrize("what", ["pairs", "offsets", "capacities"])
 def test_family_of_failures_is_drawn_empty(what, make_family, axes):
     nothing = {"capacity": [], "step_us": {}}
     family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
     if what == "pairs":
         figures.plot_pairs(claims({"dry": family}), axes)
-    elif what == "tracking":
-        table = tables.errors_and_tracking(tables.models([family]))
-        figures.plot_errors_and_tracking(table, axes)
     elif what == "offsets":
         figures.plot_offsets(tables.offsets([family]), "forward", axes)
     else:

@@ -45,7 +45,6 @@ def test_no_number_is_missing_where_there_are_two_units(families):
 def test_pages_survive_a_family_with_nothing(families, ledgers):
     pages = [
         tables.leaderboard(rows_of(tables.models(families), "broken")),
-        tables.correlations_page(tables.errors_and_tracking(tables.models(families))),
         tables.families_page(families),
         *(
             page(rows_of(make(families), "broken"))
@@ -100,7 +99,6 @@ def test_offsets_and_disturbances_have_their_columns(families):
 def test_pages_are_the_blocks_of_the_documentation(families, ledgers):
     found = {
         "models": tables.models(families), "offsets": tables.offsets(families),
-        "tracking": tables.errors_and_tracking(tables.models(families)),
         "capacities": tables.capacity(families),
     }  # fmt: skip
     pages = tables.pages(families, ledgers, found, "dry")

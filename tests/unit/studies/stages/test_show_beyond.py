@@ -6,7 +6,7 @@ import pytest
 
 from fprc.studies.stages.show_beyond import draw_beyond, tabulate_beyond
 
-CSV = ("models", "claims", "tracking", "offsets", "capacities", "settings")
+CSV = ("models", "claims", "offsets", "capacities", "settings")
 PAGES = (*CSV[:-1], "worlds", "beside", "fitted", "details", "leaderboard")
 
 
@@ -66,7 +66,7 @@ def test_what_was_measured_beside_the_models_belongs_to_its_family(tabulated):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", ["pairs", "tracking", "offsets", "capacities", "settings"])
+@pytest.mark.parametrize("figure", ["pairs", "offsets", "capacities", "settings"])
 def test_figure_is_drawn_from_its_table(tabulated, tmp_path, figure):
     table = tabulated["claims" if figure == "pairs" else figure]
     pdf, png = (str(tmp_path / f"{figure}.{kind}") for kind in ("pdf", "png"))
