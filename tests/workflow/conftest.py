@@ -305,7 +305,6 @@ def calibrated(smoked, shared):
         single = ("--cores", "2", "--max-threads", "1")
         made = copy.studies(
             "families",
-            "targets",
             "beyond",
             "online",
             "tuned",

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-SMALL = "fig4 results/smoke/crossval/sweep_esn.json results/smoke/replicates/command/grids_101.json"
+SMALL = "fig4 results/smoke/crossval/sweep_esn.json results/smoke/replicates/grids_101.json"
 TARGETS = os.environ.get("SLURM_TARGETS", SMALL).split()
 #: Where `make slurm` puts the executor.
 PLUGIN = Path(sys.prefix) / "slurm"

@@ -64,8 +64,8 @@ PLANNED = [
     ),
     (["report"], {"report_page", "ledger", "draw_fig11"}, {"judge_family", "fit_rig"}),
     (
-        [*STUDIES, "families", "targets", "smoke"],
-        {"judge_family", "families_figure", "targets_table", "replicate", "smoke"},
+        [*STUDIES, "families", "smoke"],
+        {"judge_family", "families_figure", "replicate", "smoke"},
         {"judge", "fit_rig"},
     ),
     ([*STUDIES, "readme"], {"readme", "timing_table", "ledger", "readout_table"}, {"fit_rig"}),

@@ -29,18 +29,18 @@ rule judge:
 
 rule replicate:
     output:
-        compared=PATHS.replicate("models", "{target}", "{seed}"),
-        cells=PATHS.replicate("grids", "{target}", "{seed}"),
-        measures=PATHS.replicate("control", "{target}", "{seed}"),
+        compared=PATHS.replicate("models", "{seed}"),
+        cells=PATHS.replicate("grids", "{seed}"),
+        measures=PATHS.replicate("control", "{seed}"),
     log:
-        PATHS.messages("replicate_{target}_{seed}"),
+        PATHS.messages("replicate_{seed}"),
     priority: LONG
     resources:
         mem_mb=2000,
         runtime=60,
     params:
         **stage("replicate.replicate", *PLAN.models),
-        on_rig=lambda wildcards: on_rig(SETTINGS, wildcards.target),
+        on_rig=on_rig(SETTINGS),
         judgement=lambda wildcards: judgement(SETTINGS, seed=int(wildcards.seed)),
         values=pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y"),
         tracking=SETTINGS["tracking"],

@@ -1,7 +1,6 @@
 # Calibration of the simulated rig, and what depends on it. None of this is part of `all`.
 
 DRAWN, BEYOND = SETTINGS["drawn"], SETTINGS["beyond"]
-TARGET_NAMES = ["command", "measured"]
 #: The rig, and how the paper's models are judged on it, with any seed.
 EVERY_SEED = {
     "on_rig": on_rig(SETTINGS),
@@ -93,17 +92,6 @@ STUDY_RESULTS["stop_table"] = table_spec(
     **stage("studies.sensitivity.tabulate_stop"),
 )
 
-STUDY_RESULTS["targets_table"] = table_spec(
-    "calibration/targets",
-    "Commanded compared with measured pressure as the models' target",
-    {
-        "published": PUBLISHED,
-        "replicates": PLAN.replicates("models", TARGET_NAMES),
-        "controls": PLAN.replicates("control", TARGET_NAMES),
-    },
-    **stage("studies.families.tabulate_targets"),
-)
-
 STUDY_RESULTS["channels_figure"] = figure_spec(
     "calibration/channels",
     "C18: loops over the commanded and over the measured pressure",
@@ -120,9 +108,5 @@ STUDY_TARGETS |= {
         PATHS.below("calibration/sensitivity_figure.pdf"),
         PATHS.below("calibration/stop.md"),
         *LONG_JOBS["measure_sensitivity"].made.values(),
-    ],
-    "targets": [
-        PATHS.below("calibration/targets.md"),
-        *STUDY_RESULTS["targets_table"].given.values(),
     ],
 }

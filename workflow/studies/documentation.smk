@@ -9,13 +9,13 @@ SHOWN_ON = {
     "calibration_page": SimpleNamespace(
         pages=["docs/calibration.md"],
         tables=by_block("families", FAMILY_TABLES)
-        | by_block("calibration", ("targets", "sensitivity", "stop")),
+        | by_block("calibration", ("sensitivity", "stop")),
         figures={
             "docs/images/families.png": PATHS.below("families/figure.png"),
             "docs/images/sensitivity.png": PATHS.below("calibration/sensitivity_figure.png"),
             "docs/images/channels.png": PATHS.below("calibration/channels.png"),
         },
-        targets=["families", "sensitivity", "targets"],
+        targets=["families", "sensitivity"],
     ),
     "beyond_page": SimpleNamespace(
         pages=["docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],

@@ -55,12 +55,12 @@ def feedback_in_words(settings: Settings) -> str:
     return f"PD: P_fb is the running sum of kp e + kd de/dt, with {gains}."
 
 
-def on_rig(settings: Settings, target: str | None = None) -> dict[str, Any]:
+def on_rig(settings: Settings) -> dict[str, Any]:
     """Return the arguments of ``RigSettings``."""
     return {
         **pick(settings, "rig", "control"),
         "signals": settings["experiments"],
-        "target": target or settings["evaluation"]["target"],
+        "target": settings["evaluation"]["target"],
     }
 
 

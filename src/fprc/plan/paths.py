@@ -43,6 +43,6 @@ class Paths:
         """Return the cells of a grid."""
         return self.below(f"grids/{name}.json")
 
-    def replicate(self, part: str, target: str, seed: int | str) -> str:
+    def replicate(self, part: str, seed: int | str) -> str:
         """Return the report of a further seed; part: models, grids or control."""
-        return self.below(f"replicates/{target}/{part}_{seed}.json")
+        return self.below(f"replicates/{part}_{seed}.json")

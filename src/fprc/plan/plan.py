@@ -1,7 +1,7 @@
 """The workflow's plan: what it makes from the existing logs with the given settings."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -215,14 +215,10 @@ class Plan:
             if file.endswith(".md")
         ]
 
-    def replicates(self, part: str, targets: Sequence[str] = ()) -> list[str]:
-        """Return one part of each further seed's report, for each of the models' ``targets``."""
-        evaluation = self.settings["evaluation"]
-        return [
-            self.paths.replicate(part, target, seed)
-            for target in targets or [evaluation["target"]]
-            for seed in evaluation["replicate_seeds"]
-        ]
+    def replicates(self, part: str) -> list[str]:
+        """Return one part of each further seed's report."""
+        seeds = self.settings["evaluation"]["replicate_seeds"]
+        return [self.paths.replicate(part, seed) for seed in seeds]
 
     @property
     def grids_over_seeds(self) -> list[str]:

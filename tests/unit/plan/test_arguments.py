@@ -39,11 +39,10 @@ def test_changed_argument_takes_the_place_of_the_configured_one():
     assert SETTINGS["models"]["others"].keys() == {"mine"}
 
 
-def test_rig_settings_take_the_target_of_the_evaluation_or_another():
+def test_rig_settings_take_the_target_of_the_evaluation():
     rig = RigSettings(**on_rig(SETTINGS))
     assert (rig.rig, rig.signals) == (SETTINGS["rig"], SETTINGS["experiments"])
     assert rig.target == "command"
-    assert RigSettings(**on_rig(SETTINGS, "measured")).target == "measured"
 
 
 def test_only_the_disturbance_has_pushes():

@@ -19,7 +19,7 @@ DATA = {
     for folder, kind in (("data/raw", "h5"), ("results/data", "h5"), ("results/quality", "json"))
 }
 REPLICATES = {
-    f"results/replicates/command/{part}_{seed}.json"
+    f"results/replicates/{part}_{seed}.json"
     for part in ("models", "grids", "control")
     for seed in range(501, 511)
 }

@@ -26,21 +26,6 @@ SUMS = {
 }
 
 
-def all_over_seeds(
-    models: Sequence[Mapping[str, Any]],
-    controls: Sequence[Mapping[str, Any]],
-    published: Mapping[str, Any],
-) -> pd.DataFrame:
-    """Tables II to IV over further seeds in one, see ``fprc.tables.against_paper.in_one``."""
-    return in_one(
-        {
-            "table2": over_seeds(models, published, "sweep"),
-            "table3": over_seeds(models, published, "complex"),
-            "table4": tracking_over_seeds(controls, published),
-        }
-    )
-
-
 def rig_errors(
     models: Sequence[Mapping[str, Any]],
     controls: Sequence[Mapping[str, Any]],
@@ -51,7 +36,13 @@ def rig_errors(
     Among the columns are ``number``, ``table``, ``controller``, ``published``, ``mean``, ``low``,
     ``high``, and ``deviation``, which is ours / print - 1.
     """
-    table = all_over_seeds(models, controls, published)
+    table = in_one(
+        {
+            "table2": over_seeds(models, published, "sweep"),
+            "table3": over_seeds(models, published, "complex"),
+            "table4": tracking_over_seeds(controls, published),
+        }
+    )
     table = table[table["published"].notna()].reset_index(drop=True)
     return table.assign(
         table=table["number"],

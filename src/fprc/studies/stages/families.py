@@ -1,7 +1,6 @@
 """Judge the claims on families of rigs, and show the families side by side."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,6 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from fprc.artifacts import read_json, write_json
-from fprc.channels import TARGETS
 from fprc.claims import numbers
 from fprc.claims.finding import REPRODUCED, Results, Statement
 from fprc.claims.ledger import Fit, judge_claims
@@ -23,7 +21,7 @@ from fprc.studies.beyond.claims import CLAIMS as BEYOND
 from fprc.studies.calibration.objective import errors_of, printed_errors
 from fprc.studies.families import tables
 from fprc.studies.families.figures import plot_shares
-from fprc.tables.text import format_mean, spread, write_table
+from fprc.tables.text import write_table
 from fprc.yaml_file import read_yaml
 
 
@@ -175,37 +173,6 @@ def draw_claims(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
     plot_shares(sets, ax)
     style.legend_above(ax)
     return style.save(fig, report | {"seeds": []}, pdf, png)
-
-
-def tabulate_targets(
-    published: str, replicates: Sequence[str], controls: Sequence[str], **files: str
-) -> None:
-    """Compare commanded and measured pressure as the models' target."""
-    printed = read_yaml(published)
-    parts = []
-    for name in TARGETS:
-        of_models, of_control = (
-            [read_json(path) for path in paths if Path(path).parent.name == name]
-            for paths in (replicates, controls)
-        )
-        table = tables.all_over_seeds(of_models, of_control, printed)
-        parts.append(table[table["controller"] != "pd"].assign(target=name))
-    columns = ["target", "number", "what", "unit", "ours", "low", "high", "published", "source"]
-    table = pd.concat(parts)[columns].rename(columns={"number": "table", "ours": "mean"})
-    page = pd.DataFrame(
-        {
-            "Table": rows[0]["number"],
-            "RMSE": f"{rows[0]['what']} [{rows[0]['unit']}]",
-            **{f"Target {row['target']}": format_mean(row, "ours") for row in rows},
-            "Paper": spread(rows[0]["published"], None),
-        }
-        for rows in zip(*(part.to_dict("records") for part in parts), strict=True)
-    )
-    note = (
-        "Target of the models: commanded against measured pressure, mean and its 95 % interval "
-        f"over the further seeds.\nData: {SOURCES[table['source'].iloc[0]]}."
-    )
-    write_table(table, page, note, **files)
 
 
 def _rows(units: Sequence[pd.DataFrame]) -> list[dict[str, Any]]:

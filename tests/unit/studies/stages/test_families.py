@@ -152,22 +152,3 @@ def test_set_of_which_no_rig_could_be_judged_is_an_error(reports_of, judged, tmp
             named={"dry": {"to": []}}, sets=SETS,
         )  # fmt: skip
     assert not (tmp_path / "summary.json").exists()
-
-
-def test_targets_are_told_apart_by_the_folder_of_their_results(reports_of, tmp_path):
-    paths = {"models": [], "controls": []}
-    for target, error in (("command", 1.0), ("measured", 3.0)):
-        (tmp_path / target).mkdir()
-        for part, content in (("models", reports(error)), ("controls", CONTROL)):
-            path = tmp_path / target / f"{part}.json"
-            path.write_text(json.dumps(content))
-            paths[part].append(str(path))
-    written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md", "tex")}
-    stage.tabulate_targets(
-        reports_of({"dry": 0.0})["published"], paths["models"], paths["controls"], **written,
-    )  # fmt: skip
-    table = pd.read_csv(written["csv"])
-    tables = table[table["table"] != "IV"].groupby("target")["mean"].unique()
-    assert {name: values.tolist() for name, values in tables.items()} == {
-        "command": [1.0], "measured": [3.0],
-    }  # fmt: skip
