@@ -307,7 +307,6 @@ def calibrated(smoked, shared):
             "families",
             "beyond",
             "online",
-            "tuned",
             *(f"results/smoke/{name}" for name in files),
             cores=single,
         )

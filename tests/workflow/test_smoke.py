@@ -3,7 +3,6 @@ import re
 
 import pandas as pd
 import pytest
-import yaml
 
 TABLES = ["table1", "table2", "table3", "table4", "table2_seeds", "table3_seeds",
           "table4_seeds"]  # fmt: skip
@@ -92,5 +91,3 @@ def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(
         "paper": 23, "bouc_wen": 9, "dry": 9, "viscous": 9, "near_print": 9, "drawn": 9,
     }  # fmt: skip
     assert (forward["units"] == 2).sum() == len(forward) - 4  # the slow models have one seed
-    tuned = yaml.safe_load((folder / "tuned.yaml").read_text())
-    assert set(tuned) == set(families)

@@ -1,6 +1,6 @@
 # Beyond the paper: competitors of its models, on several families of simulated rigs.
 
-#: Settings of the tuned models; they were made by this workflow.
+#: Settings of the tuned models; docs/beyond-details.md says how they were chosen.
 TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 CONFIGURED_FAMILY = SETTINGS["fitted"]["name"]
@@ -80,30 +80,6 @@ LONG_JOBS["beyond_settings"] = judgement_spec(
     },
 )
 
-
-LONG_JOBS["tune_world"] = long_spec(
-    "beyond/tuning_{world}",
-    "Beyond the paper: tuning of the competitors, family {wildcards.world}",
-    {"tuning": PATHS.below("beyond/tuning_{world}.json")},
-    {"near_print": NEAR_PRINT},
-    **stage("studies.beyond.tune_family", *COMPETITORS, key="version"),
-    family=family_of,
-    units=units_of_tuning,
-    candidates=BEYOND["tuning"]["candidates"],
-    seed=BEYOND["tuning"]["seed"],
-    judgement=judgement(SETTINGS, models=CONTESTANTS, split="blocked"),
-)
-
-
-STUDY_RESULTS["join_tuned"] = result_spec(
-    "beyond/tuned",
-    "settings",
-    "Beyond the paper: tuned competitors",
-    {"tunings": expand(PATHS.below("beyond/tuning_{world}.json"), world=FAMILIES)},
-    {"tuned": PATHS.below("beyond/tuned.yaml")},
-    **stage("studies.beyond.join_tuned"),
-)
-
 STUDY_RESULTS["beyond_tables"] = result_spec(
     "beyond/claims",
     "tables",
@@ -134,7 +110,6 @@ for figure, (table, words) in FIGURES_BEYOND.items():
 
 
 STUDY_TARGETS |= {
-    "tuned": PATHS.below("beyond/tuned.yaml"),
     "beyond": [
         PATHS.below("beyond/claims.md"),
         *expand(PATHS.below("beyond/figure_{name}.pdf"), name=FIGURES_BEYOND),

@@ -110,12 +110,6 @@ def units_of(wildcards):
     return BEYOND["rigs" if wildcards.world in SETS else "seeds"]
 
 
-def units_of_tuning(wildcards):
-    """Return the seeds or rigs of a family on which settings are chosen; they judge nothing else."""
-    first = units_of(wildcards)
-    return list(range(first, first + BEYOND["tuning"]["units"]))
-
-
 def by_block(folder, tables):
     """Return tables in a folder by their blocks in the documentation, which are named after both."""
     return {f"{folder}_{table}": PATHS.below(f"{folder}/{table}.md") for table in tables}

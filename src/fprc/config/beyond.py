@@ -13,14 +13,6 @@ class Disturbances(Section):
     noise_kpa: float = quantity(1.0, (0, 100), "standard deviation of white noise added to P_o")
 
 
-class Tuning(Section):
-    """Choice of the competitors' settings, on seeds and rigs that are used for nothing else."""
-
-    candidates: int = quantity(24, (1, 10000), "settings tried per model, the defaults first")
-    units: int = quantity(3, (1, 100), "seeds per family of one rig, rigs per family of many")
-    seed: int = quantity(1, (0, 2**31), "seed of the draws")
-
-
 class Capacity(Section):
     """Memory and information processing capacity of the reservoir, with theta_d held at random."""
 
@@ -71,5 +63,4 @@ class Beyond(Section):
         10, (1, 1000), "seeds on which values of epsilon and n_c are judged"
     )
     disturbances: Disturbances = Disturbances()
-    tuning: Tuning = Tuning()
     capacity: Capacity = Capacity()

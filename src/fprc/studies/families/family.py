@@ -50,7 +50,7 @@ def unit_of(number: int, family: Mapping[str, Any], near_print: str = "") -> Uni
         if number >= len(known):
             raise FprcError(
                 f"{near_print}: has {len(known)} rigs, and rig {number} is needed; reduce "
-                "beyond.rigs or beyond.tuning.units"
+                "beyond.rigs"
             )
         on_rig = replace(on_rig, rig=Rig.model_validate(known[number]).model_dump(mode="json"))
     elif family["rigs"] == "drawn":

@@ -92,7 +92,6 @@ def _tuned(path: str, family: str) -> Any:
     known = read_yaml(path)
     if family not in known:
         raise FprcError(
-            f"{path}: no settings for the family {family}; make them with the target `tuned`, and "
-            "copy results/beyond/tuned.yaml there"
+            f"{path}: no settings for the family {family}; add them to config/tuned.yaml"
         )
     return known[family]
