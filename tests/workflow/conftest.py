@@ -286,7 +286,7 @@ def smoked_copy(smoked, tmp_path):
     return _copied(smoked[0], tmp_path / "copy")
 
 
-#: Settings of a calibration with few parameters; tests/unit/studies/calibration has them all.
+#: Few parameters of the rig.
 FEW_FREE = (
     "calibration={free: [bending.friction_kpa, bending.friction_per_kpa, "
     "drift.sigma_kpa, drift.time_s, reservoir.back_pressure_gain, "
@@ -295,7 +295,7 @@ FEW_FREE = (
 
 
 @pytest.fixture(scope="session")
-def calibrated(smoked, shared):
+def studied(smoked, shared):
     """Finished smoke run on which the targets outside `all` were made too, and what it printed."""
 
     def make(folder):
@@ -310,9 +310,9 @@ def calibrated(smoked, shared):
             *(f"results/smoke/{name}" for name in files),
             cores=single,
         )
-        done = copy.studies("sensitivity", "calibrate", "--config", FEW_FREE, cores=single)
+        done = copy.studies("sensitivity", "--config", FEW_FREE, cores=single)
         done.returncode = made.returncode or done.returncode
         done.stdout = made.stdout + done.stdout
         return done
 
-    return once(shared, "calibrated", make)
+    return once(shared, "studied", make)

@@ -1,5 +1,6 @@
 import json
 import re
+import sys
 
 import pandas as pd
 import pytest
@@ -44,7 +45,7 @@ def rules_run(printed):
     return set(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", printed))
 
 
-def test_smoke_touches_every_rule(smoked, calibrated, project):
+def test_smoke_touches_every_rule(smoked, studied, project):
     working = project.stages().keys()
     assert len(working) > 60
     # these look at results and make none, or take minutes and are tested by themselves
@@ -52,19 +53,25 @@ def test_smoke_touches_every_rule(smoked, calibrated, project):
     by_hand |= {"moving_picture"}  # of longer runs than these; the target readme makes it
     by_hand |= {"draw_training"}  # of models from outside the package: test_extending.py
     by_hand |= {"grid"}  # of recorded logs: test_kill.py
-    assert working - rules_run(smoked[1]) - rules_run(calibrated[1]) == by_hand
+    assert working - rules_run(smoked[1]) - rules_run(studied[1]) == by_hand
 
 
-def test_fitted_rig_is_a_configuration_that_the_workflow_takes(calibrated):
-    fitted = "results/smoke/calibration/rig.yaml"
-    head = (calibrated[0].folder / fitted).read_text().replace("#", "")
+def test_fitted_rig_is_a_configuration_that_the_workflow_takes(project):
+    few = "calibration: {free: [bending.friction_kpa, drift.sigma_kpa], ranges: {}}\n"
+    (project.folder / "few.yaml").write_text(few)
+    done = project.run(
+        *(sys.executable, "-m", "fprc", "calibrate", "config/smoke.yaml", "few.yaml"),
+        *("--out", "fitted.yaml", "--workers", "1"),
+    )
+    assert done.returncode == 0, done.stdout
+    head = (project.folder / "fitted.yaml").read_text().replace("#", "")
     assert "noise seeds 21, to the terms" in " ".join(head.split())
-    done = calibrated[0].snakemake("--dry-run", "table2", "--configfile", fitted)
+    done = project.snakemake("--dry-run", "table2", "--configfile", "fitted.yaml")
     assert done.returncode == 0, done.stdout
 
 
-def test_families_stand_side_by_side(calibrated):
-    folder = calibrated[0].folder / "results/smoke/families"
+def test_families_stand_side_by_side(studied):
+    folder = studied[0].folder / "results/smoke/families"
     families = json.loads((folder / "summary.json").read_text())["families"]
     assert {family["name"]: len(family["errors"]) for family in families} == dict.fromkeys(
         ("paper", "dry", "viscous", "near_print", "drawn"), 26
@@ -77,8 +84,8 @@ def test_families_stand_side_by_side(calibrated):
     assert len(pd.read_csv(folder / "answer.csv")) == 5
 
 
-def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(calibrated):
-    folder = calibrated[0].folder / "results/smoke/beyond"
+def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(studied):
+    folder = studied[0].folder / "results/smoke/beyond"
     claims = pd.read_csv(folder / "claims.csv")
     families = ["paper", "bouc_wen", "dry", "viscous", "near_print", "drawn"]
     ids = claims.groupby("world", sort=False)["id"].unique().map(list).to_dict()

@@ -62,13 +62,13 @@ PLANNED = [
         {"track", "tracking_table", *(f"draw_fig{number}" for number in range(12, 18))},
         {"grid", "replicate"},
     ),
-    (["report"], {"report_page", "ledger", "draw_fig11"}, {"judge_family", "fit_rig"}),
+    (["report"], {"report_page", "ledger", "draw_fig11"}, {"judge_family"}),
     (
         [*STUDIES, "families", "smoke"],
         {"judge_family", "families_figure", "replicate", "smoke"},
-        {"judge", "fit_rig"},
+        {"judge"},
     ),
-    ([*STUDIES, "readme"], {"readme", "timing_table", "ledger", "readout_table"}, {"fit_rig"}),
+    ([*STUDIES, "readme"], {"readme", "timing_table", "ledger", "readout_table"}, {"judge_family"}),
 ]
 
 

@@ -1,29 +1,9 @@
-# Calibration of the simulated rig, and what depends on it. None of this is part of `all`.
+# What the numbers owe to each parameter of the rig and to its stop. None of this is part of `all`.
 
 DRAWN, BEYOND = SETTINGS["drawn"], SETTINGS["beyond"]
-#: The rig, and how the paper's models are judged on it, with any seed.
-EVERY_SEED = {
-    "on_rig": on_rig(SETTINGS),
-    "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
-}
+#: How the paper's models are judged, with any seed.
+EVERY_SEED = judgement(SETTINGS, without="seed", models=paper_models(SETTINGS))
 
-
-LONG_JOBS["fit_rig"] = long_spec(
-    "calibration/search",
-    "Fit of the rig to Tables II and III",
-    {
-        "fitted": PATHS.below("calibration/rig.yaml"),
-        "report": PATHS.below("calibration/fit.json"),
-    },
-    {"published": PUBLISHED},
-    runtime=480,
-    **stage("studies.calibrate.calibrate", *MODELS, key="version"),
-    **EVERY_SEED,
-    began=SETTINGS["fitted"],
-    calibration=SETTINGS["calibration"],
-    grids=pick(SETTINGS["grids"], "epsilon", "n_c"),
-    tracking=SETTINGS["tracking"],
-)
 
 LONG_JOBS["measure_sensitivity"] = judgement_spec(
     "calibration/sensitivity",
@@ -82,7 +62,7 @@ LONG_JOBS["measure_stop"] = judgement_spec(
     *MODELS,
     families=rigs_with_other_drift,
     units=SETTINGS["evaluation"]["replicate_seeds"],
-    how={"judgement": EVERY_SEED["judgement"]},
+    how={"judgement": EVERY_SEED},
 )
 
 STUDY_RESULTS["stop_table"] = table_spec(
@@ -102,7 +82,6 @@ STUDY_RESULTS["channels_figure"] = figure_spec(
 
 
 STUDY_TARGETS |= {
-    "calibrate": list(LONG_JOBS["fit_rig"].made.values()),
     "sensitivity": [
         PATHS.below("calibration/sensitivity.md"),
         PATHS.below("calibration/sensitivity_figure.pdf"),

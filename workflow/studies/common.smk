@@ -43,46 +43,27 @@ def family_named(name):
 LONG_JOBS, STUDY_RESULTS, STUDY_TARGETS = {}, {}, {}
 
 
-def long_spec(stem, words, made, given=None, *, runtime=120, priority=0, threads=None, **params):
-    """Return what is peculiar to a long job, of several processes and with a checkpoint.
-
-    Parameters
-    ----------
-    stem : str
-        Its checkpoint below the results, without suffix.
-    words : str
-        What it does.
-    made, given : dict
-        Its outputs, and its inputs if it has any.
-    runtime : int
-        Minutes.
-    threads : int, optional
-        Most processes; by default as many as there are cores.
-    """
-    return SimpleNamespace(
-        stem=stem,
-        words=words,
-        made=made,
-        given=given or {},
-        runtime=runtime,
-        priority=priority,
-        threads=threads or workflow.cores,
-        params=params,
-    )
-
-
-def judgement_spec(stem, words, judge, *models, **more):
-    """Return what is peculiar to a job that judges families of rigs.
+def judgement_spec(
+    stem, words, judge, *models, given=None, runtime=120, priority=0, threads=None, **params
+):
+    """Return what is peculiar to a job that judges families of rigs, with a checkpoint.
 
     Parameters
     ----------
     stem : str
         Its file below the results, without suffix.
+    words : str
+        What it does.
     judge : str
         Function below ``fprc.studies`` that does it, with ``models``.
-    **more
-        ``families``, ``units`` and ``how``, see ``fprc.studies.stages.judge``, and arguments of
-        ``long_spec``.
+    given : dict
+        Its inputs, if it has any.
+    runtime : int
+        Minutes.
+    threads : int, optional
+        Most processes; by default as many as there are cores.
+    **params
+        ``families``, ``units`` and ``how``, see ``fprc.studies.stages.judge``.
     """
     judged_by = f"fprc.studies.{judge.rpartition('.')[0]}"
     of_stage = stage("studies.judge.judge_families", key="version")
@@ -91,8 +72,16 @@ def judgement_spec(stem, words, judge, *models, **more):
         own = fingerprint(judged_by, *map(class_module, models))
         return f"{of_stage['version'](wildcards)}-{own}"
 
-    made = {"judged": PATHS.below(f"{stem}.json")}
-    return long_spec(stem, words, made, **more, judge=judge, **of_stage | {"version": version})
+    return SimpleNamespace(
+        stem=stem,
+        words=words,
+        made={"judged": PATHS.below(f"{stem}.json")},
+        given=given or {},
+        runtime=runtime,
+        priority=priority,
+        threads=threads or workflow.cores,
+        params=params | of_stage | {"judge": judge, "version": version},
+    )
 
 
 def family_of(wildcards):

@@ -81,7 +81,7 @@ LONG_JOBS["judge_family"] = judgement_spec(
     threads=1,  # the chunks run side by side
     families=lambda wildcards: [family_named(wildcards.family)],
     units=lambda wildcards: CHUNKS[wildcards.family][int(wildcards.chunk)],
-    how={"tracking": SETTINGS["tracking"], "judgement": EVERY_SEED["judgement"]},
+    how={"tracking": SETTINGS["tracking"], "judgement": EVERY_SEED},
 )
 
 
