@@ -53,7 +53,7 @@ def memory_of(wildcards, threads):
     return 1000 * (1 + threads)
 
 
-def result_spec(stem, kind, words, given, made, priority=0, **params):
+def result_spec(stem, kind, words, given, made, *, priority=0, threads=1, resources={}, **params):
     """Return what is peculiar to a table or a figure; ``stem`` are its files without suffix."""
     return SimpleNamespace(
         kind=kind,
@@ -62,6 +62,8 @@ def result_spec(stem, kind, words, given, made, priority=0, **params):
         made=made,
         log=PATHS.messages("_".join([*Path(stem).parts, kind])),
         priority=priority,
+        threads=threads,
+        resources=resources,
         params=params,
     )
 

@@ -25,7 +25,7 @@ wildcard_constraints:
     world="|".join(FAMILIES),
 
 
-LONG_JOBS["beyond_world"] = judgement_spec(
+STUDY_RESULTS["beyond_world"] = judgement_spec(
     "beyond/{world}",
     "Beyond the paper: the models and their competitors, family {wildcards.world}",
     "beyond.contest.judge_models",
@@ -36,7 +36,7 @@ LONG_JOBS["beyond_world"] = judgement_spec(
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
 )
 
-LONG_JOBS["beyond_steps"] = judgement_spec(
+STUDY_RESULTS["beyond_steps"] = judgement_spec(
     "beyond/steps",
     "Beyond the paper: time of a step",
     "beyond.contest.judge_steps",
@@ -48,7 +48,7 @@ LONG_JOBS["beyond_steps"] = judgement_spec(
     how={"contest": CONTEST},
 )
 
-LONG_JOBS["beyond_capacity"] = judgement_spec(
+STUDY_RESULTS["beyond_capacity"] = judgement_spec(
     "beyond/capacity",
     "Beyond the paper: memory and nonlinear capacity",
     "beyond.driven_states.judge_capacity",
@@ -63,7 +63,7 @@ LONG_JOBS["beyond_capacity"] = judgement_spec(
 #: Between values of Fig. 10, where one of them decides what P_o is worth.
 EPSILONS_BETWEEN = [0.03, 0.003]
 
-LONG_JOBS["beyond_settings"] = judgement_spec(
+STUDY_RESULTS["beyond_settings"] = judgement_spec(
     "beyond/settings",
     "Beyond the paper: FPRC with and without P_o over epsilon and n_c",
     "beyond.contest.judge_settings",

@@ -5,7 +5,7 @@ DRAWN, BEYOND = SETTINGS["drawn"], SETTINGS["beyond"]
 EVERY_SEED = judgement(SETTINGS, without="seed", models=paper_models(SETTINGS))
 
 
-LONG_JOBS["measure_sensitivity"] = judgement_spec(
+STUDY_RESULTS["measure_sensitivity"] = judgement_spec(
     "calibration/sensitivity",
     "Sensitivity of all numbers to each parameter of the rig",
     "families.sensitivity.judge_parameter",
@@ -55,7 +55,7 @@ def rigs_with_other_drift(wildcards):
     return found
 
 
-LONG_JOBS["measure_stop"] = judgement_spec(
+STUDY_RESULTS["measure_stop"] = judgement_spec(
     "calibration/stop",
     "Errors at the stop of the actuator",
     "families.stop.judge_stop",
@@ -86,6 +86,6 @@ STUDY_TARGETS |= {
         PATHS.below("calibration/sensitivity.md"),
         PATHS.below("calibration/sensitivity_figure.pdf"),
         PATHS.below("calibration/stop.md"),
-        *LONG_JOBS["measure_sensitivity"].made.values(),
+        *STUDY_RESULTS["measure_sensitivity"].made.values(),
     ],
 }

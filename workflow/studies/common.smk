@@ -38,9 +38,8 @@ def family_named(name):
     }
 
 
-#: Long jobs, and results of the studies, by their rules, and the files of each target;
-#: rows.smk has the rules.
-LONG_JOBS, STUDY_RESULTS, STUDY_TARGETS = {}, {}, {}
+#: Results of the studies by their rules, and the files of each target; rows.smk has the rules.
+STUDY_RESULTS, STUDY_TARGETS = {}, {}
 
 
 def judgement_spec(
@@ -72,15 +71,21 @@ def judgement_spec(
         own = fingerprint(judged_by, *map(class_module, models))
         return f"{of_stage['version'](wildcards)}-{own}"
 
-    return SimpleNamespace(
-        stem=stem,
-        words=words,
-        made={"judged": PATHS.below(f"{stem}.json")},
-        given=given or {},
-        runtime=runtime,
+    params |= {
+        "judge": judge,
+        "workers": lambda wildcards, threads: threads,
+        "checkpoint": with_prefix(PATHS.below(f"{stem}.partial.jsonl")),
+    }
+    return result_spec(
+        stem,
+        "judged",
+        words,
+        given or {},
+        {"judged": PATHS.below(f"{stem}.json")},
         priority=priority,
         threads=threads or workflow.cores,
-        params=params | of_stage | {"judge": judge, "version": version},
+        resources={"mem_mb": memory_of, "runtime": runtime},
+        **params | of_stage | {"version": version},
     )
 
 

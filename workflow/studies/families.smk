@@ -72,7 +72,7 @@ wildcard_constraints:
     chunk="|".join(str(first) for chunks in CHUNKS.values() for first in chunks),
 
 
-LONG_JOBS["judge_family"] = judgement_spec(
+STUDY_RESULTS["judge_family"] = judgement_spec(
     "families/{family}_{chunk}",
     "Rigs {wildcards.family}: Tables II to IV, from number {wildcards.chunk}",
     "families.family.judge_tables",

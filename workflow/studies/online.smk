@@ -3,7 +3,7 @@
 ONLINE = SETTINGS["online"]
 
 
-LONG_JOBS["judge_online"] = judgement_spec(
+STUDY_RESULTS["judge_online"] = judgement_spec(
     "online/{world}",
     "Learning while it runs: family {wildcards.world}",
     "online.judge.judge_online",

@@ -1,30 +1,4 @@
-# The rules of LONG_JOBS, STUDY_RESULTS and STUDY_TARGETS.
-
-for rule_name, job in LONG_JOBS.items():
-
-    rule:
-        name:
-            rule_name
-        input:
-            **job.given,
-        output:
-            **job.made,
-        log:
-            PATHS.messages("_".join(Path(job.stem).parts)),
-        priority: job.priority
-        threads: job.threads
-        resources:
-            mem_mb=memory_of,
-            runtime=job.runtime,
-        params:
-            **job.params,
-            workers=lambda wildcards, threads: threads,
-            checkpoint=with_prefix(PATHS.below(f"{job.stem}.partial.jsonl")),
-        message:
-            job.words
-        script:
-            "../scripts/stage.py"
-
+# The rules of STUDY_RESULTS and STUDY_TARGETS.
 
 for rule_name, shown in STUDY_RESULTS.items():
 
@@ -37,6 +11,10 @@ for rule_name, shown in STUDY_RESULTS.items():
             **shown.made,
         log:
             shown.log,
+        priority: shown.priority
+        threads: shown.threads
+        resources:
+            **shown.resources,
         params:
             **shown.params,
         message:
