@@ -9,6 +9,7 @@ rule ledger:
         controls=PLAN.replicates("control"),
         times=PATHS.below("timing/times.json"),
         times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
+        untested=str(VERDICTS),
     output:
         json=PATHS.below("claims.json"),
         md=PATHS.below("claims.md"),

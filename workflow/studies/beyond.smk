@@ -74,7 +74,7 @@ STUDY_RESULTS["beyond_settings"] = judgement_spec(
     how={
         "contest": CONTEST,
         "grids": {
-            "epsilon": SETTINGS["grids"]["epsilon"] + EPSILONS_BETWEEN,
+            "epsilon": [*dict.fromkeys(SETTINGS["grids"]["epsilon"] + EPSILONS_BETWEEN)],
             "n_c": SETTINGS["grids"]["n_c"],
         },
     },

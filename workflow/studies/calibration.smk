@@ -10,6 +10,7 @@ STUDY_RESULTS["measure_sensitivity"] = judgement_spec(
     "Sensitivity of all numbers to each parameter of the rig",
     "families.sensitivity.judge_parameter",
     *MODELS,
+    *COMPETITORS,
     runtime=240,
     families=lambda wildcards: [family_named(SETTINGS["fitted"]["name"])],
     units=list(range(len(SETTINGS["calibration"]["free"]))),

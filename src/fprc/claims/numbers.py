@@ -20,8 +20,8 @@ PHASES = {
 #: How times are measured: sample by sample, as in a controller, and whole logs at once.
 MODES = ("sequential", "batch")
 
-#: Least of a medium number of taps, and of many.
-_MEDIUM, _MANY = 4, 8
+#: Share of the sizes of taps, smallest first, that count as few, and as many at the other end.
+_FEW = 0.3
 
 
 def error(results: Results, trained_on: str, model: str, phase: str) -> np.ndarray:
@@ -128,19 +128,11 @@ def tap_trend(results: Results, tap: str, phase: str) -> np.ndarray:
 
 
 def thirds_of_taps(results: Results, tap: str, phase: str) -> list[np.ndarray]:
-    """Return the mean errors with few, a medium number of, and many taps.
-
-    In a grid without such a number, the smallest, the middle or the largest one takes its place.
-    """
+    """Return the mean errors with few, a medium number of, and many taps."""
     rows = []
     for report in results.grids:
-        tap_sizes, errors = taps(report["taps"], tap, phase)
-        third, means = np.digitize(tap_sizes, [_MEDIUM, _MANY]), errors.mean(axis=1)
-        instead = (0, len(means) // 2, -1)
-        rows.append(
-            [
-                means[third == k].mean() if (third == k).any() else means[instead[k]]
-                for k in range(3)
-            ]
-        )
+        _, errors = taps(report["taps"], tap, phase)
+        few = max(round(_FEW * len(errors)), 1)
+        parts = np.split(errors.mean(axis=1), [few, len(errors) - few])
+        rows.append([part.mean() for part in parts])
     return list(np.transpose(rows))

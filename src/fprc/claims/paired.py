@@ -39,7 +39,7 @@ class Part(NamedTuple):
     ratio: bool = True  #: a logarithm of a ratio to 1; what is compared with a limit is not
     #: Turns a value into the number that readers see.
     shown: Callable[[float], float] = math.exp
-    dropped: int = 0  #: simulated rigs without this pair
+    dropped: int = 0  #: units without this pair
     #: Samples that judge per sample that trains, if the units of one cross-validation share their
     #: training data; 0 for units that share none.
     overlap: float = 0.0
@@ -164,6 +164,14 @@ def judge_together(claims: Sequence[Sequence[Part]], left_out: int = LEFT_OUT) -
         [_least_level(parts) if ok else 1.0 for parts, ok in zip(claims, judged, strict=True)]
     )
     adjusted, levels = holm(p)
+    # at a higher level than its lowest a part may be equivalent and no longer inferior
+    while loose := [
+        k
+        for k, parts in enumerate(claims)
+        if p[k] <= levels[k] and _weakest(parts, levels[k] / len(parts), None) == UNDECIDED
+    ]:
+        p[loose] = 1.0
+        adjusted, levels = holm(p)
     outcomes = []
     for parts, ok, adjusted_p, level in zip(claims, judged, adjusted, levels, strict=True):
         if not ok:

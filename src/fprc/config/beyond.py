@@ -26,7 +26,7 @@ class Capacity(Section):
     samples: int = quantity(4000, (100, 1_000_000), "holds that are evaluated")
     washout: int = quantity(20, (0, 10000), "holds before these that are discarded")
     max_delay: int = quantity(10, (1, 1000), "longest delay of a target", unit="holds")
-    max_degree: int = quantity(3, (1, 10), "highest total degree of a target")
+    max_degree: int = quantity(3, (2, 4), "highest total degree of a target")
     p: float = quantity(
         1e-4, (1e-12, 0.5), "probability, per target, that a capacity due to chance counts"
     )

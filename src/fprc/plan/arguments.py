@@ -38,9 +38,9 @@ def judgement(
 
 
 def of_pressures(settings: Settings) -> dict[str, Any]:
-    """Return the section ``control`` without the feedback of the angle."""
-    feedback = ("feedback", "pd")
-    return {name: value for name, value in settings["control"].items() if name not in feedback}
+    """Return the section ``control`` without what tracks an angle."""
+    tracks = ("feedback", "pd", "feedforward")
+    return {name: value for name, value in settings["control"].items() if name not in tracks}
 
 
 def feedback_in_words(settings: Settings) -> str:

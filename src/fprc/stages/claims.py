@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_json, write_text
 from fprc.claims.finding import Results
-from fprc.claims.ledger import VERDICTS, fit_in_words, judge_claims
+from fprc.claims.ledger import fit_in_words, judge_claims
 from fprc.paper import SOURCES
 from fprc.tables.text import markdown
 from fprc.yaml_file import read_yaml
@@ -23,6 +23,7 @@ def write_ledger(
     controls: Sequence[str],
     times: str,
     times_over_n_c: str,
+    untested: str,
     json: str,
     md: str,
     *,
@@ -32,6 +33,8 @@ def write_ledger(
 
     Parameters
     ----------
+    untested : str
+        File whose ``not_tested`` has the sentences that cannot be tested, with reasons.
     fitted : Mapping
         Name of the rig, the terms that it was fitted to, and those that the rig at which the fit
         began was searched for.
@@ -51,8 +54,8 @@ def write_ledger(
         "part of the fit. A verdict is undecided where the 95 % interval of the mean over seeds "
         "contains a limit."
     )
-    untested = read_yaml(VERDICTS)["not_tested"]
-    write_json(json, {"source": source, "note": origin, "claims": ledger, "not_tested": untested})
+    reasons = read_yaml(untested)["not_tested"]
+    write_json(json, {"source": source, "note": origin, "claims": ledger, "not_tested": reasons})
     counts = pd.Series([row["verdict"] for row in ledger]).value_counts()
     note = (
         f"Claims of the paper. Data: {SOURCES[source]}. {origin}\n"
@@ -62,7 +65,7 @@ def write_ledger(
     page = (
         pd.DataFrame(ledger).drop(columns=["statements", "shown_in"]).rename(columns=str.capitalize)
     )
-    sentences = [f"- {begins} ...: {why}" for begins, why in untested.items()]
+    sentences = [f"- {begins} ...: {why}" for begins, why in reasons.items()]
     closing = "Sentences of the paper that cannot be tested here:\n\n" + "\n".join(sentences)
     write_text(md, f"{markdown(page, note)}\n{closing}\n")
     for row in ledger:

@@ -188,14 +188,15 @@ def _deviations(
 def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
     """Return whether the rig was fitted to a table's rows, and to numbers unlike their row."""
     to, start = set(fitted["to"]), set(fitted.get("start", ()))
+
+    def kind(term: str) -> str:
+        return "fitted" if term in to else "half fitted" if term in start else "predicted"
+
     if table in ("table2", "table3"):
-        return dict.fromkeys(("FPRC", "FPRC+PD"), "fitted" if "tables" in to else "predicted")
+        return dict.fromkeys(("FPRC", "FPRC+PD"), kind("tables"))
     if table == "table4":
         closed = {"closed_sweep", "closed_errors"} & (to | start)
-        kinds = {
-            "FPRC": "fitted" if "open_loop" in to else "predicted",
-            "FPRC+PD": "half fitted" if closed else "predicted",
-        }
+        kinds = {"FPRC": kind("open_loop"), "FPRC+PD": "half fitted" if closed else "predicted"}
         return kinds | ({"FPRC+PD, Sweep": "fitted"} if "closed_sweep" in to else {})
     return {}
 

@@ -227,7 +227,8 @@ def tabulate_steps(steps: str, *, left_out: Mapping[str, str], **files: str) -> 
     table = timing.steps(report)
     note = (
         "Cost of a control step: computing time of feedforward, PD and both pressure loops, "
-        f"without a rig; {table['samples'].iloc[0]} steps, each timed on {report['cpu']}.\n"
+        f"without a rig and without learning; {table['samples'].iloc[0]} steps, each timed on "
+        f"{report['cpu']}.\n"
         "The last column is the 99.9th percentile's share of the sampling period, "
         f"{table['budget_us'].iloc[0] / 1000:g} ms.{_without(left_out)}"
     )

@@ -78,6 +78,14 @@ def test_holm_is_the_closure_of_bonferroni(p):
     assert (decided == (adjusted <= ALPHA)).all() or np.isclose(adjusted, ALPHA).any()
 
 
+def test_claim_that_only_a_lower_level_decides_does_not_ease_the_next_one():
+    """Its first part is inferior at 0.001, and equivalent at the level of the first claim."""
+    loose = [part(normal(math.log(1.03), 0.02, 12)), part(normal(0.0, 1.0, 12))]
+    first, second = judge_together([loose, [part(normal(-0.3, 0.05, 12))]])
+    assert (first.verdict, first.p) == ("undecided", 1.0)
+    assert (second.verdict, second.level) == ("superior", ALPHA / 2)
+
+
 def test_a_claim_that_is_not_judged_still_counts():
     weak = [part(normal(-0.1, 0.125, 12))]  # p = 0.018
     assert judge_together([weak])[0].p == pytest.approx(0.0178, abs=5e-4)

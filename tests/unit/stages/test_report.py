@@ -268,20 +268,29 @@ def test_every_table_is_shown_with_its_title_note_and_cells(project):
     ]
 
 
-#: Of each table: what it is if the rig was fitted to Tables II and III, if to Table IV too, and
-#: if to neither.
-TABLES = dict.fromkeys(
-    ("table2", "table2_seeds", "table3", "table3_seeds"), ("fitted", "fitted", "predicted")
-) | dict.fromkeys(("table4", "table4_seeds"), ("predicted", "half fitted", "predicted"))
-TABLES |= dict.fromkeys(("table1", "table2_timing", "step_cost"), ("", "", ""))
-FITS = (["tables", "orders"], ["tables", "open_loop"], ["C8"])
+#: Of each table: what it is if the rig was fitted to Tables II and III, if to Table IV too, if to
+#: neither, and if only the rig at which the fit began was searched for them.
+TABLES = {
+    **dict.fromkeys(
+        ("table2", "table2_seeds", "table3", "table3_seeds"),
+        ("fitted", "fitted", "predicted", "half fitted"),
+    ),
+    **dict.fromkeys(
+        ("table4", "table4_seeds"), ("predicted", "half fitted", "predicted", "half fitted")
+    ),
+    **dict.fromkeys(("table1", "table2_timing", "step_cost"), ("", "", "", "")),
+}
+FITS = (
+    {"to": ["tables", "orders"]}, {"to": ["tables", "open_loop"]}, {"to": ["C8"]},
+    {"to": ["C8"], "start": ["tables", "open_loop"]},
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("source", ["sim", "rig"])
 @pytest.mark.parametrize("number", range(len(FITS)))
 def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(tmp_path, source, number):
     project = Project(tmp_path)
-    project.settings = SETTINGS | {"fitted": {"name": "one", "to": FITS[number]}}
+    project.settings = SETTINGS | {"fitted": {"name": "one", **FITS[number]}}
     expected = []
     for name, kinds in TABLES.items():
         project.add_table(f"Title {name}: a note.", name, Model=["ESN"], Value=["800"])

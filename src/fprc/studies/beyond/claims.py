@@ -120,7 +120,7 @@ def judge_family(family: Mapping[str, Any]) -> list[dict[str, Any]]:
     list of dict
         ``world``, ``title``, ``id``, ``claim``, ``verdict``, ``words`` (the verdict, as
         readers see it), ``p`` (after Holm), ``stable`` (share of subsets, or None), ``units``,
-        ``dropped`` (simulated rigs without the pair), ``fitted`` (the fits that bear on the claim:
+        ``dropped`` (units without the pair), ``fitted`` (the fits that bear on the claim:
         what each favours, and what was fitted), and ``parts``: ``text``, ``ratio``, ``mean``,
         ``low``, ``high`` (interval at the level that Holm's procedure gives). A ratio below 1
         supports the claim, as does a difference above 0.
@@ -196,7 +196,8 @@ def _part(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
     # simulations of one rig with several seeds are one unit
     by_unit = values.groupby(level="unit").mean().to_dict()
     if not pair.ratio:
-        dropped = len(family.get("capacity", ())) - len(values)
+        dropped = len({entry["unit"] for entry in family.get("capacity", ())}) - len(by_unit)
         return Part(pair.words, by_unit, False, operator.neg, dropped)
     text = f"{title_of(pair.ours[0])} / {title_of(pair.theirs[0])} ({pair.words})"
-    return Part(text, by_unit, dropped=len(family["cells"]) - len(values))
+    lost = len({cell["unit"] for cell in family["cells"]}) - len(by_unit)
+    return Part(text, by_unit, dropped=lost)

@@ -103,7 +103,8 @@ def fit_rig(
         result = _searched(judge, workers, f"{checkpoint}.{number}", version, ends)
         here = judge.rig_at(result.point)
         results.append(result)
-    for_all = results[1::2] or results  # each first search has one after it
+    searches = len(planned) // calibration["passes"]  # the last of each pass is for all terms
+    for_all = results[searches - 1 :: searches]
     lowest = min(for_all, key=lambda result: result.loss)
     best = _rig_at(lowest.point, on_rig, free)
     log.info("judging the first and the fitted rig with the full models")
@@ -137,7 +138,7 @@ def _searches(calibration: Mapping[str, Any]) -> list[dict[str, Any]]:
     seeds = calibration["seeds"]
     first = [term for term in calibration["first"]["fit"] if term in calibration["fit"]]
     planned = []
-    for turn in range(calibration["passes"] if first else 1):
+    for turn in range(calibration["passes"]):
         turned = [seeds[(turn + i) % len(seeds)] for i in range(len(seeds))]
         if first:
             only = {"fit": first, "seeds": turned[:1], "full_seeds": turned[:1]}

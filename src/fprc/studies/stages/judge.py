@@ -5,6 +5,8 @@ from functools import partial
 from importlib import import_module
 from typing import Any
 
+import numpy as np
+
 from fprc.artifacts import write_json
 from fprc.errors import FprcError
 from fprc.evaluation.cells import judged_cells
@@ -47,8 +49,8 @@ def judge_families(
     """
     by_name = {family["name"]: dict(family) for family in families}
     if tuned:
-        for name, family in by_name.items():
-            family["tuned"] = _tuned(tuned, name)
+        for family in by_name.values():
+            family["tuned"] = _tuned(tuned, family, units)
     units_of_all = [{"family": name, "unit": unit} for name in by_name for unit in units]
     with judged_cells(
         partial(_judge, judge=judge, families=by_name, near_print=near_print, how=how),
@@ -88,10 +90,21 @@ def _judge(
     return {"found": judged_by(unit, **how)}
 
 
-def _tuned(path: str, family: str) -> Any:
+def _tuned(path: str, family: Mapping[str, Any], units: Sequence[int]) -> Any:
+    """Return the settings of the tuned models, which must be judged on other data."""
     known = read_yaml(path)
-    if family not in known:
+    if family["name"] not in known:
         raise FprcError(
-            f"{path}: no settings for the family {family}; add them to config/tuned.yaml"
+            f"{path}: no settings for the family {family['name']}; add them to config/tuned.yaml"
         )
-    return known[family]
+    kind, judged = "rigs", set(units)
+    if family["rigs"] == "one":
+        per_unit = family["seeds_per_rig"]
+        seeds = np.add.outer(family["first_seed"] + per_unit * np.array(units), range(per_unit))
+        kind, judged = "seeds", set(seeds.ravel().tolist())
+    if twice := judged.intersection(known["chosen_on"][kind]):
+        raise FprcError(
+            f"{path}: its settings were chosen on the {kind} {sorted(twice)}, which would judge "
+            f"them too; change beyond.{kind} or beyond.first_seed"
+        )
+    return known[family["name"]]

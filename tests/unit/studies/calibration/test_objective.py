@@ -201,7 +201,7 @@ def test_terms_are_those_of_the_configuration_and_of_the_ledger():
     assert tuple(TERMS) == get_args(Term)
     decided = {term for claim in CLAIMS for term in (*claim.fitted_by, *claim.half_fitted_by)}
     # closed_errors is what a rig from elsewhere was searched for: no term of ours
-    assert decided - {"closed_errors"} == set(TERMS) - {"plausible", "margin"}
+    assert decided - {"closed_errors"} == set(TERMS) - {"margin"}
 
 
 # --- taps -----------------------------------------------------------------------------------------

@@ -62,8 +62,12 @@ def test_pool_has_a_process_for_four_units_within_its_limit(
 
 def test_family_without_tuned_settings_is_refused_before_anything_is_judged(family, run, tmp_path):
     tuned = tmp_path / "tuned.yaml"
-    tuned.write_text("viscous: {}\n")
-    with pytest.raises(FprcError, match="no settings for the family dry"):
-        run(tuned=str(tuned), judge="beyond.contest.judge_models", families=[family], units=[0],
-            how={})  # fmt: skip
+    for known, units, message in (
+        ("viscous: {}\n", [0], "no settings for the family dry"),
+        ("dry: {}\nchosen_on: {seeds: [604, 7], rigs: [2]}\n", [2, 3], r"the seeds \[604\]"),
+    ):
+        tuned.write_text(known)
+        with pytest.raises(FprcError, match=message):
+            run(tuned=str(tuned), judge="beyond.contest.judge_models", families=[family],
+                units=units, how={})  # fmt: skip
     assert [path.name for path in tmp_path.iterdir()] == ["tuned.yaml"]
