@@ -49,7 +49,7 @@ def measure(folder: Path, seconds: float, priority: int) -> dict:
     settings = Settings().model_dump(mode="json")
     settings["experiments"]["sweep"]["duration_s"] = seconds
     hardware = settings["hardware"]
-    hardware["boards"] |= {"library": str(compile_driver(folder)), "lock_folder": str(folder)}
+    hardware["boards"]["library"] = str(compile_driver(folder))
     hardware["loop"]["priority"] = priority
     # a busy computer must not end the run: its lateness is measured
     hardware["loop"]["stalled_s"] = hardware["limits"]["stale_s"] = 10.0

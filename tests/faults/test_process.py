@@ -84,8 +84,7 @@ class Program:
         self.rig, self.raw = rig, folder / raw / "sweep.h5"
         config = folder / "bench.yaml"
         hardware = {
-            "boards": {"library": str(driver), "lock_folder": str(folder)}
-            | hardware.pop("boards", {}),
+            "boards": {"library": str(driver)} | hardware.pop("boards", {}),
             "limits": LIMITS | hardware.pop("limits", {}),
             "loop": {"priority": 0, "stalled_s": 10.0} | hardware.pop("loop", {}),
             "valves": hardware.pop("valves", {}),

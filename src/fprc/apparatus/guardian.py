@@ -20,7 +20,7 @@ from contextlib import contextmanager, suppress
 from io import BufferedReader
 from typing import IO, Any
 
-from fprc.devices.locks import locked, write_holder
+from fprc.devices.locks import locked
 from fprc.devices.pneumatics import NotVentedError, board_names, vent_from_outside
 from fprc.errors import ControlError
 
@@ -55,7 +55,7 @@ def guard(request: Mapping[str, Any]) -> None:
     """
     hardware = request["settings"]["hardware"]
     boards = hardware["boards"]
-    with locked(board_names(boards), boards["lock_folder"]) as locks:
+    with locked(board_names(boards)) as locks:
         _guard(request, hardware, locks)
 
 
@@ -70,7 +70,6 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         start_new_session=True,
         pass_fds=locks,
     )
-    write_holder(locks, f" (drives the rig by process {process.pid})")
     messages: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(process, messages), daemon=True).start()
     with _forwarding_signals(process) as received:

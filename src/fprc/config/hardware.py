@@ -1,6 +1,5 @@
 """The real rig: boards, sensors, limits. Used only with ``source: rig``."""
 
-from pathlib import PurePath
 from typing import Annotated
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
@@ -15,8 +14,12 @@ class Boards(Section):
     """Contec analog boards and the wiring of their channels."""
 
     library: str = Field("", description="the driver's shared library; empty: libcaio.so")
-    input_device: str = Field("AIO000", min_length=1, description="analog input board")
-    output_device: str = Field("AIO001", min_length=1, description="analog output board")
+    input_device: str = Field(
+        "AIO000", min_length=1, max_length=32, description="analog input board"
+    )
+    output_device: str = Field(
+        "AIO001", min_length=1, max_length=32, description="analog output board"
+    )
     p_exp_input: int = quantity(0, (0, 63), "channel of the actuator's pressure sensor")
     p_i_input: int = quantity(1, (0, 63), "channel of PAM A's pressure sensor")
     p_o_input: int = quantity(2, (0, 63), "channel of PAM B's pressure sensor")
@@ -28,25 +31,13 @@ class Boards(Section):
         "channel that toggles between 0 and 5 V at every sample, for a watchdog relay "
         "that vents when the toggling stops; null: no relay",
     )
-    lock_folder: str = Field(
-        "",
-        description="folder of the lock files that prevent a second program from using the boards, "
-        "the same for all users; empty: /run/lock and /tmp, as far as this user can write to them",
-    )
 
-    @field_validator("library", "input_device", "output_device", "lock_folder")
+    @field_validator("library", "input_device", "output_device")
     @classmethod
     def _is_printable(cls, name: str) -> str:
         if not name.isprintable():
             raise ValueError(f"{name}: contains characters that cannot be printed")
         return name
-
-    @field_validator("lock_folder")
-    @classmethod
-    def _is_absolute(cls, folder: str) -> str:
-        if folder and not PurePath(folder).is_absolute():
-            raise ValueError(f"{folder}: must be an absolute path, the same for every program")
-        return folder
 
     @model_validator(mode="after")
     def _channels_differ(self) -> "Boards":

@@ -58,7 +58,7 @@ class HardwareRig:
         with contextlib.ExitStack() as opened:
             locks = opened.enter_context(contextlib.ExitStack())
             if not has_lock:
-                locks.enter_context(locked(board_names(boards), boards["lock_folder"]))
+                locks.enter_context(locked(board_names(boards)))
             parts: dict[str, Any] = {}
             problems: dict[str, None] = {}  # each once: both boards may lack the driver
 
