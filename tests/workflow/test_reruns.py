@@ -122,7 +122,7 @@ def test_every_rule_gives_its_stage_what_it_takes_and_carries_its_fingerprint(pr
 CHANGES = {
     "nothing": ("seed=1", {}),
     "values of n_c": (
-        "grids={n_c: [2, 8]}",
+        "grids={n_c: [2, 4, 8]}",
         SEEDS | {"measure_times": 1, "timing_table": 1, "steps_table": 1, "ledger": 1}
         | {"report_page": 1},
     ),

@@ -1,7 +1,6 @@
 """The ledger: every claim of the paper with numbers, limits and a computed verdict."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,9 +15,6 @@ from fprc.claims.finding import (
 )
 from fprc.claims.paper import CLAIMS, Claim
 from fprc.escape import in_words
-
-#: Declared verdicts, and the sentences of the paper that are not tested.
-VERDICTS = Path(__file__).with_name("verdicts.yaml")
 
 #: Terms of the calibration's objective that are not claims.
 _TERMS = {

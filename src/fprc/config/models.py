@@ -111,7 +111,7 @@ class Evaluation(Section):
 class Grids(Section):
     """Grids of control variables, Sec. III-E."""
 
-    epsilon: Distinct[float] = quantity(
+    epsilon: NotEmpty[float] = quantity(
         (1.0, 0.1, 0.01, 1e-3, 1e-4), (1e-6, 1), "filter factors", "paper, Fig. 10(a)"
     )
     n_c: Distinct[int] = quantity((1, 2, 4, 8, 16), (1, 64), "fuzzy rules", "paper, Fig. 10(b)")
@@ -126,7 +126,7 @@ class Grids(Section):
         unit="samples",
     )  # fmt: skip
 
-    @field_validator("epsilon", "n_c", "n_u", "n_y")
+    @field_validator("n_c", "n_u", "n_y")
     @classmethod
     def _one_is_medium(cls, values: tuple[float, ...]) -> tuple[float, ...]:
         if len(values) < 3:

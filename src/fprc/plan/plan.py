@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.channels import CHANNELS, unit_of
-from fprc.errors import LogError
+from fprc.errors import ConfigError, LogError
 from fprc.escape import in_words, terminal
 from fprc.logs import Columns, headers, refuse_other_source
 from fprc.logs.quality import substitute
@@ -283,9 +283,17 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
 
     Raises
     ------
+    ConfigError
+        The grid over epsilon is too small for the claims.
     LogError
         A log cannot be read or has another source than ``source`` says, or there is none to use.
     """
+    epsilon = settings["grids"]["epsilon"]
+    if len(set(epsilon)) < max(len(epsilon), 3):
+        raise ConfigError(
+            f"grids.epsilon = {epsilon}: give three or more values, each once; the claims ask for "
+            "one between others"
+        )
     logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}, raw).every_log]
     if settings["source"] == "recorded":
         logs += [str(path) for path in Path(raw).glob("*.h5") if _is_further(path.stem)]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from fprc.claims.ledger import VERDICTS
+from fprc.claims import VERDICTS
 from fprc.claims.paper import CLAIMS
 from fprc.config import PUBLISHED
 from fprc.plan.results import BY_NAME

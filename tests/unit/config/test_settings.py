@@ -123,7 +123,6 @@ NAN, INFINITY = float("nan"), float("inf")
         ("calibration.fit", [], ""),
         ("grids.n_u", [1, 2], ""),
         ("grids.n_y", [1, 2], ""),
-        ("grids.epsilon", [0.1, 0.01, 0.01], ""),
         ("grids.n_c", [1, 2], ""),
         ("folders.results", True, ""),
         ("source", "real", ""),

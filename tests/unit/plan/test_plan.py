@@ -6,9 +6,10 @@ import pytest
 
 from fprc.channels import RAW_CHANNELS
 from fprc.config import Settings, check
+from fprc.errors import ConfigError
 from fprc.logs import Columns
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
-from fprc.plan.plan import Plan
+from fprc.plan.plan import Plan, read_plan
 from fprc.plan.results import BY_NAME, RESULTS
 
 MODELS = ("esn", "fprc", "fuzzy_linear")
@@ -62,6 +63,13 @@ def recorded(*names, lacking=(), notes=None):
 
 
 # --- the table of results -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("epsilon", [[0.1], [0.1, 0.01], [0.1, 0.01, 0.01]])
+def test_grid_in_which_no_value_is_between_others_is_refused(epsilon, tmp_path):
+    settings = check({"grids": {"epsilon": epsilon}}).model_dump(mode="json")
+    with pytest.raises(ConfigError, match="grids.epsilon"):
+        read_plan(settings, str(tmp_path), isolate=False)
 
 
 def test_every_result_has_a_name_and_files_of_its_own():
