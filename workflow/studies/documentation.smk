@@ -36,7 +36,6 @@ SHOWN_ON = {
 
 # the README gives the numbers of the simulated rig, and the declared verdicts are of it too
 if PLAN.on_simulated_rig:
-    MOVING = {kind: PATHS.below(f"figures/moving.{kind}") for kind in ("gif", "png")}
     SHOWN_ON["readme"] = SimpleNamespace(
         pages=["README.md", "docs/results.md"],
         tables={
@@ -44,24 +43,12 @@ if PLAN.on_simulated_rig:
             "verdicts": PATHS.below("claims.json"),
         },
         figures={
-            **{f"docs/images/moving.{kind}": path for kind, path in MOVING.items()},
-            **{
-                f"docs/images/fig{number:02}.png": PATHS.below(
-                    BY_NAME[f"fig{number}"].files[0].replace(".pdf", ".png")
-                )
-                for number in (1, 2, 7)
-            },
+            f"docs/images/fig{number:02}.png": PATHS.below(
+                BY_NAME[f"fig{number}"].files[0].replace(".pdf", ".png")
+            )
+            for number in (1, 2, 7)
         },
         targets=["report"],
-    )
-
-    STUDY_RESULTS["moving_picture"] = result_spec(
-        "figures/moving",
-        "animation",
-        "Moving picture: actuator, reservoir and tracking",
-        {"run": PATHS.log("track_sine_0p5_fprc_pd"), "alone": PATHS.log("track_sine_0p5_pd")},
-        MOVING,
-        **stage("studies.moving_picture.draw_moving_picture"),
     )
 
 for rule_name, shown in SHOWN_ON.items():
