@@ -2,7 +2,7 @@
 The rig as a benchmark
 ======================
 
-Compare models on several draws of both rigs: what makes the loops decides what the reservoir is
+Compare models on several draws of two rigs: what makes the loops decides what the reservoir is
 worth.
 """
 

@@ -157,7 +157,7 @@ def refuse_changed(results: str | Path, paths: Iterable[str]) -> None:
         raise FprcError(
             "\n".join(
                 f"{path}: was damaged or edited after its rule wrote it; delete it and repeat the "
-                f"command, or make it with `snakemake --cores 2 --forcerun {path} -- {path}`"
+                "command"
                 for path in found
             )
         )

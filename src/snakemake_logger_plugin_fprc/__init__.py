@@ -32,7 +32,8 @@ def put_in_words(record: logging.LogRecord) -> bool:
         hint = (
             f"Did you mean {near[0]}?"
             if near
-            else "Targets of the studies need --snakefile workflow/studies/Snakefile."
+            else "docs/running.md lists the targets; those of the studies need --snakefile "
+            "workflow/studies/Snakefile."
         )
         record.msg = f"{message}\n{hint}"
     return True

@@ -29,9 +29,9 @@ def calibrate_from_files(
     minutes: float | None = None,
     workers: int | None = None,
 ) -> None:
-    """Fit the simulated rig to Tables II and III.
+    """Fit the simulated rig to what the paper prints and claims.
 
-    Fits the free parameters of the rig to the published numbers and writes a parameter file. The
+    Fits the free parameters of the rig and writes a parameter file. The
     report is written beside it as JSON, and so are the checkpoints of the searches: repeat the
     command to continue a search that was stopped.
 

@@ -25,7 +25,7 @@ from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap, read_map
 from fprc.errors import ConfigError, FprcError, LogError
-from fprc.escape import in_words
+from fprc.escape import in_words, terminal
 from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.rates import settings_at
 from fprc.fingerprint import fingerprint
@@ -115,6 +115,12 @@ def report_readout(
     folder = Path(out or Path("results", Path(source).stem))
     refuse_unwritable([folder])
     rate_hz, duration_s = own_rate(mapping, source)
+    end_s = mapping.start_s + duration_s
+    if mapping.test_from_s is not None and mapping.test_from_s >= end_s:
+        raise LogError(
+            f"{map_}: test_from_s = {mapping.test_from_s:g} lies beyond the end of {source}, "
+            f"{end_s:.4g} s; give an earlier time"
+        )
     recorded_hz = [rate_hz, *(own_rate(mapping.of_whole("sweep"), path)[0] for path in train)]
     highest_hz = settings["control"]["sample_rate_hz"]
     # that of the slowest recording, at least 1 Hz as in a map, at most the configuration's
@@ -146,12 +152,9 @@ def report_readout(
         page = folder / "report.md"
         write_text(page, report_page(parts, map_, mapping, settings, folder, results))
         verdicts = competitors["verdicts"]
-        log.info("%s", answer(verdicts).replace("**", ""))
-        for line in cautions(folder, settings):
-            log.info("Doubtful: %s", line)
-        for line in sentences(verdicts):
-            log.info("%s", line)
-        log.info("%s", page)
+        doubts = [f"Doubtful: {line}" for line in cautions(folder, settings)]
+        lines = [answer(verdicts).replace("**", ""), *doubts, *sentences(verdicts), str(page)]
+        print(terminal("\n".join(lines)))
         lock.unlink()
 
 

@@ -89,7 +89,8 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
             if not single:
                 break
     if problems:
-        files = f" ({', '.join(map(str, paths))})" if paths else ""
+        sources = [*map(str, paths), *(["the command line"] if over else [])]
+        files = f" ({', '.join(sources)})" if paths else ""
         unread.append(str(ConfigError.listing(problems, f"configuration{files}")))
     if unread:
         raise ConfigError("\n".join(unread))

@@ -83,7 +83,10 @@ class Models(Section):
         ours = {name for name in others if name in COMPETITORS or choice_of(name)}
         taken = [name for name in others if name in {*ours, "pd"} or name.endswith("_pd")]
         if taken:
-            raise ValueError(f"{', '.join(taken)} is taken; choose another name")
+            raise ValueError(
+                f"{', '.join(taken)}: is the name of a model of ours, or, as all that end in _pd, "
+                "of a controller; choose another"
+            )
         return others
 
 

@@ -137,9 +137,9 @@ def _window(source: Source, clock: Clock, start_s: float, end_s: float | None) -
     distinct = len(np.unique(clock.since_s[kept]))
     if distinct < 2:
         raise LogError(
-            f"{source.path}: {distinct} distinct time stamps lie between start_s = {start_s:g} and "
-            f"end_s = {last:g}; the file has {len(clock.since_s)} samples, over "
-            f"{clock.since_s[-1]:g} s"
+            f"{source.path}: {distinct} distinct time stamps lie from {start_s:g} s to "
+            f"{'the end' if end_s is None else f'{last:g} s'}; the file has {len(clock.since_s)} "
+            f"samples, over {clock.since_s[-1]:g} s; correct start_s and end_s"
         )
     return clock._replace(since_s=clock.since_s[kept], samples=clock.samples[kept])
 

@@ -63,6 +63,7 @@ def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_pa
                 "seeds": [5, 6],
                 "full_seeds": [41],
                 "taps": [1, 3],
+                "passes": 1,
                 "rounds": 1,
                 "first": {"fit": [], "rounds": 1},
             }

@@ -136,8 +136,8 @@ def test_one_command_goes_from_a_recording_to_a_report(finished):
     assert "cells" not in printed
     assert "] 26 of 26 cells" in messages
     assert "] 9 of 9 cells" in messages
-    assert all(f" ({claim}): undecided. " in messages for claim in ("B1", "B4", "R1"))
-    assert messages.index("Not decided: ") < messages.index("(B1): ")
+    assert all(f" ({claim}): undecided. " in printed for claim in ("B1", "B4", "R1"))
+    assert printed.index("Not decided: ") < printed.index("(B1): ")
     # the next run in this process logs to the standard error of its own time
     assert not logging.getLogger("fprc").handlers
 
@@ -267,6 +267,14 @@ def test_unlikely_rate_needs_the_map_to_give_it(recording, tmp_path, capsys):
     assert run(tmp_path, recording(test_from_s=7000)) == 1
     assert "set time.unit: ms" in capsys.readouterr().err
     assert run(tmp_path, recording(test_from_s=7000, sample_rate_hz=1)) == 130
+
+
+def test_test_that_begins_after_the_end_is_refused_before_anything_is_written(
+    recording, tmp_path, capsys
+):
+    assert run(tmp_path, recording(test_from_s=100)) == 1
+    assert "test_from_s = 100 lies beyond the end" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.usefixtures("stopped")

@@ -66,8 +66,8 @@ def check_results(
     failures = {
         f"verdicts differ from {verdicts}; if the new ones in {ledger} are right, declare them in "
         f"{verdicts}": [line for line in changed if line not in of_times],
-        "results that were damaged or edited after their rules wrote them; make each again with "
-        "`snakemake --cores 2 --forcerun FILE -- FILE`": changed_results(results),
+        "results that were damaged or edited after their rules wrote them; delete them and build "
+        "again": changed_results(results),
         "pictures differ from the figures that were built; copy the figures with `make docs`": [
             f"{picture} differs from {figure}"
             for picture, figure in pictures.items()
