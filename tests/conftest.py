@@ -1,7 +1,6 @@
 """Fixtures: the fake driver, and a simulated rig connected to it."""
 
 import gc
-import os
 import shutil
 from functools import partial
 from pathlib import Path
@@ -41,11 +40,9 @@ def driver(compiled_driver, tmp_path):
 def settings(driver):
     """Default settings of a rig behind the fake driver."""
     found = Settings().model_dump(mode="json")
-    # boards of this process alone: other tests run beside it
-    names = {
-        f"{kind}_device": f"AIO00{k}-{os.getpid()}" for k, kind in enumerate(("input", "output"))
-    }
-    found["hardware"]["boards"] |= {"library": str(driver), **names}
+    from bench import BOARDS
+
+    found["hardware"]["boards"] |= {"library": str(driver), **BOARDS}
     return found
 
 

@@ -17,6 +17,8 @@ from fprc.devices.sim import SimulatedRig
 
 FOLDER = Path(__file__).parent
 LOGGED = 4096
+#: Boards of this process alone: other tests, and a rig, may run beside it on this computer.
+BOARDS = {"input_device": f"AIO000-{os.getpid()}", "output_device": f"AIO001-{os.getpid()}"}
 #: Time without a heartbeat after which the stand-in for a watchdog relay releases, s.
 RELAY_S = 0.5
 

@@ -14,7 +14,7 @@ from pathlib import Path
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))
 
-from bench import compile_driver  # noqa: E402
+from bench import BOARDS, compile_driver  # noqa: E402
 
 from fprc.config import Settings  # noqa: E402
 from fprc.logs import read_journal  # noqa: E402
@@ -49,7 +49,7 @@ def measure(folder: Path, seconds: float, priority: int) -> dict:
     settings = Settings().model_dump(mode="json")
     settings["experiments"]["sweep"]["duration_s"] = seconds
     hardware = settings["hardware"]
-    hardware["boards"]["library"] = str(compile_driver(folder))
+    hardware["boards"] |= {"library": str(compile_driver(folder)), **BOARDS}
     hardware["loop"]["priority"] = priority
     # a busy computer must not end the run: its lateness is measured
     hardware["loop"]["stalled_s"] = hardware["limits"]["stale_s"] = 10.0

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Layout
+from bench import BOARDS, Layout
 
 from fprc.channels import RAW_CHANNELS
 from fprc.logs import read_journal, read_raw
@@ -84,7 +84,7 @@ class Program:
         self.rig, self.raw = rig, folder / raw / "sweep.h5"
         config = folder / "bench.yaml"
         hardware = {
-            "boards": {"library": str(driver)} | hardware.pop("boards", {}),
+            "boards": {"library": str(driver)} | BOARDS | hardware.pop("boards", {}),
             "limits": LIMITS | hardware.pop("limits", {}),
             "loop": {"priority": 0, "stalled_s": 10.0} | hardware.pop("loop", {}),
             "valves": hardware.pop("valves", {}),
@@ -430,7 +430,8 @@ def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix)
         second = start(*verb, armed=armed)
         code, output = second.end()
         assert code == 1
-        assert f"board AIO000 is in use by process {program.process.pid} " in output
+        board = BOARDS["input_device"]
+        assert f"board {board} is in use by process {program.process.pid} " in output
         assert "rig run sweep" in output
         assert not second.raw.with_name("complex.h5").exists()
         matrix.add(

@@ -78,7 +78,7 @@ def judgement_spec(
     }
     return result_spec(
         stem,
-        "judged",
+        "measurements",
         words,
         given or {},
         {"judged": PATHS.below(f"{stem}.json")},

@@ -138,7 +138,9 @@ def judge_together(claims: Sequence[Sequence[Part]], left_out: int = LEFT_OUT) -
     Each claim has a lowest level that decides it: superior, equivalent or inferior, whichever
     comes first. Holm's step-down procedure takes the claims by these levels, lowest first: the
     k-th of K claims is judged at ALPHA / (K + 1 - k), and the first that this does not decide
-    leaves itself and all later ones undecided. K counts the claims that could not be judged.
+    leaves itself and all later ones undecided. K counts the claims that could not be judged. At a
+    higher level than its lowest a part may be equivalent and no longer inferior: a claim that this
+    leaves undecided comes again at the next level that decides it.
 
     The parts of a claim are judged at equal shares of its level. Its verdict is the weakest:
     inferior if a part is, otherwise undecided if a part is, then equivalent, then superior.
@@ -164,13 +166,14 @@ def judge_together(claims: Sequence[Sequence[Part]], left_out: int = LEFT_OUT) -
         [_least_level(parts) if ok else 1.0 for parts, ok in zip(claims, judged, strict=True)]
     )
     adjusted, levels = holm(p)
-    # at a higher level than its lowest a part may be equivalent and no longer inferior
     while loose := [
         k
         for k, parts in enumerate(claims)
-        if p[k] <= levels[k] and _weakest(parts, levels[k] / len(parts), None) == UNDECIDED
+        if p[k] <= levels[k] and not _is_decided(parts, levels[k])
     ]:
-        p[loose] = 1.0
+        for k in loose:
+            higher = ALPHA / np.arange(len(claims), 0, -1)
+            p[k] = next((h for h in higher if h > levels[k] and _is_decided(claims[k], h)), 1.0)
         adjusted, levels = holm(p)
     outcomes = []
     for parts, ok, adjusted_p, level in zip(claims, judged, adjusted, levels, strict=True):
@@ -208,6 +211,10 @@ def _least_level(parts: Sequence[Part]) -> float:
     """Return the lowest level that decides a claim: all its parts, or that one is inferior."""
     decided, inferior = zip(*(part.least_levels() for part in parts), strict=True)
     return min(1.0, len(parts) * min(max(decided), min(inferior)))
+
+
+def _is_decided(parts: Sequence[Part], level: float) -> bool:
+    return _weakest(parts, level / len(parts), None) != UNDECIDED
 
 
 def _weakest(parts: Sequence[Part], level: float, units: Sequence[int] | None) -> str:

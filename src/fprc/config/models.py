@@ -117,7 +117,7 @@ class Grids(Section):
     epsilon: NotEmpty[float] = quantity(
         (1.0, 0.1, 0.01, 1e-3, 1e-4), (1e-6, 1), "filter factors", "paper, Fig. 10(a)"
     )
-    n_c: Distinct[int] = quantity((1, 2, 4, 8, 16), (1, 64), "fuzzy rules", "paper, Fig. 10(b)")
+    n_c: NotEmpty[int] = quantity((1, 2, 4, 8, 16), (1, 64), "fuzzy rules", "paper, Fig. 10(b)")
     n_u: Distinct[int] = quantity(
         tuple(range(1, 11)), (1, 100), "taps of P_o", "paper, Fig. 11", unit="samples"
     )
@@ -128,10 +128,3 @@ class Grids(Section):
         (1, 3, 5, 8, 10), (1, 100), "taps of P_o in the controls of the readout", "assumed",
         unit="samples",
     )  # fmt: skip
-
-    @field_validator("n_c", "n_u", "n_y")
-    @classmethod
-    def _one_is_medium(cls, values: tuple[float, ...]) -> tuple[float, ...]:
-        if len(values) < 3:
-            raise ValueError(f"{values} must be three or more values: claims ask for a medium one")
-        return values

@@ -48,7 +48,7 @@ def locked(boards: Sequence[str]) -> Iterator[list[int]]:
             try:
                 lock.bind(name)
             except OSError as error:
-                why = f"cannot be locked ({error.strerror})"
+                why = f"cannot be locked ({error.strerror or error})"
                 if error.errno == errno.EADDRINUSE:
                     why = f"is in use by {_holder(name)}; wait until it ends, or stop it"
                 raise DeviceError(f"board {board} {why}; nothing was moved") from None
@@ -67,7 +67,13 @@ def _holder(name: bytes) -> str:
         process, user, _ = _CREDENTIALS.unpack(found)
     except OSError:  # it has just ended, or does not listen yet
         return "another process"
-    command = "which has ended, but not a process that it started"
+    place = Path(f"/proc/{process}")
+    command = ""
     with contextlib.suppress(OSError):
-        command = Path(f"/proc/{process}/cmdline").read_text(errors="replace").replace("\0", " ")
-    return visible(f"process {process} of user {user}: {command.strip()[:200]}")
+        command = (place / "cmdline").read_text(errors="replace").replace("\0", " ")
+    if process and not place.exists():
+        command = (
+            "which has ended; a process that it started has the board: pgrep -f "
+            "fprc.apparatus.process"
+        )
+    return visible(f"process {process} of user {user}: {command.strip()[:200] or 'unknown'}")

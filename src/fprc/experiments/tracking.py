@@ -162,9 +162,10 @@ class Track(NamedTuple):
         X = X + np.array([0.0, self.control["feedforward"]["p_o_shift_kpa"]])[: X.shape[1]]
         if not self.control["feedforward"]["adapt"]:
             return Precomputed(model.predict(X))
+        online = self.online(model)
         rows = model.features_.transform(X)
         phi = np.ascontiguousarray(model.readout_.regressors(rows))
-        return Precomputed(model.readout_.predict(rows), self.online(model), phi)
+        return Precomputed(model.readout_.predict(rows), online, phi)
 
     def online(self, model: SequenceModel) -> Online:
         """Return the model as it learns in a run, by the section ``control.feedforward``."""

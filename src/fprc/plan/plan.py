@@ -284,16 +284,18 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
     Raises
     ------
     ConfigError
-        The grid over epsilon is too small for the claims.
+        A grid is too small for the claims.
     LogError
         A log cannot be read or has another source than ``source`` says, or there is none to use.
     """
-    epsilon = settings["grids"]["epsilon"]
-    if len(set(epsilon)) < max(len(epsilon), 3):
-        raise ConfigError(
-            f"grids.epsilon = {epsilon}: give three or more values, each once; the claims ask for "
-            "one between others"
-        )
+    small = [
+        f"grids.{name} = {values}: give three or more values, each once; the claims ask for one "
+        "between others"
+        for name, values in settings["grids"].items()
+        if name != "readout_taps" and len(set(values)) < max(len(values), 3)
+    ]
+    if small and settings["source"] == "sim":
+        raise ConfigError("\n".join(small))
     logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}, raw).every_log]
     if settings["source"] == "recorded":
         logs += [str(path) for path in Path(raw).glob("*.h5") if _is_further(path.stem)]

@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.stats import ttest_1samp
 
@@ -84,6 +84,26 @@ def test_claim_that_only_a_lower_level_decides_does_not_ease_the_next_one():
     first, second = judge_together([loose, [part(normal(-0.3, 0.05, 12))]])
     assert (first.verdict, first.p) == ("undecided", 1.0)
     assert (second.verdict, second.level) == ("superior", ALPHA / 2)
+
+
+MEANS = st.sampled_from([-0.3, -0.04, 0.0, 0.02, 0.03, 0.04, 0.3])
+ERRORS = st.sampled_from([0.001, 0.005, 0.01, 0.02, 0.1])
+
+
+@settings(deadline=None)
+@given(st.lists(st.lists(st.tuples(MEANS, ERRORS), min_size=1, max_size=3), min_size=1, max_size=4))
+def test_claim_is_decided_if_its_p_is_below_the_level_of_all(numbers):
+    """Whatever its parts are: one may be inferior at a low level and equivalent at a higher one."""
+    units = 12
+    claims = [
+        [part(normal(mean, error * math.sqrt(units), units)) for mean, error in of_claim]
+        for of_claim in numbers
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fprc.claims.paired._share_of_subsets", lambda *rest: 1.0)
+        outcomes = judge_together(claims)
+    for outcome in outcomes:
+        assert (outcome.verdict != "undecided") == (outcome.p <= ALPHA)
 
 
 def test_a_claim_that_is_not_judged_still_counts():

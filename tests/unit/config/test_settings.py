@@ -121,9 +121,6 @@ NAN, INFINITY = float("nan"), float("inf")
         ("calibration.taps", [3, 3], ""),  # over equal sizes no trend can be measured
         ("calibration.free", ["valve.leak"], ""),
         ("calibration.fit", [], ""),
-        ("grids.n_u", [1, 2], ""),
-        ("grids.n_y", [1, 2], ""),
-        ("grids.n_c", [1, 2], ""),
         ("folders.results", True, ""),
         ("source", "real", ""),
         ("models", 3, ""),

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from sklearn.ensemble import HistGradientBoostingRegressor
 
 from fprc.config import Settings
 from fprc.control import pressure_loops, run
@@ -10,7 +11,7 @@ from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.measures import measure_hysteresis, measure_pressure_error
 from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, tracking_rmse
-from fprc.models import FPRC, FuzzyLinear
+from fprc.models import FPRC, FeatureModel, FuzzyLinear, TapFeatures
 from fprc.paper import CONTROLLERS, REFERENCES
 
 NO_PUSHES = {"quiet_s": 8.0, "every_s": 1.0, "sigma_kpa": 0.0}
@@ -113,8 +114,13 @@ def test_model_that_remembers_no_training_is_refused_by_its_setting(bench, recor
     X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
     model = FPRC(n_c=3, random_state=1).fit(X, log["p_exp_command_kpa"])
     theta_d = bench.reference("sine_0p5")
+    bench = changed(bench, adapt=True)
     with pytest.raises(ControlError, match="control.feedforward.adapt"):
-        changed(bench, adapt=True).law(theta_d, "fprc", model)
+        bench.law(theta_d, "fprc", model)
+    trees = FeatureModel(TapFeatures(), HistGradientBoostingRegressor(max_iter=2))
+    for unable in (model, trees.fit(X, log["p_exp_command_kpa"])):
+        with pytest.raises(ControlError, match="control.feedforward.adapt"):
+            bench.follow("sine_0p5", ["fprc"], {"fprc": unable})
 
 
 def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, monkeypatch):

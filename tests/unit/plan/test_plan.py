@@ -6,7 +6,7 @@ import pytest
 
 from fprc.channels import RAW_CHANNELS
 from fprc.config import Settings, check
-from fprc.errors import ConfigError
+from fprc.errors import ConfigError, LogError
 from fprc.logs import Columns
 from fprc.paper import CONTROLLERS, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.plan import Plan, read_plan
@@ -65,11 +65,19 @@ def recorded(*names, lacking=(), notes=None):
 # --- the table of results -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("epsilon", [[0.1], [0.1, 0.01], [0.1, 0.01, 0.01]])
-def test_grid_in_which_no_value_is_between_others_is_refused(epsilon, tmp_path):
-    settings = check({"grids": {"epsilon": epsilon}}).model_dump(mode="json")
-    with pytest.raises(ConfigError, match="grids.epsilon"):
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [("epsilon", [0.1]), ("epsilon", [0.1, 0.01, 0.01]), ("n_c", [1, 2]), ("n_u", [1, 2]),
+     ("n_y", [1, 5])],
+)  # fmt: skip
+def test_grid_in_which_no_value_is_between_others_is_refused_where_claims_are_judged(
+    name, values, tmp_path
+):
+    settings = check({"grids": {name: values}}).model_dump(mode="json")
+    with pytest.raises(ConfigError, match=f"grids.{name} = "):
         read_plan(settings, str(tmp_path), isolate=False)
+    with pytest.raises(LogError, match="contains no raw log"):
+        read_plan(settings | {"source": "recorded"}, str(tmp_path), isolate=False)
 
 
 def test_every_result_has_a_name_and_files_of_its_own():

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.errors import ConfigError, FprcError, in_one_line
+from fprc.errors import FprcError, in_one_line
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import prepare
 from fprc.evaluation.timing import WARM_UP, machine, time_steps
@@ -72,12 +72,6 @@ def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[d
         For each simulated rig: ``seed``, and ``models``, see ``judge_rig``, or ``failed``, the
         message.
     """
-    feedforward = unit.rigs[0][0].control["feedforward"]
-    if feedforward["adapt"] or feedforward["p_o_shift_kpa"]:
-        raise ConfigError(
-            "control.feedforward: the comparison beyond the paper is of models that do not learn, "
-            "and has its own offsets of P_o; set adapt to false and p_o_shift_kpa to 0"
-        )
     entered = Contest(**contest, tuned=unit.family["tuned"])
     names: Sequence[str] = BRIEF
     if unit.family["every_model"]:

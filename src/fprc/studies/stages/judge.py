@@ -92,6 +92,12 @@ def _judge(
 
 def _tuned(path: str, family: Mapping[str, Any], units: Sequence[int]) -> Any:
     """Return the settings of the tuned models, which must be judged on other data."""
+    feedforward = family["on_rig"]["control"]["feedforward"]
+    if feedforward["adapt"] or feedforward["p_o_shift_kpa"]:
+        raise FprcError(
+            "control.feedforward: the comparison beyond the paper is of models that do not learn, "
+            "and has its own offsets of P_o; set adapt to false and p_o_shift_kpa to 0"
+        )
     known = read_yaml(path)
     if family["name"] not in known:
         raise FprcError(
@@ -105,6 +111,7 @@ def _tuned(path: str, family: Mapping[str, Any], units: Sequence[int]) -> Any:
     if twice := judged.intersection(known["chosen_on"][kind]):
         raise FprcError(
             f"{path}: its settings were chosen on the {kind} {sorted(twice)}, which would judge "
-            f"them too; change beyond.{kind} or beyond.first_seed"
+            "them too; reduce beyond.seeds, beyond.setting_seeds or beyond.rigs, or, of seeds, "
+            "change beyond.first_seed"
         )
     return known[family["name"]]

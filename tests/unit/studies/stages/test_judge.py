@@ -1,4 +1,5 @@
 from contextlib import contextmanager
+from copy import deepcopy
 
 import pytest
 
@@ -62,12 +63,17 @@ def test_pool_has_a_process_for_four_units_within_its_limit(
 
 def test_family_without_tuned_settings_is_refused_before_anything_is_judged(family, run, tmp_path):
     tuned = tmp_path / "tuned.yaml"
-    for known, units, message in (
-        ("viscous: {}\n", [0], "no settings for the family dry"),
-        ("dry: {}\nchosen_on: {seeds: [604, 7], rigs: [2]}\n", [2, 3], r"the seeds \[604\]"),
+    learning = deepcopy(family)
+    learning["on_rig"]["control"]["feedforward"]["adapt"] = True
+    chosen = "dry: {}\nchosen_on: {seeds: [604, 7], rigs: [2]}\n"
+    for known, judged, units, message in (
+        ("viscous: {}\n", family, [0], "no settings for the family dry"),
+        (chosen, family, [2, 3], r"the seeds \[604\]"),
+        (chosen, family | {"rigs": "drawn"}, [2, 3], r"the rigs \[2\]"),
+        (chosen, learning, [0], "control.feedforward"),
     ):
         tuned.write_text(known)
         with pytest.raises(FprcError, match=message):
-            run(tuned=str(tuned), judge="beyond.contest.judge_models", families=[family],
+            run(tuned=str(tuned), judge="beyond.contest.judge_models", families=[judged],
                 units=units, how={})  # fmt: skip
     assert [path.name for path in tmp_path.iterdir()] == ["tuned.yaml"]
