@@ -55,6 +55,9 @@ class Fitted(Section):
         description="what the rig at which the fit began had been searched for: terms as in "
         "calibration.fit, closed_errors (Table IV with feedback), claims",
     )
+    seeds: tuple[int, ...] = Field(
+        (), description="noise seeds that the fits saw; no further seed may be one of them"
+    )
 
 
 class FirstSearch(Section):

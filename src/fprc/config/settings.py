@@ -161,12 +161,13 @@ class Settings(Section):
 
     @model_validator(mode="after")
     def _further_seeds_are_fresh(self) -> "Settings":
-        known = {self.seed, *self.calibration.seeds, *self.calibration.full_seeds}
+        by_fits = (*self.calibration.seeds, *self.calibration.full_seeds, *self.fitted.seeds)
+        known = {self.seed, *by_fits}
         seen = [seed for seed in self.evaluation.replicate_seeds if seed in known]
         if seen:
             raise ValueError(
                 f"evaluation.replicate_seeds: {', '.join(map(str, seen))} is also the main seed or "
-                "one of the calibration's; choose seeds that no fit has seen"
+                "one of the calibration's or of the rig's fit; choose seeds that no fit has seen"
             )
         return self
 

@@ -13,7 +13,11 @@ WRITTEN = "Written by `fprc calibrate`"
 
 
 def parameter_file(
-    rig: Mapping[str, Any], summary: Mapping[str, Any], name: str, start: Sequence[str] = ()
+    rig: Mapping[str, Any],
+    summary: Mapping[str, Any],
+    name: str,
+    start: Sequence[str] = (),
+    seeds: Sequence[int] = (),
 ) -> str:
     """Return the text of a rig's file: what was fitted, and what differs from the defaults.
 
@@ -25,6 +29,8 @@ def parameter_file(
         Name of the rig.
     start : sequence of str
         Terms that the rig at which the fit began had been searched for.
+    seeds : sequence of int
+        Noise seeds that the fit of that rig saw.
     """
     head = _HEAD.format(
         **summary,
@@ -42,7 +48,12 @@ def parameter_file(
         edges=_edges(summary["parameters"]),
     )
     values = {
-        "fitted": {"name": name, "to": list(summary["fit"]), "start": list(start)},
+        "fitted": {
+            "name": name,
+            "to": list(summary["fit"]),
+            "start": list(start),
+            "seeds": sorted({*seeds, *summary["seeds"], *summary["full_seeds"]}),
+        },
         "rig": Rig.model_validate(rig).model_dump(mode="json", exclude_defaults=True),
     }
     return head + yaml.safe_dump(values, sort_keys=False, default_flow_style=None)

@@ -45,7 +45,7 @@ def calibrate(
         models_of_rigs.setLevel(level)
     write_json(report, summary)
     start = list(dict.fromkeys([*began["to"], *began["start"]]))
-    write_text(fitted, parameter_file(best, summary, Path(fitted).stem, start))
+    write_text(fitted, parameter_file(best, summary, Path(fitted).stem, start, began["seeds"]))
     before, after = summary["median_deviation_at_start"], summary["median_deviation"]
     if after > before:
         log.warning(

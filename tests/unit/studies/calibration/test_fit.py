@@ -167,7 +167,7 @@ def fit(folder, settings, **changes):
     folder.mkdir(exist_ok=True)
     paths = [str(folder / name) for name in ("rig.yaml", "fit.json")]
     calibrate(
-        str(PUBLISHED), *paths, began={"to": ["C18", "C8"], "start": ["C15", "C8"]},
+        str(PUBLISHED), *paths, began={"to": ["C18", "C8"], "start": ["C15", "C8"], "seeds": [3]},
         **settings | {"checkpoint": str(folder / "search.jsonl")} | changes,
     )  # fmt: skip
     return folder

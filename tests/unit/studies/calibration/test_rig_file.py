@@ -48,9 +48,10 @@ def test_file_gives_the_very_rig_back(point):
         expected = Rig.model_validate(rig)
     except ValidationError:
         assume(False)
-    found = check(yaml.safe_load(parameter_file(rig, summary(), "mine", ["C8", "C15"])))
+    found = check(yaml.safe_load(parameter_file(rig, summary(), "mine", ["C8", "C15"], [3, 41])))
     assert found.rig == expected
     fitted = {"name": "mine", "to": ["tables", "C8"], "start": ["C8", "C15"]}
+    fitted["seeds"] = [3, *range(21, 31), 41, 42]
     assert found.fitted.model_dump(mode="json") == fitted
     same = Settings().model_dump(exclude={"rig", "fitted"})
     assert found.model_dump(exclude={"rig", "fitted"}) == same
@@ -61,7 +62,12 @@ def test_file_holds_only_what_differs_from_the_defaults():
     rig["bending"]["relaxation_time_s"][1] = 5.5
     rig["drift"]["sigma_kpa"] = 1e-5
     assert yaml.safe_load(parameter_file(rig, summary(), "mine")) == {
-        "fitted": {"name": "mine", "to": ["tables", "C8"], "start": []},
+        "fitted": {
+            "name": "mine",
+            "to": ["tables", "C8"],
+            "start": [],
+            "seeds": [*range(21, 31), 41, 42],
+        },
         "rig": {"bending": {"relaxation_time_s": [0.25, 5.5]}, "drift": {"sigma_kpa": 1e-5}},
     }
 
