@@ -169,7 +169,8 @@ CLAIMS = (
         lambda r, p: [
             Statement("share of P_o / theta_d", n.share(r, "p_o") / n.share(r, "theta_d"), 0.5, 2.0)
         ],
-        note="limit: a factor of two; print: 1.28. It depends on where the clustering begins",
+        note="limit: a factor of two; print: 1.28. The ridge parameter keeps its strength on the "
+        "normalised data (decision 24)",
         fitted_by=("C8",), shown_in=("fig9",),
     ),
     Claim(

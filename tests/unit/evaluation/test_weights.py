@@ -25,13 +25,16 @@ def test_shares_are_those_of_the_best_fold_on_normalised_features(data):
     folds = split_rows(400, 3, "shuffled", 5)
     model = FPRC(**SETTINGS, random_state=7)
     rows = model.make_features().fit(X).transform(X)
+    alpha = model.alpha
     for taps in (rows[:, : model.n_y], rows[:, model.n_y :]):
         taps -= taps.min()
+        alpha /= taps.max()
         taps /= taps.max()
     judged = []
     for i, (train, validation) in enumerate(folds):
         own = int(np.random.SeedSequence([7, i]).generate_state(1)[0])
-        readout = model.make_readout().set_params(random_state=own).fit(rows[train], y[train])
+        readout = model.make_readout().set_params(random_state=own, alpha=alpha)
+        readout.fit(rows[train], y[train])
         errors = (rmse(y[part], readout.predict(rows[part])) for part in (train, validation))
         judged.append((np.hypot(*errors), np.abs(readout.W_out_)))
     _, weights = min(judged, key=lambda candidate: candidate[0])

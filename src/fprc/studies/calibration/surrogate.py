@@ -14,7 +14,7 @@ from sklearn.base import RegressorMixin
 
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import Prepared, prepare
-from fprc.evaluation.weights import shares_of, to_unit
+from fprc.evaluation.weights import normalised, shares_of
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
@@ -200,8 +200,7 @@ class _Thinned(NamedTuple):
     def shares(self, fprc: Prepared) -> dict[str, Any]:
         """Return the mean share of P_o in the weights over theta_d's; the bias's (Eqs. 13, 14)."""
         n_y = fprc.model.n_y
-        normalised = fprc._replace(rows={"sweep": to_unit(fprc.rows["sweep"], n_y)})
-        weights = shares_of(self.readout(normalised, "sweep", "shares").W_out_)
+        weights = shares_of(self.readout(normalised(fprc, "sweep"), "sweep", "shares").W_out_)
         ratio = weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum()
         return {SHARES: {"p_o_over_theta_d": float(ratio)}, "bias": float(weights[:, 0].mean())}
 
