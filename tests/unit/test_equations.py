@@ -18,6 +18,7 @@ PAPER = {
 #: What each docstring that names an equation is about.
 NAMED = {
     "control.loop.hysteresis_law": {"P_i"},
+    "evaluation.weights.normalised": {"min-max"},
     "evaluation.weights.normalised_weights": {"min-max", "weight shares"},
     "studies.calibration.surrogate._Thinned.shares": {"min-max", "weight shares"},
     "models.echo.echo_states": {"x(k+1)"},
