@@ -24,8 +24,8 @@ Judged = Sequence[Mapping[str, Any]]
 #: neighbouring rigs.
 _TABLES, _OPEN, _CLOSED, _RATIO, _CORRELATION = 0.03, 0.06, 0.15, 0.025, 0.1
 
-#: Beyond this an error's logarithm counts more: that of an open loop so many times, and the square
-#: of a table's is added, so many times.
+#: Beyond this an error's logarithm counts more: that of a loop so many times, and the square of a
+#: table's is added, so many times.
 _NEAR, _FAR_WEIGHT, _SQUARE_WEIGHT = 0.12, 3.0, 2.0
 
 #: How often an error of a table counts: the validation errors, which are no targets, are close to
@@ -306,7 +306,7 @@ def _left_by(judged: Judged, aim: Aim, *, loop: str) -> list[float]:
 def _closed_sweep(judged: Judged, aim: Aim) -> list[float]:
     """How much feedback helps in the sweep; this says which inertia, and the others judge it."""
     printed = aim.printed["closed_loop"]["sweep"]
-    return [math.log(_mean(judged, "closed_loop", "sweep") / printed) / _CLOSED]
+    return [_far(math.log(_mean(judged, "closed_loop", "sweep") / printed)) / _CLOSED]
 
 
 #: Terms of the objective by their names in ``calibration.fit``.
