@@ -44,7 +44,6 @@ COMMANDS = {
     "calibrate": "calibrate.calibrate_from_files",
     "rig check": "rig.check",
     "rig run": "rig.run",
-    "completion": "completion.print_completion",
 }
 
 #: The first words of commands of two words, and what these commands do.

@@ -20,8 +20,8 @@ def help_of(command, capsys):
 
 
 def parsed(line):
-    """Return the parsed arguments of a command line, also of one in an ``eval`` or redirected."""
-    line = re.sub(r" > \S+$", "", line).removeprefix('eval "$(').removesuffix(')"')
+    """Return the parsed arguments of a command line, also of one that is redirected."""
+    line = re.sub(r" > \S+$", "", line)
     program, *words = shlex.split(line)
     assert program == "fprc"
     return parser().parse_args(words)
