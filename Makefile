@@ -178,8 +178,8 @@ container:  ## build the image of the Containerfile with podman, docker or build
 test-container: .venv/.ready  ## build the image and run it as a user without a home: ten minutes
 	FPRC_CONTAINER=1 BASE=$(BASE) pytest tests/workflow/test_container.py
 
-release: .venv/.ready release-tools  ## build wheel, sdist and archive into dist/; upload nothing
-	python -m tools.release --tools .venv/release/bin/python
+release: .venv/.ready release-tools  ## make all results in a new clone; wheel, sdist and archive into dist/; upload nothing
+	python -m tools.release --cores $(CORES) --tools .venv/release/bin/python
 
 test-release: .venv/.ready release-tools  ## build a release of a smoke run with the real tools
 	pytest tests/workflow/test_release.py

@@ -1,0 +1,220 @@
+"""Build a release into dist/: `make release`, as CONTRIBUTING.md describes. Nothing is uploaded.
+
+The results are made in a new clone of the commit, so that all of them are of this commit and of the
+same libraries.
+"""
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import venv
+from collections.abc import Sequence
+from pathlib import Path
+
+from rocrate.rocrate import ROCrate
+
+from fprc.errors import FprcError
+from fprc.provenance import checkout
+from tools import twice
+
+PROFILE = "workflow-ro-crate-1.0"
+CHANGELOG = Path("CHANGELOG.md")
+#: The only place of the version; packages, logs and results take it from here.
+VERSION = Path("src/fprc/__init__.py")
+WORKFLOW = "workflow/Snakefile"
+PAPER = (
+    "Control Pneumatic Soft Bending Actuator with Feedforward Hysteresis Compensation by "
+    "Pneumatic Physical Reservoir Computing"
+)
+#: Leaves out what the jobs of the workflow printed.
+NO_LOGS = ":(exclude,glob)results/**/logs/**"
+
+BY_HAND = """
+{folder} is ready; nothing was uploaded. What remains to be done by hand:
+
+1. git tag -a v{version} {commit} -m "fprc {version}"
+   git push origin v{version}
+2. {tools} -m twine upload {folder}/*.whl {folder}/*.tar.gz
+3. Upload {folder}/{crate} to https://zenodo.org/uploads/new (type: Dataset,
+   version {version}, license MIT), publish it, and add its DOI to CITATION.cff.
+"""
+
+
+def released(root: Path) -> dict[str, str]:
+    """Return the date of each version in the changelog, newest first."""
+    page = (root / CHANGELOG).read_text(encoding="utf-8")
+    return dict(re.findall(r"^## (\S+) \((\d{4}-\d{2}-\d{2})\)$", page, re.MULTILINE))
+
+
+def version_of(root: Path) -> str:
+    """Return the version of the package in a checkout."""
+    code = (root / VERSION).read_text(encoding="utf-8")
+    (version,) = re.findall(r'^__version__ = "(.+)"$', code, re.MULTILINE)
+    return str(version)
+
+
+def build(root: Path, tools: str, cores: str, configfiles: Sequence[str] = ()) -> None:
+    """Build results, wheel, sdist and archive into ``dist/VERSION``: all of them or none.
+
+    Parameters
+    ----------
+    root : Path
+        The checkout.
+    tools : str
+        Python that has the dependency group ``release``.
+    cores : str
+        Cores for the workflow.
+    configfiles : sequence of str
+        Those of the results, after config/config.yaml.
+
+    Raises
+    ------
+    FprcError
+        Lists what forbids the release.
+    CalledProcessError
+        The workflow or a tool failed.
+    """
+    version = version_of(root)
+    target = root / "dist" / version
+    commit, dirty = checkout(root / "src/fprc")
+    if commit is None:
+        raise FprcError(f"{root}: not a git checkout; clone the repository")
+    problems = _of_version(root, version, target)
+    if dirty:
+        problems.append("uncommitted changes; commit them, then build again")
+    if problems:
+        raise FprcError("\n".join(["no release:", *problems]))
+    crate = f"fprc-{version}.crate.zip"
+    target.parent.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".") as scratch:
+        clone, folder = Path(scratch, "clone"), Path(scratch, version)
+        folder.mkdir()
+        _run("git", "clone", "--quiet", str(root), str(clone))
+        chosen = ["--configfile", *configfiles] if configfiles else []
+        twice.build(clone, (cores, {}), *chosen)
+        described(clone, version, released(root)[version]).write_zip(folder / crate)
+        validate(folder / crate, tools)
+        build_packages(clone, folder, tools)
+        folder.rename(target)
+    shown = target.relative_to(root)
+    print(BY_HAND.format(folder=shown, version=version, commit=commit, tools=tools, crate=crate))
+
+
+def _of_version(root: Path, version: str, target: Path) -> list[str]:
+    problems = []
+    newest = next(iter(released(root)), None)
+    if newest != version:
+        problems.append(
+            f"{CHANGELOG}: its newest release is {newest}, the package is {version}; "
+            "give the unreleased changes the version and a date, and commit"
+        )
+    if _git(root, "tag", "--list", f"v{version}").strip():
+        problems.append(f"the tag v{version} exists: this version is released; give a newer one")
+    if target.exists():
+        problems.append(f"{target}: exists; move it away")
+    return problems
+
+
+def described(clone: Path, version: str, published: str) -> ROCrate:
+    """Return the crate of a release, which writes itself and its metadata.
+
+    RO-Crate 1.1 with the profile Workflow RO-Crate 1.0. It has the files of the commit, the raw
+    logs, and the results with their digests.
+
+    Parameters
+    ----------
+    clone : Path
+        A checkout in which the workflow has run, and nothing else.
+    version, published : str
+        Version of the release, and its date as ISO 8601.
+    """
+    crate = ROCrate(version="1.1")
+    mit, developers, paper = (
+        crate.add_jsonld({"@id": identifier, "@type": kind, "name": name})
+        for identifier, kind, name in (
+            ("https://spdx.org/licenses/MIT", "CreativeWork", "MIT License"),
+            ("#developers", "Organization", "The fprc developers"),
+            ("https://doi.org/10.1109/LRA.2024.3523229", "ScholarlyArticle", PAPER),
+        )
+    )
+    made = _git(clone, "ls-files", "-z", "--others", "--", "results", "data/raw", NO_LOGS)
+    names = _git(clone, "ls-files", "-z") + made
+    for name in sorted({*names.split("\0")[:-1]} - {WORKFLOW}):
+        if (clone / name).is_file():  # no link to a folder
+            crate.add_file(clone / name, name, record_size=True, properties={"name": name})
+    of_release = {"version": version, "license": mit}
+    crate.add_workflow(
+        clone / WORKFLOW,
+        WORKFLOW,
+        main=True,
+        lang="snakemake",
+        record_size=True,
+        properties={"name": "The paper, from raw logs to tables and figures", **of_release},
+    )
+    crate.get("README.md")["about"] = crate.root_dataset
+    about = {
+        "name": f"fprc {version}: code, raw logs and results",
+        "description": "A reproduction of feedforward hysteresis compensation by pneumatic "
+        "physical reservoir computing. README.md says what was measured and what was "
+        "simulated.",
+        "datePublished": published,
+        "author": developers,
+        "publisher": developers,
+        "citation": paper,
+        **of_release,
+    }
+    for key, value in about.items():
+        crate.root_dataset[key] = value
+    return crate
+
+
+def validate(crate: Path, tools: str) -> None:
+    """Validate a crate with its profile; the validator reads the JSON-LD context from the web."""
+    checked = ["validate", "--profile-identifier", PROFILE, "--verbose", "--no-paging", str(crate)]
+    _run(str(Path(tools).with_name("rocrate-validator")), "--no-interactive", *checked)
+
+
+def build_packages(clone: Path, folder: Path, tools: str) -> None:
+    """Build sdist and wheel, check their metadata, and install the wheel in a new environment."""
+    dated = {"SOURCE_DATE_EPOCH": _git(clone, "log", "-1", "--format=%ct").strip()}
+    _run(tools, "-m", "build", "--outdir", str(folder), str(clone), **dated)
+    (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
+    _run(tools, "-m", "twine", "check", "--strict", str(wheel), str(sdist))
+    with tempfile.TemporaryDirectory() as scratch:
+        venv.create(scratch, with_pip=True)
+        python = str(Path(scratch) / "bin/python")
+        _run(python, "-m", "pip", "install", "--quiet", str(wheel))
+        _run(python, "-m", "pip", "check")
+        _run(str(Path(scratch) / "bin/fprc"), "--version")
+
+
+def _run(*command: str, **environment: str) -> None:
+    """Run a program without the package of this checkout."""
+    without = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    subprocess.run(command, check=True, env=without | environment)
+
+
+def _git(folder: Path, *arguments: str) -> str:
+    return subprocess.check_output(["git", "-C", str(folder), *arguments], text=True)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; 1 if a release is refused or fails."""
+    parser = argparse.ArgumentParser(prog="release", description=__doc__.splitlines()[0])
+    parser.add_argument("--tools", default=sys.executable, help="Python with the release tools")
+    parser.add_argument("--cores", default="2", help="cores for the workflow")
+    parser.add_argument("--configfile", nargs="*", default=[], help="of the results")
+    options = parser.parse_args(arguments)
+    try:
+        build(Path.cwd(), options.tools, options.cores, options.configfile)
+    except (FprcError, OSError, subprocess.CalledProcessError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

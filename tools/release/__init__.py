@@ -1,1 +1,0 @@
-"""A release: `make release`, as CONTRIBUTING.md describes."""
