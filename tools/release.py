@@ -10,7 +10,6 @@ import re
 import subprocess
 import sys
 import tempfile
-import venv
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -178,17 +177,11 @@ def validate(crate: Path, tools: str) -> None:
 
 
 def build_packages(clone: Path, folder: Path, tools: str) -> None:
-    """Build sdist and wheel, check their metadata, and install the wheel in a new environment."""
+    """Build sdist and wheel, and check their metadata; `make test` installs and uses a wheel."""
     dated = {"SOURCE_DATE_EPOCH": _git(clone, "log", "-1", "--format=%ct").strip()}
     _run(tools, "-m", "build", "--outdir", str(folder), str(clone), **dated)
     (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
     _run(tools, "-m", "twine", "check", "--strict", str(wheel), str(sdist))
-    with tempfile.TemporaryDirectory() as scratch:
-        venv.create(scratch, with_pip=True)
-        python = str(Path(scratch) / "bin/python")
-        _run(python, "-m", "pip", "install", "--quiet", str(wheel))
-        _run(python, "-m", "pip", "check")
-        _run(str(Path(scratch) / "bin/fprc"), "--version")
 
 
 def _run(*command: str, **environment: str) -> None:
