@@ -1,15 +1,13 @@
 """`fprc simulate`: one hysteresis experiment on the simulated rig, without Snakemake."""
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Literal
 
 from fprc.artifacts import refuse_output
 from fprc.config import from_files, local_files
-from fprc.errors import ConfigError
 from fprc.escape import visible
 from fprc.plan.arguments import of_pressures
 from fprc.stages.record import record
-from fprc.yaml_file import read_yaml
 
 
 def simulate(
@@ -30,11 +28,11 @@ def simulate(
         The paper trains on sweep and tests on complex.
     seed : int, optional
         Seed of the sensors and their noise; by default the configuration's, 1.
-    rig : NAME|FILE.yaml
-        Simulated rig, or a file that ``fprc calibrate`` wrote; by default the configuration's.
+    rig : NAME
+        Simulated rig; by default the configuration's.
     config : FILE
-        Configuration; later files override earlier ones. By default config/config.yaml if that
-        file exists, else the defaults.
+        Configuration, or a file that ``fprc calibrate`` wrote; later files override earlier ones.
+        By default config/config.yaml if that file exists, else the defaults.
     out : FILE.h5
         Raw log to write.
 
@@ -51,8 +49,8 @@ def simulate(
         ``out`` exists, does not end in ``.h5``, or cannot be written.
     """
     refuse_output(out, ".h5")
-    chosen = {} if seed is None else {"seed": seed}
-    settings = from_files(config or local_files(), _rig(rig) | chosen).model_dump(mode="json")
+    chosen = {name: value for name, value in (("seed", seed), ("rig", rig)) if value is not None}
+    settings = from_files(config or local_files(), chosen).model_dump(mode="json")
     signal, control = settings["experiments"][experiment], settings["control"]
     record(
         out,
@@ -67,18 +65,3 @@ def simulate(
         f"the simulated rig {settings['fitted']['name']}, seed {settings['seed']}"
     )
     print(visible(report))
-
-
-def _rig(rig: str | None) -> dict[str, Any]:
-    """Return the settings that choose a rig."""
-    if rig is None:
-        return {}
-    if not rig.endswith((".yaml", ".yml")):
-        return {"rig": rig}
-    content = read_yaml(rig)
-    if "rig" not in content:
-        raise ConfigError(
-            f"{rig}: has no section rig; give a file that `fprc calibrate` wrote, or the name of a "
-            "rig"
-        )
-    return content

@@ -22,7 +22,6 @@ MAP = {
 READING = (
     "config check X.yaml",
     "simulate sweep --config X.yaml --out out.h5",
-    "simulate sweep --rig X.yaml --out out.h5",
     "calibrate --published X.yaml --out out.yaml",
     "rig run sweep --config X.yaml",
     "rig run track_sweep_fprc --model X.h5",
