@@ -20,35 +20,27 @@ def _path_parts(folder: str) -> tuple[str, ...]:
     return PurePath(path).parts
 
 
-def _reasons_to_refuse(folder: str) -> list[str]:
-    """Return every reason to refuse a folder."""
-    reasons = []
-    if not folder.isprintable():
-        reasons.append("contains characters that cannot be printed")
-    if "{" in folder or "}" in folder:
-        reasons.append("contains a brace, which is a wildcard for Snakemake")
-    if any(name != name.strip() for name in PurePath(folder).parts):
-        reasons.append("contains a name that begins or ends with a blank")
-    if folder.startswith("~"):
-        reasons.append("begins with ~, which is not expanded; write out your home folder")
-    if folder.startswith("-"):
-        reasons.append("begins with -, which commands read as an option")
-    place = _path_parts(folder)
-    if set(place) <= {".."}:
-        reasons.append("is the project's folder, or contains it")
-    elif place[0] in PROJECT_FOLDERS or (place[0].startswith(".") and place[0] != ".."):
-        reserved = ", ".join(sorted(PROJECT_FOLDERS))
-        reasons.append(f"is in {place[0]}; hidden folders and {reserved} are the project's own")
-    elif os.path.abspath(folder) == os.path.expanduser("~"):
-        reasons.append("is your home folder")
-    return reasons
-
-
 def _checked(folder: str) -> str:
     # `out/` and `./out` are `out`
     folder = str(PurePath(folder))
-    reasons = _reasons_to_refuse(folder)
-    if reasons:
+    place = _path_parts(folder)
+    first = (*place, "")[0]
+    hidden = first.startswith(".") and first != ".."
+    own = hidden or first in PROJECT_FOLDERS
+    reserved = ", ".join(sorted(PROJECT_FOLDERS))
+    wrong = {
+        "contains characters that cannot be printed": not folder.isprintable(),
+        "contains a brace, which is a wildcard for Snakemake": "{" in folder or "}" in folder,
+        "contains a name that begins or ends with a blank": any(
+            name != name.strip() for name in PurePath(folder).parts
+        ),
+        "begins with ~, which is not expanded; write out your home folder": folder.startswith("~"),
+        "begins with -, which commands read as an option": folder.startswith("-"),
+        "is the project's folder, or contains it": set(place) <= {".."},
+        f"is in {first}; hidden folders and {reserved} are the project's own": own,
+        "is your home folder": os.path.abspath(folder) == os.path.expanduser("~"),
+    }
+    if reasons := [reason for reason, holds in wrong.items() if holds]:
         shown = repr(folder) if len(folder) < 60 else f"{folder[:60]!r}..."
         raise ValueError(f"{shown} {', and '.join(reasons)}; choose another folder")
     return folder
