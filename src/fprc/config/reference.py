@@ -8,7 +8,7 @@ import yaml
 from pydantic.fields import FieldInfo
 
 from fprc.config.load import RIG
-from fprc.config.section import fields, limits_of, unit_of_key
+from fprc.config.section import fields, limits_of
 from fprc.config.settings import Settings
 from fprc.escape import in_words
 
@@ -36,9 +36,12 @@ Snakemake parses `--config` itself: the last of repeated keys wins without a war
 decimal as in files. It also parses the files of `--configfile` before this project does, and
 expands their aliases, which may take all memory: check a file from elsewhere first. Its message
 about a file that it cannot read does not name the file; that of `fprc config check FILE` does.
+
+A key ends in the unit of its value, as `ki_v_per_kpa_s` in V/(kPa s); otherwise the unit is in
+brackets behind the meaning, where `[-]` is none.
 """
 
-_TABLE = ["| key | unit | default | range | meaning | source |", "|" + "---|" * 6]
+_TABLE = ["| key | default | range | meaning | source |", "|" + "---|" * 5]
 
 
 def defaults() -> str:
@@ -49,7 +52,7 @@ def defaults() -> str:
 
 
 def reference() -> str:
-    """Return docs/configuration.md: unit, default, range, meaning and source of every key."""
+    """Return docs/configuration.md: default, range, meaning and source of every key."""
     groups: dict[str, list[str]] = {}
     for key, default, field, section in fields(Settings):
         group, _, name = key.rpartition(".")
@@ -63,6 +66,5 @@ def _row(name: str, default: Any, field: FieldInfo) -> str:
     limits = f"{ends.low:g} to {ends.high:g}" if ends else ""
     if get_origin(field.annotation) is Literal:
         limits = in_words(get_args(field.annotation), "or")
-    unit = extra["unit"] or unit_of_key(name) if extra else ""
-    cells = [f"`{name}`", unit, f"`{json.dumps(default)}`", limits, field.description or ""]
+    cells = [f"`{name}`", f"`{json.dumps(default)}`", limits, field.description or ""]
     return f"| {' | '.join([*cells, extra.get('source', '')])} |"

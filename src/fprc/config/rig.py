@@ -251,7 +251,7 @@ class Rig(Section):
         "maxwell_slip",
         description="dry friction of actuator and reservoir: Maxwell-slip elements, or one "
         "Bouc-Wen element of 0.8 times their mean slip distance",
-        json_schema_extra={"unit": "-", "source": "minor loops close under Maxwell slip"},
+        json_schema_extra={"source": "minor loops close under Maxwell slip"},
     )
     valve: Valve = Valve()
     main_chamber: Chamber = Chamber()

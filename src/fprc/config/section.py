@@ -15,27 +15,7 @@ from pydantic import (
 )
 from pydantic.fields import FieldInfo
 
-from fprc.channels import UNITS
-
 T = TypeVar("T")
-
-#: Units, by the words that stand for them in keys.
-_WORDS = {ending.removeprefix("_"): unit for ending, unit in UNITS.items()} | {
-    "abs": "abs", "deg3": "deg^3", "hz": "Hz", "min": "min", "ml": "mL", "rad": "rad", "s2": "s^2",
-}  # fmt: skip
-
-
-def unit_of_key(key: str) -> str:
-    """Return the unit that ends a key, as in ``ki_v_per_kpa_s``; ``-`` if there is none."""
-    words = key.split("_")
-    begin = len(words)
-    while begin and words[begin - 1] in {*_WORDS, "per"}:
-        begin -= 1
-    over, _, under = " ".join(_WORDS.get(word, word) for word in words[begin:]).partition("per")
-    if not under:
-        return over or "-"
-    under = under.strip()
-    return f"{over.strip() or 1}/{f'({under})' if ' ' in under else under}"
 
 
 class Section(BaseModel):
@@ -86,8 +66,8 @@ def quantity(
     unit: str = "",
 ) -> Any:
     """Declare a number, or a list of numbers; the key ends in the unit, unless one is given."""
-    extra: dict[str, Any] = {"unit": unit, "source": source}
-    field: Any = Field(default, description=meaning, json_schema_extra=extra)
+    described = f"{meaning} [{unit}]" if unit else meaning
+    field: Any = Field(default, description=described, json_schema_extra={"source": source})
     field.metadata.append(Within(*limits))
     return field
 
