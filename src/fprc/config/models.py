@@ -1,6 +1,5 @@
 """Settings of the models, of their evaluation and of the grids, Sec. III."""
 
-from importlib.util import find_spec
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
@@ -34,13 +33,6 @@ class Fprc(Section):
     restarts: int = quantity(
         1, (1, 1000), "starts of the clustering; that of the lowest objective is kept"
     )
-
-    @field_validator("clustering")
-    @classmethod
-    def _is_installed(cls, clustering: str) -> str:
-        if clustering == "scikit-fuzzy" and find_spec("skfuzzy") is None:
-            raise ValueError("scikit-fuzzy is not installed: pip install scikit-fuzzy")
-        return clustering
 
 
 class Other(Section):

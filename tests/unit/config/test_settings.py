@@ -186,9 +186,3 @@ def test_weights_sum_to_one(key):
     assert "slip_weight" in refused(key, [0.5] * elements)
     weights = [0.0] * (elements - 1) + [1.0]
     assert value_at(check(set_to(key, weights)), key) == tuple(weights)
-
-
-def test_scikit_fuzzy_is_refused_where_it_is_not_installed(monkeypatch):
-    assert check(set_to("models.fprc.clustering", "scikit-fuzzy")).models.fprc.restarts == 1
-    monkeypatch.setattr("fprc.config.models.find_spec", lambda name: None)
-    assert "models.fprc.clustering" in refused("models.fprc.clustering", "scikit-fuzzy")
