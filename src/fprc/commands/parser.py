@@ -18,7 +18,7 @@ import re
 import textwrap
 from collections.abc import Iterable
 from difflib import get_close_matches
-from functools import cache, partial
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -157,16 +157,11 @@ def _add_command(commands: Any, name: str, run: str) -> None:
 
 def _read(module: str, function: str) -> tuple[ast.arguments, str]:
     """Return parameters and docstring of a function, without importing its module."""
-    for node in _tree(module).body:
-        if isinstance(node, ast.FunctionDef) and node.name == function:
-            docstring = ast.get_docstring(node, clean=False) or ""  # cleaning imports inspect
-            return node.args, textwrap.dedent(f"    {docstring}")
-    raise LookupError(f"fprc.commands.{module} has no function {function}")
-
-
-@cache
-def _tree(module: str) -> ast.Module:
-    return ast.parse(Path(__file__).with_name(f"{module}.py").read_text(encoding="utf-8"))
+    tree = ast.parse(Path(__file__).with_name(f"{module}.py").read_text(encoding="utf-8"))
+    functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
+    node = next(node for node in functions if node.name == function)
+    docstring = ast.get_docstring(node, clean=False) or ""  # cleaning imports inspect
+    return node.args, textwrap.dedent(f"    {docstring}")
 
 
 def _add_argument(
