@@ -42,12 +42,6 @@ BY_HAND = """
 """
 
 
-def released(root: Path) -> dict[str, str]:
-    """Return the date of each version in the changelog, newest first."""
-    page = (root / CHANGELOG).read_text(encoding="utf-8")
-    return dict(re.findall(r"^## (\S+) \((\d{4}-\d{2}-\d{2})\)$", page, re.MULTILINE))
-
-
 def version_of(root: Path) -> str:
     """Return the version of the package in a checkout."""
     code = (root / VERSION).read_text(encoding="utf-8")
@@ -81,10 +75,19 @@ def build(root: Path, tools: str, cores: str, configfiles: Sequence[str] = ()) -
     commit, dirty = checkout(root / "src/fprc")
     if commit is None:
         raise FprcError(f"{root}: not a git checkout; clone the repository")
-    problems = _of_version(root, version, target)
-    if dirty:
-        problems.append("uncommitted changes; commit them, then build again")
-    if problems:
+    page = (root / CHANGELOG).read_text(encoding="utf-8")
+    heading = re.search(rf"^## {re.escape(version)} \((\d{{4}}-\d\d-\d\d)\)$", page, re.MULTILINE)
+    wrong = {
+        "uncommitted changes; commit them, then build again": dirty,
+        f"{CHANGELOG}: no heading `## {version} (DATE)`; put it above the changes of this version, "
+        "and commit": not heading,
+        f"the tag v{version} exists: this version is released; give a newer one": bool(
+            _git(root, "tag", "--list", f"v{version}")
+        ),
+        f"{target}: exists; move it away": target.exists(),
+    }
+    problems = [problem for problem, holds in wrong.items() if holds]
+    if problems or not heading:
         raise FprcError("\n".join(["no release:", *problems]))
     crate = f"fprc-{version}.crate.zip"
     target.parent.mkdir(exist_ok=True)
@@ -94,27 +97,12 @@ def build(root: Path, tools: str, cores: str, configfiles: Sequence[str] = ()) -
         _run("git", "clone", "--quiet", str(root), str(clone))
         chosen = ["--configfile", *configfiles] if configfiles else []
         twice.build(clone, (cores, {}), *chosen)
-        described(clone, version, released(root)[version]).write_zip(folder / crate)
+        described(clone, version, heading[1]).write_zip(folder / crate)
         validate(folder / crate, tools)
         build_packages(clone, folder, tools)
         folder.rename(target)
     shown = target.relative_to(root)
     print(BY_HAND.format(folder=shown, version=version, commit=commit, tools=tools, crate=crate))
-
-
-def _of_version(root: Path, version: str, target: Path) -> list[str]:
-    problems = []
-    newest = next(iter(released(root)), None)
-    if newest != version:
-        problems.append(
-            f"{CHANGELOG}: its newest release is {newest}, the package is {version}; "
-            "give the unreleased changes the version and a date, and commit"
-        )
-    if _git(root, "tag", "--list", f"v{version}").strip():
-        problems.append(f"the tag v{version} exists: this version is released; give a newer one")
-    if target.exists():
-        problems.append(f"{target}: exists; move it away")
-    return problems
 
 
 def described(clone: Path, version: str, published: str) -> ROCrate:
