@@ -41,6 +41,14 @@ def test_errors_of_a_configuration_go_to_stderr_without_a_traceback(tmp_path, ca
     assert "Traceback" not in printed.err
 
 
+def test_file_of_a_rig_that_is_no_text_is_printed_too(tmp_path, monkeypatch, capsys):
+    (tmp_path / "config/rigs").mkdir(parents=True)
+    (tmp_path / "config/rigs/mine.yaml").write_bytes(b"rig: {step_s: 4e-4} # f\xfcr\n")
+    monkeypatch.chdir(tmp_path)
+    assert main(["config", "rig", "mine"]) == 0
+    assert capsys.readouterr().out.startswith("rig: {step_s: 4e-4}")
+
+
 @pytest.mark.parametrize(
     ("command", "unbuffered"), [(["rig", "run", "list"], ""), (["config", "reference"], "1")]
 )

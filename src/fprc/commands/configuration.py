@@ -61,7 +61,7 @@ def rig(name: str | None = None) -> None:
     --------
     fprc config rig viscous
     """
-    print(read_given(rig_file(name or RIG)).decode(), end="")
+    print(read_given(rig_file(name or RIG)).decode(errors="backslashreplace"), end="")
 
 
 def published() -> None:
