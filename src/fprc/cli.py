@@ -5,8 +5,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import Any
 
 #: Exit codes that shells report for a program that Ctrl-C, or SIGPIPE, ended.
@@ -18,18 +17,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # figures go to files; with an unknown backend, Matplotlib cannot be imported
     os.environ["MPLBACKEND"] = "agg"
     _prepare_output()
-    with _noting_interrupts() as interrupts:
-        try:
-            code = _run(arguments)
-        except BaseException as error:
-            # the interrupted code may have raised another error instead
-            if not interrupts and not isinstance(error, KeyboardInterrupt):
-                raise
-        else:
-            if not interrupts:  # a library may have ignored the interrupt
-                return code
-        print("stopped; finished results are kept", file=sys.stderr)
-        return _STOPPED
+    interrupts: list[int] = []
+
+    def note(number: int, frame: Any) -> None:
+        interrupts.append(number)
+        raise KeyboardInterrupt
+
+    before = signal.getsignal(signal.SIGINT)
+    usual = before is signal.default_int_handler  # not under nohup
+    if usual and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, note)
+    try:
+        code = _run(arguments)
+        if not interrupts:  # a library may have ignored the interrupt
+            return code
+    except BaseException as error:
+        # the interrupted code may have raised another error instead
+        if not interrupts and not isinstance(error, KeyboardInterrupt):
+            raise
+    finally:
+        if signal.getsignal(signal.SIGINT) is note:
+            signal.signal(signal.SIGINT, before)
+    print("stopped; finished results are kept", file=sys.stderr)
+    return _STOPPED
 
 
 def _run(arguments: Sequence[str] | None) -> int:
@@ -73,23 +83,3 @@ def _prepare_output() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-
-
-@contextmanager
-def _noting_interrupts() -> Iterator[list[int]]:
-    """Record Ctrl-C in the list that is yielded, and raise KeyboardInterrupt."""
-    interrupts: list[int] = []
-    before = signal.getsignal(signal.SIGINT)
-
-    def note(number: int, frame: Any) -> None:
-        interrupts.append(number)
-        raise KeyboardInterrupt
-
-    usual = before is signal.default_int_handler  # not under nohup
-    if usual and threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGINT, note)
-    try:
-        yield interrupts
-    finally:
-        if signal.getsignal(signal.SIGINT) is note:
-            signal.signal(signal.SIGINT, before)
