@@ -21,12 +21,8 @@ class FprcError(Exception):
         return terminal(super().__str__())
 
 
-class UsageError(FprcError):
-    """The options of a command do not go together."""
-
-
 class ConfigError(FprcError):
-    """The configuration has unknown keys, or values out of range."""
+    """The configuration has unknown keys or values out of range, or options do not go together."""
 
     @classmethod
     def listing(cls, problems: Collection[str], where: str, *, file: object = "") -> Self:

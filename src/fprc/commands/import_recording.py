@@ -19,7 +19,7 @@ from fprc.config.importing import (
     read_csv,
     read_map,
 )
-from fprc.errors import ConfigError, LogError, UsageError
+from fprc.errors import ConfigError, LogError
 from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
@@ -75,10 +75,9 @@ def import_or_list(
 
     Raises
     ------
-    UsageError
-        Neither ``list_`` nor ``draft`` nor both of ``map_`` and ``out`` are given.
     ConfigError
-        The map is wrong; lists all errors.
+        The map is wrong; lists all errors. Or neither ``list_`` nor ``draft`` nor both of ``map_``
+        and ``out`` are given.
     LogError, OutputError
         See ``import_mapped``.
     """
@@ -95,7 +94,7 @@ def import_or_list(
             )
         import_mapped(mapping, source, out)
     else:
-        raise UsageError("give --list, --draft, or both --map and --out")
+        raise ConfigError("give --list, --draft, or both --map and --out")
 
 
 def own_rate(mapping: ImportMap, source: str) -> tuple[float, float]:

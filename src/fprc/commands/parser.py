@@ -24,7 +24,6 @@ from pathlib import Path
 from typing import Any
 
 from fprc import __version__
-from fprc.errors import UsageError
 
 #: Commands and their functions in ``fprc.commands``, as ``module.function``.
 COMMANDS = {
@@ -137,7 +136,7 @@ def _add_command(commands: Any, name: str, run: str) -> None:
         ),
         epilog="examples:\n" + textwrap.indent(sections["Examples"].strip(), "  "),
     )
-    command.set_defaults(run=partial(_call, command, f"fprc.commands.{module}", function))
+    command.set_defaults(run=partial(_call, f"fprc.commands.{module}", function))
     described = {
         parameter: (placeholder, " ".join(lines.split()))
         for parameter, placeholder, lines in re.findall(
@@ -193,11 +192,6 @@ def _add_argument(
         command.add_argument(name, **settings)
 
 
-def _call(
-    command: argparse.ArgumentParser, module: str, function: str, options: argparse.Namespace
-) -> Any:
+def _call(module: str, function: str, options: argparse.Namespace) -> Any:
     given = {key: value for key, value in vars(options).items() if key != "run"}
-    try:
-        return getattr(import_module(module), function)(**given)
-    except UsageError as error:
-        command.error(str(error))
+    return getattr(import_module(module), function)(**given)

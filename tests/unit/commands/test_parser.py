@@ -36,7 +36,7 @@ def test_examples_of_a_command_call_its_function(command, capsys):
         given = vars(parsed(line.strip()))
         run = given.pop("run")
         assert isinstance(run, partial)
-        _, module, function = run.args
+        module, function = run.args
         called = getattr(import_module(module), function)
         inspect.signature(called).bind(**given)
 
