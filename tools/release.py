@@ -16,7 +16,6 @@ from pathlib import Path
 from rocrate.rocrate import ROCrate
 
 from fprc.errors import FprcError
-from fprc.provenance import checkout
 from tools import twice
 
 PROFILE = "workflow-ro-crate-1.0"
@@ -72,13 +71,12 @@ def build(root: Path, tools: str, cores: str, configfiles: Sequence[str] = ()) -
     """
     version = version_of(root)
     target = root / "dist" / version
-    commit, dirty = checkout(root / "src/fprc")
-    if commit is None:
-        raise FprcError(f"{root}: not a git checkout; clone the repository")
     page = (root / CHANGELOG).read_text(encoding="utf-8")
     heading = re.search(rf"^## {re.escape(version)} \((\d{{4}}-\d\d-\d\d)\)$", page, re.MULTILINE)
     wrong = {
-        "uncommitted changes; commit them, then build again": dirty,
+        "uncommitted changes; commit them, then build again": bool(
+            _git(root, "status", "--porcelain")
+        ),
         f"{CHANGELOG}: no heading `## {version} (DATE)`; put it above the changes of this version, "
         "and commit": not heading,
         f"the tag v{version} exists: this version is released; give a newer one": bool(
@@ -95,6 +93,7 @@ def build(root: Path, tools: str, cores: str, configfiles: Sequence[str] = ()) -
         clone, folder = Path(scratch, "clone"), Path(scratch, version)
         folder.mkdir()
         _run("git", "clone", "--quiet", str(root), str(clone))
+        commit = _git(clone, "rev-parse", "HEAD").strip()
         chosen = ["--configfile", *configfiles] if configfiles else []
         twice.build(clone, (cores, {}), *chosen)
         described(clone, version, heading[1]).write_zip(folder / crate)
