@@ -1,8 +1,9 @@
 """Settings of the models, of their evaluation and of the grids, Sec. III."""
 
-from typing import Annotated, Literal
+from math import inf
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field, field_validator
 
 from fprc.config.section import Distinct, NotEmpty, Section, quantity
 from fprc.registry import ANGLE, COMPETITORS, choice_of
@@ -35,6 +36,12 @@ class Fprc(Section):
     )
 
 
+def _is_single(value: Any) -> Any:
+    if not isinstance(value, bool | int | float | str) or value in (inf, -inf) or value != value:
+        raise ValueError(f"{value} must be a finite number, a text, true or false")
+    return value
+
+
 class Other(Section):
     """A model from outside this package; docs/extending.md shows one."""
 
@@ -44,7 +51,7 @@ class Other(Section):
     inputs: tuple[Literal["theta_deg", "p_o_kpa"], ...] = Field(
         ("theta_deg",), description="its input channels, in the order of its columns"
     )
-    settings: dict[str, bool | int | float | str] = Field(
+    settings: dict[str, Annotated[Any, AfterValidator(_is_single)]] = Field(
         {}, description="parameters of its constructor"
     )
 

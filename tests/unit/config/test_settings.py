@@ -144,6 +144,9 @@ NAN, INFINITY = float("nan"), float("inf")
         ("models.others.mine", {"estimator": "a.B", "inputs": ["p_o_kpa"]}, ".inputs"),
         ("models.others.mine", {"estimator": "a.B", "inputs": "theta_deg"}, ".inputs"),
         ("models.others.mine", {"inputs": ["theta_deg"]}, ".estimator"),
+        ("models.others.mine", {"estimator": "a.B", "settings": {"a": [1]}}, ".settings.a"),
+        ("models.others.mine", {"estimator": "a.B", "settings": {"a": None}}, ".settings.a"),
+        ("models.others.mine", {"estimator": "a.B", "settings": {"a": NAN}}, ".settings.a"),
     ],
 )
 def test_value_that_makes_no_sense_is_one_error_at_its_key(key, value, place):
