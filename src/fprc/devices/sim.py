@@ -128,7 +128,7 @@ class SimulatedRig:
             The state left its physical range; names the quantity and the time.
         """
         samples = len(setpoints)
-        rows = np.empty(samples, RECORDED)
+        rows = np.full(samples, math.nan, RECORDED)
         failed, done = close_loop(
             self._state,
             self._rig,
