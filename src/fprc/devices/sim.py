@@ -1,14 +1,14 @@
 """The simulated rig behind the device protocol."""
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fprc.channels import CHANNELS, Readings
+from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, TRACKING_CHANNELS, Readings
 from fprc.control_laws import NEUTRAL_V
-from fprc.errors import SimulationError
+from fprc.errors import ControlError, SimulationError
 from fprc.rig.closed_loop import RECORDED, close_loop
 from fprc.rig.parameters import record
 from fprc.rig.simulator import (
@@ -20,10 +20,11 @@ from fprc.rig.simulator import (
     parameters,
 )
 
-_NOISE_BLOCK = 4096
+if TYPE_CHECKING:
+    from fprc.models import Online
 
-#: Of a feedforward that does not learn.
-_NO_LEARNER = (np.empty((0, 0)), np.empty(0), np.empty((0, 0)), np.empty((0, 0)))
+_NOISE_BLOCK = 4096
+_GAINS = ("kp_kpa_per_deg", "kd_kpa_s_per_deg")
 
 
 class SimulatedRig:
@@ -40,21 +41,15 @@ class SimulatedRig:
         experiments on the same rig.
     sample_rate_hz : float
         Ticks per second.
-    push_kpa : callable, optional
-        Force that bends the reservoir, as by a hand, in kPa, as a function of the
-        tick; none by default.
+
+    Attributes
+    ----------
+    push_kpa : float
+        Force that bends the reservoir, as by a hand, while time advances in ``wait_for``; 0.
     """
 
-    def __init__(
-        self,
-        rig: Mapping[str, Any],
-        *,
-        seed: int,
-        run: int,
-        sample_rate_hz: float,
-        push_kpa: Callable[[int], float] = lambda tick: 0.0,
-    ):
-        self._push_kpa = push_kpa
+    def __init__(self, rig: Mapping[str, Any], *, seed: int, run: int, sample_rate_hz: float):
+        self.push_kpa = 0.0
         self._period_s = 1.0 / sample_rate_hz
         self._substeps = math.ceil(self._period_s / rig["step_s"] - 1e-9)
         self._rig = parameters(rig)
@@ -66,9 +61,6 @@ class SimulatedRig:
         self._noise = np.empty((0, NOISE_PER_TICK))
         self._used = 0  # rows of _noise
         self._tick = -1
-        sensor = rig["pressure_sensor"]
-        self._zero_v = sensor["zero_v"]
-        self._kpa_per_v = sensor["full_scale_kpa"] / sensor["span_v"]
         self._advance(0)
 
     @property
@@ -90,8 +82,7 @@ class SimulatedRig:
 
     def read(self) -> Readings:
         """Return the sensor readings of the current tick."""
-        *volts, theta, phi = self._reading.tolist()
-        p_exp, p_i, p_o = ((v - self._zero_v) * self._kpa_per_v for v in volts)
+        p_exp, p_i, p_o, theta, phi = self._reading.tolist()
         return Readings(self._tick * self._period_s, p_exp, theta, p_i, p_o, phi)
 
     def write(self, main_v: float, reservoir_v: float) -> None:
@@ -100,41 +91,85 @@ class SimulatedRig:
 
     def follow(
         self,
-        controllers: Mapping[str, Any],
-        setpoints: np.ndarray,
-        learner: tuple[np.ndarray, ...] = _NO_LEARNER,
+        control: Mapping[str, Any],
+        p_ff_kpa: np.ndarray,
+        theta_d_deg: np.ndarray | None = None,
+        pressure_limit_kpa: float = math.inf,
+        *,
+        feedback: bool = False,
+        push_kpa: np.ndarray | None = None,
+        online: "Online | None" = None,
+        regressors: np.ndarray | None = None,
     ) -> dict[str, np.ndarray]:
         """Run the controllers from the current tick on, in compiled code.
 
-        The result is that of a loop over ``wait_for``, ``read`` and ``write``.
+        Returns what ``fprc.control.run`` returns with ``tracking_law``, given P_ff of every sample;
+        without a reference, with ``hysteresis_law``: ``p_ff_kpa`` is P_exp, and P_i = K_in theta.
 
         Parameters
         ----------
-        controllers : Mapping
-            See ``fprc.rig.closed_loop.close_loop``.
-        setpoints : ndarray of shape (n_samples, 4)
-            See ``fprc.rig.closed_loop.close_loop``.
-        learner : tuple of ndarray, optional
-            ``regressors``, ``learned``, ``covariance`` and ``prior`` of ``close_loop``.
-
-        Returns
-        -------
-        dict of ndarray
-            One array for each of ``fprc.channels.CHANNELS``.
+        control : Mapping
+            Section ``control`` of the configuration.
+        p_ff_kpa, theta_d_deg, push_kpa : ndarrays of shape (n_samples,)
+            Feedforward, reference, and push on the reservoir, which is 0 by default.
+        pressure_limit_kpa : float, default=inf
+            Highest P_d of a run with a reference; the lowest is 0.
+        feedback : bool, default=False
+            Whether the PD controller acts; without it P_fb = 0.
+        online : Online, optional
+            The model of the feedforward, if it learns as the run goes on; it is changed.
+        regressors : ndarray of shape (n_samples, n_weights), optional
+            Those of ``online``.
 
         Raises
         ------
+        ControlError
+            P_ff is not finite.
         SimulationError
             The state left its physical range; names the quantity and the time.
         """
-        samples = len(setpoints)
+        bad = np.flatnonzero(~np.isfinite(p_ff_kpa))
+        if bad.size:
+            raise ControlError(
+                f"the model gave P_ff = {p_ff_kpa[bad[0]]} kPa at sample {bad[0]}; it must be "
+                "finite"
+            )
+        names, samples = RAW_CHANNELS, len(p_ff_kpa)
+        limits_kpa, theta_d = (-math.inf, math.inf), np.full(samples, math.nan)
+        if theta_d_deg is not None:
+            names += TRACKING_CHANNELS
+            limits_kpa, theta_d = (0.0, pressure_limit_kpa), theta_d_deg
+        chosen = ("kpa_per_deg", "stop_deg", "limit_kpa")
+        learning = dict.fromkeys((*chosen, "delay_samples", "mixing"), 0.0)
+        learner = np.empty((samples, 0)), np.empty(0), np.empty((0, 0)), np.empty((0, 0))
+        if online is not None and regressors is not None:
+            names += LEARNING_CHANNELS
+            learning = {name: getattr(online.settings, name) for name in chosen}
+            learning |= {"delay_samples": online.delay, "mixing": online.mixing}
+            learner = regressors, online.learned, online.covariance, online.prior
+        controllers = {
+            "main": control["main_loop"],
+            "reservoir": control["reservoir_loop"],
+            "feedback": {
+                # a hysteresis experiment is given nothing of the feedback
+                **(control["pd"] if feedback else dict.fromkeys(_GAINS, 0.0)),
+                "incremental": feedback and control["feedback"] == "incremental",
+                "acts": feedback,
+            },
+            "learning": learning,
+            "k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
+            "p_i_limits_kpa": (0.0, control["reservoir_limit_kpa"]),
+            "p_exp_limits_kpa": limits_kpa,
+        }
+        pushes = np.zeros(samples) if push_kpa is None else push_kpa
+        p_i_kpa = control["k_in_kpa_per_deg"] * theta_d
         rows = np.full(samples, math.nan, RECORDED)
         failed, done = close_loop(
             self._state,
             self._rig,
             self._instruments,
             record(controllers),
-            setpoints,
+            np.column_stack([p_ff_kpa, theta_d, p_i_kpa, pushes]),
             *learner,
             self._next_noise(samples - 1),
             self._period_s,
@@ -146,7 +181,7 @@ class SimulatedRig:
         )
         self._tick += done if failed else samples - 1
         self._refuse(failed)
-        return {channel.name: rows[channel.name].copy() for channel in CHANNELS}
+        return {name: rows[name].copy() for name in names}
 
     def safe(self) -> None:
         """Vent both chambers; closed valves would keep their pressure."""
@@ -159,7 +194,7 @@ class SimulatedRig:
             self._rig,
             self._instruments,
             self._valve_v,
-            self._push_kpa(self._tick),
+            self.push_kpa,
             self._next_noise(1)[0],
             self._period_s,
             substeps,

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from fprc.channels import TARGETS
-from fprc.control.simulated import simulate_hysteresis
 from fprc.devices.sim import SimulatedRig
 from fprc.experiments.data import Data
 from fprc.experiments.settings import RigSettings
@@ -50,4 +49,4 @@ def acquire(
     """
     rate_hz = control["sample_rate_hz"]
     device = SimulatedRig(rig, seed=seed, run=RUNS[experiment], sample_rate_hz=rate_hz)
-    return simulate_hysteresis(device, control, pressure_command(signal, rate_hz), pushes)
+    return device.follow(control, pressure_command(signal, rate_hz), push_kpa=pushes)

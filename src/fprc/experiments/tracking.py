@@ -15,7 +15,6 @@ from fprc.control import (
     refuse_impossible,
     tracking_law,
 )
-from fprc.control.simulated import Precomputed, simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.escape import visible
@@ -43,6 +42,14 @@ TRACKING_RUNS = {
     "complex": 40,
     "disturbance": 50,
 }
+
+
+class Precomputed(NamedTuple):
+    """The feedforward of a whole reference."""
+
+    p_ff_kpa: np.ndarray  #: as the model was trained
+    online: Online | None = None  #: learns as the run goes on, and is changed
+    regressors: np.ndarray | None = None  #: those of ``online``, of shape (n_samples, n_weights)
 
 
 class Track(NamedTuple):
@@ -196,14 +203,14 @@ class Track(NamedTuple):
         """
         rate_hz, number = self.control["sample_rate_hz"], TRACKING_RUNS[reference]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
-        return simulate_tracking(
-            device,
+        given = precomputed if isinstance(precomputed, Precomputed) else Precomputed(precomputed)
+        return device.follow(
             self.control,
-            self.reference(reference),
-            precomputed,
-            self.tracking["pressure_limit_kpa"],
+            theta_d_deg=self.reference(reference),
+            pressure_limit_kpa=self.tracking["pressure_limit_kpa"],
             feedback=feedback,
             push_kpa=pushes,
+            **given._asdict(),
         )
 
     def error(

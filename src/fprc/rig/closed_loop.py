@@ -60,8 +60,7 @@ def close_loop(
     tuple of int
         0 or a key of ``DIVERGED``, and the sample at which it occurred.
     """
-    control, sensor = settings[0], rigs[0].pressure_sensor
-    kpa_per_v = sensor.full_scale_kpa / sensor.span_v
+    control = settings[0]
     low, high = control.p_exp_limits_kpa
     feedback, main, reservoir = control.feedback, control.main, control.reservoir
     summed_main = summed_reservoir = p_fb = 0.0
@@ -77,9 +76,7 @@ def close_loop(
             )  # fmt: skip
             if failed:
                 return failed, k
-        p_main = (reading[0] - sensor.zero_v) * kpa_per_v
-        p_active = (reading[1] - sensor.zero_v) * kpa_per_v
-        theta = reading[3]
+        p_main, p_active, theta = reading[0], reading[1], reading[3]
         if math.isnan(p_i):
             lowest, highest = control.p_i_limits_kpa
             p_i = _clamp(control.k_in_kpa_per_deg * theta, lowest, highest)
@@ -119,8 +116,7 @@ def close_loop(
         row.time_s = (tick + k) * period_s
         row.p_exp_command_kpa, row.p_exp_kpa, row.theta_deg = p_exp, p_main, theta
         row.p_i_command_kpa, row.p_i_kpa = p_i, p_active
-        row.p_o_kpa = (reading[2] - sensor.zero_v) * kpa_per_v
-        row.phi_deg = reading[4]
+        row.p_o_kpa, row.phi_deg = reading[2], reading[4]
         row.valve_main_v, row.valve_reservoir_v = valve_v[0], valve_v[1]
         row.theta_d_deg, row.p_ff_kpa, row.p_fb_kpa = theta_d, p_ff, p_fb
         row.p_learned_kpa, row.learned_norm = p_learned, math.sqrt(squared)

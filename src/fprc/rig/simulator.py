@@ -94,7 +94,7 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, subst
     substeps : int
         0 reads the sensors without advancing.
     reading : ndarray of shape (5,)
-        Filled with three transducer voltages, the bending angle of the
+        Filled with the three sensors' pressures in kPa, the bending angle of the
         actuator and that of the reservoir in deg.
 
     Returns
@@ -255,18 +255,21 @@ def _bend_sample(state, rig, noise, column):
 
 @kernel
 def _sense(state, rig, instrument, noise, reading):
+    sensor = rig.pressure_sensor
+    kpa_per_v = sensor.full_scale_kpa / sensor.span_v
     for i in range(3):
         # the board converts its channels one after the other
         late = i * rig.converter.scan_s
         volts = pressure_voltage(
-            rig.pressure_sensor,
+            sensor,
             state.sensed_kpa[i] + late * state.sensed_rate_kpa_per_s[i],
             instrument.gain[i],
             instrument.offset[i],
             instrument.bow[i],
-            rig.pressure_sensor.noise_kpa * noise[i],
+            sensor.noise_kpa * noise[i],
         )
-        reading[i] = converted(volts, rig.converter.step_v, rig.converter.limit_v)
+        volts = converted(volts, rig.converter.step_v, rig.converter.limit_v)
+        reading[i] = (volts - sensor.zero_v) * kpa_per_v
     reading[3] = state.bend_held_deg
     reading[4] = state.phi_held_deg
 

@@ -48,11 +48,16 @@ def tick_by_tick(bench, reference, name, model):
         seed=bench.seed,
         run=TRACKING_RUNS[reference],
         sample_rate_hz=bench.control["sample_rate_hz"],
-        push_kpa=lambda tick: pushes[np.clip(tick, 0, len(pushes) - 1)],
     )
+
+    class Clock:
+        def wait_for(self, tick):
+            device.push_kpa = pushes[min(tick, len(pushes) - 1)]
+            return device.wait_for(tick)
+
     law, extra = bench.law(theta_d, name, model), bench.channels(name)
     loops = pressure_loops(bench.control)
-    return run(device, device, law, len(theta_d), **loops, extra=extra)
+    return run(device, Clock(), law, len(theta_d), **loops, extra=extra)
 
 
 def changed(bench, **feedforward):

@@ -48,9 +48,8 @@ def test_push_on_the_reservoir_bends_it_but_hardly_reaches_its_pressure(quiet_ri
     """The paper's disturbance: tens of degrees of bending, next to nothing in P_o."""
     ends = []
     for push in (0.0, 150.0):
-        device = SimulatedRig(
-            quiet_rig, seed=1, run=0, sample_rate_hz=200.0, push_kpa=lambda tick, push=push: push
-        )
+        device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
+        device.push_kpa = push
         loop = PressurePI(0.05, 1e-6, 0.005)
         for k in range(400):
             device.wait_for(k)
@@ -65,9 +64,8 @@ def test_push_on_the_reservoir_bends_it_but_hardly_reaches_its_pressure(quiet_ri
 def test_fabric_is_only_squeezed_never_stretched(quiet_rig):
     """A push bends the reservoir and raises P_o; the fabric rests at zero squeeze."""
     quiet_rig["valve"]["leak"] = 0.0
-    device = SimulatedRig(
-        quiet_rig, seed=1, run=0, sample_rate_hz=200.0, push_kpa=lambda tick: 300.0
-    )
+    device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
+    device.push_kpa = 300.0
     device.write(0.0, 0.0)
     device.wait_for(200)
     state = device.state

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from fprc.control.simulated import simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import EvaluationError
 from fprc.experiments.settings import Unit
@@ -77,13 +76,8 @@ def judge_capacity(
     theta_d = np.repeat(low + 0.5 * (high - low) * (u + 1.0), hold)
     # P_i = K_in theta_d; the actuator stays vented
     p_o, repeated = (
-        simulate_tracking(
-            SimulatedRig(rig, seed=seed, run=run, sample_rate_hz=control["sample_rate_hz"]),
-            control,
-            theta_d,
-            np.zeros_like(theta_d),
-            control["reservoir_limit_kpa"],
-            feedback=False,
+        SimulatedRig(rig, seed=seed, run=run, sample_rate_hz=control["sample_rate_hz"]).follow(
+            control, np.zeros_like(theta_d), theta_d
         )["p_o_kpa"]
         for run in _RUNS
     )

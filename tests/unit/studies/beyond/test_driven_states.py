@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
-from fprc.control.simulated import simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import EvaluationError
 from fprc.experiments.settings import RigSettings, Unit
@@ -88,7 +87,7 @@ def test_noise_of_p_o_is_that_of_its_sensor(judge, quiet_rig, control):
     judged = judge(pressure_sensor={"noise_kpa": 0.9})
     theta_d = np.repeat(np.random.default_rng(8).uniform(5.0, 60.0, 1000), 20)
     device = SimulatedRig(quiet_rig, seed=1, run=0, sample_rate_hz=200.0)
-    run = simulate_tracking(device, control, theta_d, np.zeros_like(theta_d), 450.0, feedback=False)
+    run = device.follow(control, np.zeros_like(theta_d), theta_d)
     assert judged["noise_of_p_o"] == pytest.approx(0.9 / np.std(run["p_o_kpa"]), rel=0.08)
 
 

@@ -5,7 +5,6 @@ import pytest
 
 from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, needed_by
 from fprc.control import hysteresis_law, pressure_loops, run, tracking_law
-from fprc.control.simulated import simulate_hysteresis, simulate_tracking
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
 from fprc.experiments.tracking import pd_of
@@ -14,8 +13,8 @@ from fprc.rig.closed_loop import RECORDED
 SAMPLES = 5000  # more than one block of noise
 
 
-def device(rig, **more):
-    return SimulatedRig(rig, seed=3, run=0, sample_rate_hz=200.0, **more)
+def device(rig):
+    return SimulatedRig(rig, seed=3, run=0, sample_rate_hz=200.0)
 
 
 def pressures(samples=SAMPLES):
@@ -30,7 +29,7 @@ def test_hysteresis_run_is_that_of_the_loop_bit_by_bit(rig, control):
     expected = run(slow, slow, law, SAMPLES, **pressure_loops(control))
     assert {0.0, 10.0} <= set(expected["valve_main_v"])
     assert (expected["p_i_command_kpa"] == 0.0).any()
-    result = simulate_hysteresis(device(rig), control, commands)
+    result = device(rig).follow(control, commands)
     assert list(result) == list(needed_by("sim"))
     for name, values in result.items():
         np.testing.assert_array_equal(values, expected[name], err_msg=name)
@@ -42,7 +41,7 @@ def test_channel_that_the_simulated_rig_does_not_fill_is_no_number(rig, control,
     used = np.full(10 * RECORDED.itemsize // 8, 7.0)  # memory that a new array may get again
     del used
     monkeypatch.setattr("fprc.devices.sim.close_loop", lambda *given: (0, 10))
-    result = simulate_hysteresis(idle, control, pressures(10))
+    result = idle.follow(control, pressures(10))
     assert list(result) == list(RAW_CHANNELS)
     assert np.isnan(list(result.values())).all()
 
@@ -60,11 +59,17 @@ def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, feedback):
         feedforward=lambda angle, now: 12.0 * angle - 100.0,
         feedback=feedback and pd_of(control, 300.0),
     )
-    slow = device(rig, push_kpa=lambda tick: pushes[tick])
-    expected = run(slow, slow, law, SAMPLES, **pressure_loops(control), extra=TRACKING_CHANNELS)
+    slow = device(rig)
+
+    class Clock:
+        def wait_for(self, tick):
+            slow.push_kpa = pushes[tick]
+            return slow.wait_for(tick)
+
+    expected = run(slow, Clock(), law, SAMPLES, **pressure_loops(control), extra=TRACKING_CHANNELS)
     assert {0.0, 300.0} <= set(expected["p_exp_command_kpa"])
-    result = simulate_tracking(
-        device(rig), control, theta_d, p_ff, 300.0, feedback=bool(feedback), push_kpa=pushes
+    result = device(rig).follow(
+        control, p_ff, theta_d, 300.0, feedback=bool(feedback), push_kpa=pushes
     )
     for name, values in result.items():
         np.testing.assert_array_equal(values, expected[name], err_msg=name)
@@ -72,9 +77,9 @@ def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, feedback):
 
 def test_run_continues_where_the_rig_is(rig, control):
     commands = pressures()
-    together = simulate_hysteresis(device(rig), control, commands)
+    together = device(rig).follow(control, commands)
     half, slow = device(rig), device(rig)
-    simulate_hysteresis(half, control, commands[:4000])
+    half.follow(control, commands[:4000])
     law = hysteresis_law(commands, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
     run(slow, slow, law, 4000, **pressure_loops(control))
     for continued in (half, slow):
@@ -86,7 +91,7 @@ def test_run_continues_where_the_rig_is(rig, control):
 def test_diverging_rig_is_refused_with_quantity_and_time(rig, control):
     rig["step_s"] = 5e-3
     with pytest.raises(SimulationError, match=r"spool of a valve .* at t = 0\.\d+ s"):
-        simulate_hysteresis(device(rig), control, pressures())
+        device(rig).follow(control, pressures())
 
 
 def test_feedforward_that_is_not_finite_is_refused_before_the_rig_moves(rig, control):
@@ -95,5 +100,5 @@ def test_feedforward_that_is_not_finite_is_refused_before_the_rig_moves(rig, con
     still = device(rig)
     before = still.state
     with pytest.raises(ControlError, match="sample 7"):
-        simulate_tracking(still, control, angles, p_ff, 450.0, feedback=False)
+        still.follow(control, p_ff, angles, 450.0)
     assert still.state == before
