@@ -1,7 +1,7 @@
 """Compile the kernels once: processes that begin together would each compile them."""
 
 from fprc.config import check
-from fprc.control import pressure_loops, run
+from fprc.control import run
 from fprc.devices.sim import SimulatedRig
 from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.data import Data
@@ -31,7 +31,7 @@ def main() -> None:
         law = bench.law(bench.reference("sine_0p5")[:100], "fprc_pd", fprc)
         device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=control["sample_rate_hz"])
         extra = bench.channels("fprc_pd")
-        run(device, device, law, 100, **pressure_loops(control), extra=extra)
+        run(device, device, law, 100, control, extra=extra)
 
 
 if __name__ == "__main__":

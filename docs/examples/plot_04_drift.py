@@ -8,8 +8,9 @@ once as it was trained, once learning while it runs.
 
 import numpy as np
 
+from fprc.channels import LEARNING_CHANNELS, TRACKING_CHANNELS
 from fprc.config import check
-from fprc.control import PressurePI, feedforward, run, tracking_law
+from fprc.control import run, tracking_law
 from fprc.datasets import load_hysteresis
 from fprc.devices.sim import SimulatedRig
 from fprc.evaluation import rmse
@@ -21,7 +22,7 @@ from fprc.signals import multisine
 # ``partial_fit`` trains as ``fit`` does, and keeps what the model needs to go on learning.
 train = load_hysteresis("sweep")
 fprc = FPRC(random_state=1).partial_fit(train.data, train.target)
-settings = check({"rig": "paper"}).model_dump()
+settings = check({"rig": "paper", "control": {"feedforward": {"p_o_shift_kpa": 5.0}}}).model_dump()
 period_s = 0.005
 time_s = np.arange(12000) * period_s
 theta_d = multisine(time_s, f_hz=[0.12, 0.04, 0.31, 0.29, 0.25], amplitude=6.5, offset=40.5)
@@ -32,20 +33,10 @@ theta_d = multisine(time_s, f_hz=[0.12, 0.04, 0.31, 0.29, 0.25], amplitude=6.5, 
 def track(learns):
     fprc.reset((theta_d[0], train.data[0, 1]))
     online = Online(fprc, Learning(), period_s, pressure_limit_kpa=450.0) if learns else None
-    law = tracking_law(
-        theta_d,
-        k_in_kpa_per_deg=settings["control"]["k_in_kpa_per_deg"],
-        pressure_limit_kpa=450.0,
-        feedforward=feedforward(online or fprc, p_o_shift_kpa=5.0),
-        online=online,
-    )
+    law = tracking_law(theta_d, settings["control"], 450.0, model=fprc, online=online)
     rig = SimulatedRig(settings["rig"], seed=1, run=40, sample_rate_hz=1.0 / period_s)
-    loops = {
-        name: PressurePI(**settings["control"][name], period_s=period_s)
-        for name in ("main_loop", "reservoir_loop")
-    }
-    extra = ("theta_d_deg", "p_ff_kpa", "p_fb_kpa", *(["p_learned_kpa", "learned"] * learns))
-    return run(rig, rig, law, len(theta_d), **loops, extra=extra)["theta_deg"]
+    extra = TRACKING_CHANNELS + LEARNING_CHANNELS * learns
+    return run(rig, rig, law, len(theta_d), settings["control"], extra=extra)["theta_deg"]
 
 
 # %%

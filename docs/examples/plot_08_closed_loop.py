@@ -8,8 +8,9 @@ Follow a sine with the PD controller alone, with FPRC as the feedforward, and wi
 
 import numpy as np
 
+from fprc.channels import TRACKING_CHANNELS
 from fprc.config import check
-from fprc.control import PD, PressurePI, feedforward, run, tracking_law
+from fprc.control import run, tracking_law
 from fprc.datasets import load_hysteresis
 from fprc.devices.sim import SimulatedRig
 from fprc.evaluation import rmse
@@ -31,22 +32,10 @@ theta_d = multisine((time_s - 5.0).clip(0.0), f_hz=[0.5], amplitude=27.5, offset
 
 def follow(with_fprc, with_pd):
     fprc.reset((theta_d[0], train.data[0, 1]))
-    law = tracking_law(
-        theta_d,
-        k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
-        pressure_limit_kpa=limit_kpa,
-        feedforward=feedforward(fprc) if with_fprc else None,
-        feedback=PD(**control["pd"], period_s=period_s, limits_kpa=(0, limit_kpa))
-        if with_pd
-        else None,
-    )
+    model = fprc if with_fprc else None
+    law = tracking_law(theta_d, control, limit_kpa, model=model, feedback=with_pd)
     rig = SimulatedRig(settings["rig"], seed=1, run=20, sample_rate_hz=1.0 / period_s)
-    loops = {
-        name: PressurePI(**control[name], period_s=period_s)
-        for name in ("main_loop", "reservoir_loop")
-    }
-    extra = ("theta_d_deg", "p_ff_kpa", "p_fb_kpa")
-    return run(rig, rig, law, len(theta_d), **loops, extra=extra)
+    return run(rig, rig, law, len(theta_d), control, extra=TRACKING_CHANNELS)
 
 
 # %%

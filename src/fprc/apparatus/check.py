@@ -9,7 +9,7 @@ import numpy as np
 
 from fprc.apparatus.session import on_rig
 from fprc.channels import SENSORS, Readings
-from fprc.control import pressure_loops, run
+from fprc.control import run
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError
 
@@ -69,9 +69,14 @@ def check_rig(
     channels = seen.channels
     if armed and not seen.unvented:  # a rig that may not vent must not be filled
         setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
-        how = pressure_loops(control, hardware["valves"]["neutral_v"])
-        how |= {"samples": len(setpoints), "stop": stop}
-        filling = partial(run, law=lambda k, now: setpoints[k], **how)
+        filling = partial(
+            run,
+            law=lambda k, now: setpoints[k],
+            samples=len(setpoints),
+            control=control,
+            neutral_v=hardware["valves"]["neutral_v"],
+            stop=stop,
+        )
         seen = on_rig(hardware, period_s, filling, guarded)
         seen.channels["time_s"] += ends[0] * period_s
         channels = {k: np.append(values, seen.channels[k]) for k, values in channels.items()}

@@ -22,7 +22,7 @@ from fprc.apparatus.programme import plan
 from fprc.apparatus.session import Stop, on_rig, reserve_pipes
 from fprc.artifacts import explaining, refuse_output
 from fprc.channels import RAW_CHANNELS
-from fprc.control import RunAbortedError, pressure_loops, run
+from fprc.control import RunAbortedError, run
 from fprc.devices import Clock, Device
 from fprc.errors import FprcError, LogError, OutputError
 from fprc.logs.journal import Journal
@@ -102,7 +102,8 @@ def record(
                 clock,
                 experiment.law,
                 experiment.samples,
-                **pressure_loops(control, hardware["valves"]["neutral_v"]),
+                control,
+                neutral_v=hardware["valves"]["neutral_v"],
                 extra=experiment.channels[len(RAW_CHANNELS) :],
                 keep=_keeping(journal, experiment.samples, period_s),
                 stop=stop,

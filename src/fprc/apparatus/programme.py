@@ -142,11 +142,11 @@ def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
     _refuse_beyond(limits, "p_exp_kpa", p_exp_kpa.max(), lower)
     lower = "lower control.reservoir_limit_kpa"
     _refuse_beyond(limits, "p_i_kpa", control["reservoir_limit_kpa"], lower)
-    law = hysteresis_law(p_exp_kpa, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
     attributes = {
         "experiment": name,
         "sample_rate_hz": control["sample_rate_hz"],
         "seed": settings["seed"],
         "rig": {"control": control, "signal": signal},
     }
+    law = hysteresis_law(p_exp_kpa, control)
     return Experiment(law, len(p_exp_kpa), RAW_CHANNELS, attributes)

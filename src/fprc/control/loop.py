@@ -1,13 +1,14 @@
 """The sampled control loop: wait, read, compute, write, record."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
-from fprc.control.pressure import PressurePI
-from fprc.control_laws import clamp
+from fprc.control.pressure import pressure_loops
+from fprc.control_laws import NEUTRAL_V, clamp
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError, FprcError
 
@@ -32,9 +33,9 @@ def run(
     clock: Clock,
     law: Law,
     samples: int,
+    control: Mapping[str, Any],
     *,
-    main_loop: PressurePI,
-    reservoir_loop: PressurePI,
+    neutral_v: float = NEUTRAL_V,
     extra: tuple[str, ...] = (),
     keep: Callable[[int, Sequence[float]], None] = lambda k, row: None,
     stop: Callable[[], str] = lambda: "",
@@ -47,6 +48,10 @@ def run(
 
     Parameters
     ----------
+    control : Mapping
+        Section ``control`` of the configuration, for the PI loops.
+    neutral_v : float
+        Voltage that closes a valve.
     extra : tuple of str
         Names of the values that the law returns after the two setpoints.
     keep : callable
@@ -70,6 +75,7 @@ def run(
     names = (*RAW_CHANNELS, *extra)
     rows = np.empty((samples, len(names)))
     done = k = 0
+    main_loop, reservoir_loop = pressure_loops(control, neutral_v)
 
     def recorded() -> dict[str, np.ndarray]:
         return dict(zip(names, rows[:done].T.copy(), strict=True))
@@ -117,18 +123,16 @@ def _make_safe(device: Device) -> str:
     return ""
 
 
-def hysteresis_law(
-    p_exp_kpa: np.ndarray, k_in_kpa_per_deg: float, reservoir_limit_kpa: float
-) -> Law:
+def hysteresis_law(p_exp_kpa: np.ndarray, control: Mapping[str, Any]) -> Law:
     """Return the law with setpoints P_exp(k) and P_i(k) = K_in theta(k).
 
     P_i is Eq. (1), clamped between 0 and the reservoir's limit (Sec. II-B). ``p_exp_kpa`` has one
     number per sample.
     """
     commands = np.asarray(p_exp_kpa, dtype=float).tolist()
+    k_in_kpa_per_deg, limit_kpa = control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"]
 
     def law(k: int, now: Readings) -> tuple[float, float]:
-        p_i = clamp(k_in_kpa_per_deg * now.theta_deg, 0.0, reservoir_limit_kpa)
-        return commands[k], p_i
+        return commands[k], clamp(k_in_kpa_per_deg * now.theta_deg, 0.0, limit_kpa)
 
     return law

@@ -1,12 +1,12 @@
 """Feedback of the bending angle: the paper's PD controller."""
 
 import math
-from dataclasses import KW_ONLY, dataclass, field
+from collections.abc import Mapping
+from typing import Any
 
 from fprc.control_laws import pd_step
 
 
-@dataclass(eq=False, repr=False)
 class PD:
     """P_fb from e = theta_d - theta, by the authors' incremental law or by a positional one.
 
@@ -27,24 +27,19 @@ class PD:
 
     Parameters
     ----------
-    kp_kpa_per_deg, kd_kpa_s_per_deg : float
-        Gains, paper Sec. IV.
-    period_s : float
-        Time between two calls, T.
-    incremental : bool, default=True
-        False for the positional law.
-    limits_kpa : tuple of float, default=(0, inf)
-        Lowest and highest P_d.
+    control : Mapping
+        Section ``control`` of the configuration: the gains ``pd`` (paper, Sec. IV), the law
+        ``feedback``, and the sample rate, 1 / T.
+    highest_kpa : float, default=inf
+        Highest P_d; the lowest is 0.
     """
 
-    kp_kpa_per_deg: float
-    kd_kpa_s_per_deg: float
-    period_s: float
-    _: KW_ONLY
-    incremental: bool = True
-    limits_kpa: tuple[float, float] = (0.0, math.inf)
-    _last: float | None = field(default=None, init=False)
-    _p_fb_kpa: float = field(default=0.0, init=False)
+    def __init__(self, control: Mapping[str, Any], highest_kpa: float = math.inf):
+        self._incremental = control["feedback"] == "incremental"
+        gains = control["pd"]["kp_kpa_per_deg"], control["pd"]["kd_kpa_s_per_deg"]
+        self._settings = *gains, 1.0 / control["sample_rate_hz"], 0.0, highest_kpa
+        self._last: float | None = None
+        self._p_fb_kpa = 0.0
 
     def step(self, theta_d_deg: float, theta_deg: float, p_ff_kpa: float = 0.0) -> float:
         """Return P_fb for this sample, kPa."""
@@ -56,10 +51,7 @@ class PD:
             last,
             self._p_fb_kpa,
             p_ff_kpa,
-            self.incremental,
-            self.kp_kpa_per_deg,
-            self.kd_kpa_s_per_deg,
-            self.period_s,
-            *self.limits_kpa,
+            self._incremental,
+            *self._settings,
         )
         return self._p_fb_kpa

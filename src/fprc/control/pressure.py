@@ -55,10 +55,10 @@ class PressurePI:
         return volts
 
 
-def pressure_loops(control: Mapping[str, Any], neutral_v: float = NEUTRAL_V) -> dict[str, Any]:
-    """Return the loops of both chambers, by the section ``control``, as arguments of ``run``."""
+def pressure_loops(control: Mapping[str, Any], neutral_v: float = NEUTRAL_V) -> list[PressurePI]:
+    """Return the loops of the actuator and the reservoir, by the section ``control``."""
     period_s = 1.0 / control["sample_rate_hz"]
-    return {
-        name: PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v)
+    return [
+        PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v)
         for name in ("main_loop", "reservoir_loop")
-    }
+    ]

@@ -1,7 +1,7 @@
 """Control law of the tracking experiments: feedforward, feedback, or both (Sec. IV)."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,17 +15,15 @@ from fprc.errors import ControlError
 if TYPE_CHECKING:  # the real rig's loop starts sooner without scikit-learn
     from fprc.models import Online, SequenceModel
 
-Feedforward = Callable[[float, Readings], float]
-
 
 def tracking_law(
     theta_d_deg: np.ndarray,
-    *,
-    k_in_kpa_per_deg: float,
+    control: Mapping[str, Any],
     pressure_limit_kpa: float,
-    feedforward: Feedforward | None = None,
-    feedback: PD | None = None,
+    *,
+    model: "SequenceModel | None" = None,
     online: "Online | None" = None,
+    feedback: bool = False,
 ) -> Law:
     """Return the law P_d = P_ff + P_fb with P_i = K_in theta_d.
 
@@ -33,31 +31,39 @@ def tracking_law(
     ----------
     theta_d_deg : ndarray of shape (n_samples,)
         Reference; see ``refuse_impossible``.
+    control : Mapping
+        Section ``control`` of the configuration.
     pressure_limit_kpa : float
         Highest P_d; the lowest is 0.
-    feedforward : callable, optional
-        Returns P_ff from theta_d and the sample's readings; by default P_ff = 0.
-    feedback : PD, optional
-        Computes P_fb, within the same limits of P_d; by default P_fb = 0.
+    model : SequenceModel, optional
+        Gives P_ff from theta_d, or from theta_d and P_o; by default P_ff = 0.
     online : Online, optional
-        The model of ``feedforward``, if it learns in the run; the law then returns what it has
+        Gives P_ff instead of ``model``, and learns in the run; the law then returns what it has
         learned too, as the channels of kind ``learning``.
+    feedback : bool, default=False
+        Whether a PD controller gives P_fb, within the same limits of P_d; else P_fb = 0.
 
     Raises
     ------
     ControlError
         Neither feedforward nor feedback is given. The law raises it if an output is not finite.
     """
-    if feedforward is None and feedback is None:
+    source = online or model
+    if source is None and not feedback:
         raise ControlError("a control law needs feedforward, feedback, or both; both are missing")
     references = np.asarray(theta_d_deg, dtype=float).tolist()
+    pd = PD(control, pressure_limit_kpa) if feedback else None
+    k_in_kpa_per_deg = control["k_in_kpa_per_deg"]
+    p_o_shift_kpa = control["feedforward"]["p_o_shift_kpa"]
+    reads_p_o = source is not None and source.n_features_in_ > 1
 
     def law(k: int, now: Readings) -> Sequence[float]:
         theta_d = references[k]
         if online is not None:
             online.learn(theta_d - now.theta_deg, now.theta_deg)
-        p_ff = 0.0 if feedforward is None else feedforward(theta_d, now)
-        p_fb = 0.0 if feedback is None else feedback.step(theta_d, now.theta_deg, p_ff)
+        inputs = (theta_d, now.p_o_kpa + p_o_shift_kpa) if reads_p_o else (theta_d,)
+        p_ff = 0.0 if source is None else source.step(inputs)
+        p_fb = 0.0 if pd is None else pd.step(theta_d, now.theta_deg, p_ff)
         if not math.isfinite(p_ff + p_fb):
             raise ControlError(
                 f"the controller gave P_ff = {p_ff}, P_fb = {p_fb} kPa at theta_d = "
@@ -108,16 +114,3 @@ def refuse_impossible(
         )
     if problems:
         raise ControlError("\n".join(problems))
-
-
-def feedforward(model: "SequenceModel | Online", p_o_shift_kpa: float = 0.0) -> Feedforward:
-    """Return a model of theta_d, or of theta_d and P_o, as the feedforward of ``tracking_law``.
-
-    Parameters
-    ----------
-    p_o_shift_kpa : float, default=0
-        Added to P_o.
-    """
-    if model.n_features_in_ == 1:
-        return lambda theta_d, now: model.step((theta_d,))
-    return lambda theta_d, now: model.step((theta_d, now.p_o_kpa + p_o_shift_kpa))

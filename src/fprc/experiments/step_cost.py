@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from fprc.channels import Readings
-from fprc.control import feedforward, pressure_loops, tracking_law
+from fprc.control import tracking_law
+from fprc.control.pressure import pressure_loops
 from fprc.evaluation.timing import WARM_UP, time_steps
 from fprc.experiments.data import Data
-from fprc.experiments.tracking import pd_of
 from fprc.models import SequenceModel
 
 
@@ -28,14 +28,8 @@ def step_cost(
     readings = [
         Readings(k * period_s, p_exp[k], theta[k], 0.0, p_o[k], 0.0) for k in range(samples)
     ]
-    law = tracking_law(
-        theta,
-        k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
-        pressure_limit_kpa=pressure_limit_kpa,
-        feedforward=feedforward(model),
-        feedback=pd_of(control, pressure_limit_kpa),
-    )
-    main_loop, reservoir_loop = pressure_loops(control).values()
+    law = tracking_law(theta, control, pressure_limit_kpa, model=model, feedback=True)
+    main_loop, reservoir_loop = pressure_loops(control)
 
     def tick(k: int) -> None:
         now = readings[k]

@@ -8,13 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.channels import LEARNING_CHANNELS, TRACKING_CHANNELS
-from fprc.control import (
-    PD,
-    Law,
-    feedforward,
-    refuse_impossible,
-    tracking_law,
-)
+from fprc.control import Law, refuse_impossible, tracking_law
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.escape import visible
@@ -104,20 +98,17 @@ class Track(NamedTuple):
             raise ControlError(
                 f"{controller} needs a fitted {driver} for its feedforward; give --model its file"
             )
-        used = model if driver else None
-        chosen, online, source = self.control["feedforward"], None, None
+        used, online = model if driver else None, None
         if used is not None:
             used.reset()
-            online = self.online(used) if chosen["adapt"] else None
-            source = feedforward(online or used, chosen["p_o_shift_kpa"])
-        limit_kpa = self.tracking["pressure_limit_kpa"]
+            online = self.online(used) if self.control["feedforward"]["adapt"] else None
         return tracking_law(
             theta_d,
-            k_in_kpa_per_deg=self.control["k_in_kpa_per_deg"],
-            pressure_limit_kpa=limit_kpa,
-            feedforward=source,
-            feedback=pd_of(self.control, limit_kpa) if has_feedback(controller) else None,
+            self.control,
+            self.tracking["pressure_limit_kpa"],
+            model=used,
             online=online,
+            feedback=has_feedback(controller),
         )
 
     def channels(self, controller: str) -> tuple[str, ...]:
@@ -233,16 +224,6 @@ def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
         "model_file": visible(Path(path).name),
         "model_sha256": sha256(str(path)),
     }
-
-
-def pd_of(control: Mapping[str, Any], limit_kpa: float) -> PD:
-    """Return the PD controller of the section ``control``, for P_d from 0 to a limit."""
-    return PD(
-        **control["pd"],
-        period_s=1.0 / control["sample_rate_hz"],
-        incremental=control["feedback"] == "incremental",
-        limits_kpa=(0.0, limit_kpa),
-    )
 
 
 def tracking_rmse(channels: Mapping[str, np.ndarray], settle_s: float) -> float:

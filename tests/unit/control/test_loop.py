@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fprc.channels import NEEDED_SENSORS, Readings
-from fprc.control import PressurePI, RunAbortedError, run
+from fprc.control import RunAbortedError, run
 
 
 class Bench:
@@ -42,8 +42,9 @@ def law(k, now):
 
 
 def go(bench, samples=3, **options):
-    loops = {name: PressurePI(0.03, 0.0, 0.005) for name in ("main_loop", "reservoir_loop")}
-    return run(bench, bench, law, samples, **loops, **options)
+    gains = {"kp_v_per_kpa": 0.03, "ki_v_per_kpa_s": 0.0}
+    control = {"sample_rate_hz": 200.0, "main_loop": gains, "reservoir_loop": gains}
+    return run(bench, bench, law, samples, control, **options)
 
 
 class Stuttering(Bench):

@@ -9,6 +9,12 @@ PERIOD_S = 0.005
 KP, KD = 0.5, 0.005  # paper, Sec. IV
 
 
+def controller(kp, kd, period_s=PERIOD_S, feedback="incremental", highest_kpa=math.inf):
+    gains = {"kp_kpa_per_deg": kp, "kd_kpa_s_per_deg": kd}
+    control = {"pd": gains, "feedback": feedback, "sample_rate_hz": 1.0 / period_s}
+    return PD(control, highest_kpa)
+
+
 def feedback(pd, e, p_ff=None):
     p_ff = np.zeros(len(e)) if p_ff is None else p_ff
     return np.array([pd.step(10.0 + error, 10.0, ff) for error, ff in zip(e, p_ff, strict=True)])
@@ -24,15 +30,15 @@ def authors_commands(e, u_ff, kp, kd, T):  # noqa: N803 (the equation's symbol)
 
 def test_incremental_law_is_the_authors_equation():
     rng = np.random.default_rng(1)
-    e, p_ff = rng.normal(0.0, 5.0, 400), rng.uniform(0.0, 350.0, 400)
-    pd = PD(KP, KD, PERIOD_S, limits_kpa=(-math.inf, math.inf))
+    e, p_ff = rng.normal(0.0, 5.0, 400), rng.uniform(1e3, 1350.0, 400)
+    pd = controller(KP, KD)
     commands = p_ff + feedback(pd, e, p_ff)
     np.testing.assert_allclose(commands, authors_commands(e, p_ff, KP, KD, PERIOD_S), atol=1e-9)
 
 
 def test_positional_law_is_proportional_and_backward_difference():
     e = np.random.default_rng(1).uniform(-60.0, 60.0, 50)
-    found = feedback(PD(3.0, 0.02, 0.01, incremental=False), e)
+    found = feedback(controller(3.0, 0.02, 0.01, "positional"), e)
     np.testing.assert_allclose(found, 3.0 * e + 0.02 * np.diff(e, prepend=e[0]) / 0.01)
 
 
@@ -40,7 +46,7 @@ def test_positional_law_is_proportional_and_backward_difference():
     ("p_ff", "error", "bound"), [(300.0, 40.0, 400.0), (50.0, -40.0, 0.0)], ids=["high", "low"]
 )
 def test_sum_does_not_wind_up_at_a_limit(p_ff, error, bound):
-    pd = PD(KP, 0.0, PERIOD_S, limits_kpa=(0.0, 400.0))
+    pd = controller(KP, 0.0, highest_kpa=400.0)
     held = [p_ff + pd.step(error, 0.0, p_ff) for _ in range(2000)]
     assert max(abs(p_d - bound) for p_d in held[100:]) <= KP * abs(error)
     # one sample of error to the other side leads off the limit at once
@@ -50,6 +56,6 @@ def test_sum_does_not_wind_up_at_a_limit(p_ff, error, bound):
 
 
 def test_sum_recovers_where_feedforward_alone_is_beyond_a_limit():
-    pd = PD(KP, KD, PERIOD_S, limits_kpa=(0.0, 400.0))
+    pd = controller(KP, KD, highest_kpa=400.0)
     assert pd.step(1.0, 0.0, 500.0) == 0.0  # kp e does not count
     assert pd.step(-1.0, 0.0, 500.0) == pytest.approx(-2.0 * KD / PERIOD_S - KP)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fprc.channels import Readings
-from fprc.control import PD, refuse_impossible, tracking_law
+from fprc.control import refuse_impossible, tracking_law
 from fprc.errors import ControlError
 
 
@@ -10,15 +10,32 @@ def reading(theta_deg=0.0, p_o_kpa=50.0):
     return Readings(0.0, 100.0, theta_deg, 120.0, p_o_kpa, 5.0)
 
 
-def law_of(theta_d, **options):
-    return tracking_law(
-        np.asarray(theta_d), k_in_kpa_per_deg=7.0, pressure_limit_kpa=450.0, **options
-    )
+class Model:
+    """Gives a number, or 5 kPa/deg and P_o."""
+
+    n_features_in_ = 2
+
+    def __init__(self, p_ff=None):
+        self.p_ff = p_ff
+
+    def step(self, x):
+        return 5.0 * x[0] + x[1] if self.p_ff is None else self.p_ff
+
+
+def law_of(theta_d, kp=2.0, **options):
+    control = {
+        "sample_rate_hz": 200.0,
+        "k_in_kpa_per_deg": 7.0,
+        "feedback": "positional",
+        "pd": {"kp_kpa_per_deg": kp, "kd_kpa_s_per_deg": 0.0},
+        "feedforward": {"p_o_shift_kpa": 1.0},
+    }
+    return tracking_law(np.asarray(theta_d), control, 450.0, **options)
 
 
 def test_law_returns_both_setpoints_and_their_parts():
-    law = law_of([20.0], feedforward=lambda d, now: 5.0 * d + now.p_o_kpa, feedback=PD(2, 0, 0.005))
-    assert law(0, reading(theta_deg=17.0)) == pytest.approx((156.0, 140.0, 20.0, 150.0, 6.0))
+    law = law_of([20.0], model=Model(), feedback=True)
+    assert law(0, reading(theta_deg=17.0)) == pytest.approx((157.0, 140.0, 20.0, 151.0, 6.0))
 
 
 def test_law_without_both_parts_is_refused():
@@ -30,16 +47,16 @@ def test_law_without_both_parts_is_refused():
     ("p_ff", "p_d"), [(-80.0, 0.0), (-0.5, 0.0), (449.0, 449.0), (451.0, 450.0), (9e9, 450.0)]
 )
 def test_sum_is_clipped_and_its_parts_are_remembered_as_they_were(p_ff, p_d):
-    found = law_of([20.0], feedforward=lambda d, now: p_ff)(0, reading())
+    found = law_of([20.0], model=Model(p_ff))(0, reading())
     assert found == pytest.approx((p_d, 140.0, 20.0, p_ff, 0.0))
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
 def test_controller_without_a_number_is_refused_and_shown(value):
-    feedforward = law_of([20.0], feedforward=lambda d, now: value)
+    feedforward = law_of([20.0], model=Model(value))
     with pytest.raises(ControlError, match=f"P_ff = {value}, P_fb = 0.0 kPa at theta_d = 20.00"):
         feedforward(0, reading())
-    feedback = law_of([20.0], feedback=PD(value, 0.0, 0.005))
+    feedback = law_of([20.0], kp=value, feedback=True)
     with pytest.raises(ControlError, match=f"P_ff = 0.0, P_fb = {value} kPa"):
         feedback(0, reading())
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, needed_by
-from fprc.control import hysteresis_law, pressure_loops, run, tracking_law
+from fprc.control import hysteresis_law, run, tracking_law
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
-from fprc.experiments.tracking import pd_of
 from fprc.rig.closed_loop import RECORDED
 
 SAMPLES = 5000  # more than one block of noise
@@ -24,9 +23,9 @@ def pressures(samples=SAMPLES):
 def test_hysteresis_run_is_that_of_the_loop_bit_by_bit(rig, control):
     # below 0 kPa and beyond what the valve can follow, so that every limit is reached
     commands = pressures()
-    law = hysteresis_law(commands, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
+    law = hysteresis_law(commands, control)
     slow = device(rig)
-    expected = run(slow, slow, law, SAMPLES, **pressure_loops(control))
+    expected = run(slow, slow, law, SAMPLES, control)
     assert {0.0, 10.0} <= set(expected["valve_main_v"])
     assert (expected["p_i_command_kpa"] == 0.0).any()
     result = device(rig).follow(control, commands)
@@ -46,19 +45,22 @@ def test_channel_that_the_simulated_rig_does_not_fill_is_no_number(rig, control,
     assert np.isnan(list(result.values())).all()
 
 
+class Line:
+    """A model whose P_ff is a line over theta_d."""
+
+    n_features_in_ = 1
+
+    def step(self, x):
+        return 12.0 * x[0] - 100.0
+
+
 @pytest.mark.parametrize("feedback", [None, "incremental", "positional"])
 def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, feedback):
     time_s = np.arange(SAMPLES) / 200.0
     theta_d = 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.4 * time_s)
     p_ff, pushes = 12.0 * theta_d - 100.0, 100.0 * np.sin(3.0 * time_s)
     control["feedback"] = feedback or control["feedback"]
-    law = tracking_law(
-        theta_d,
-        k_in_kpa_per_deg=control["k_in_kpa_per_deg"],
-        pressure_limit_kpa=300.0,
-        feedforward=lambda angle, now: 12.0 * angle - 100.0,
-        feedback=feedback and pd_of(control, 300.0),
-    )
+    law = tracking_law(theta_d, control, 300.0, model=Line(), feedback=bool(feedback))
     slow = device(rig)
 
     class Clock:
@@ -66,7 +68,7 @@ def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, feedback):
             slow.push_kpa = pushes[tick]
             return slow.wait_for(tick)
 
-    expected = run(slow, Clock(), law, SAMPLES, **pressure_loops(control), extra=TRACKING_CHANNELS)
+    expected = run(slow, Clock(), law, SAMPLES, control, extra=TRACKING_CHANNELS)
     assert {0.0, 300.0} <= set(expected["p_exp_command_kpa"])
     result = device(rig).follow(
         control, p_ff, theta_d, 300.0, feedback=bool(feedback), push_kpa=pushes
@@ -80,8 +82,8 @@ def test_run_continues_where_the_rig_is(rig, control):
     together = device(rig).follow(control, commands)
     half, slow = device(rig), device(rig)
     half.follow(control, commands[:4000])
-    law = hysteresis_law(commands, control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"])
-    run(slow, slow, law, 4000, **pressure_loops(control))
+    law = hysteresis_law(commands, control)
+    run(slow, slow, law, 4000, control)
     for continued in (half, slow):
         continued.write(together["valve_main_v"][3999], together["valve_reservoir_v"][3999])
         continued.wait_for(4000)

@@ -3,7 +3,7 @@ import pytest
 from sklearn.ensemble import HistGradientBoostingRegressor
 
 from fprc.config import Settings
-from fprc.control import pressure_loops, run
+from fprc.control import run
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.experiments import tracking
@@ -56,8 +56,7 @@ def tick_by_tick(bench, reference, name, model):
             return device.wait_for(tick)
 
     law, extra = bench.law(theta_d, name, model), bench.channels(name)
-    loops = pressure_loops(bench.control)
-    return run(device, Clock(), law, len(theta_d), **loops, extra=extra)
+    return run(device, Clock(), law, len(theta_d), bench.control, extra=extra)
 
 
 def changed(bench, **feedforward):

@@ -20,12 +20,12 @@ from typing import Any
 
 import numpy as np
 
-from fprc.channels import Readings
+from fprc.channels import TRACKING_CHANNELS, Readings
 from fprc.compiled import kernel
-from fprc.control import pressure_loops, run
+from fprc.control import PD, run
 from fprc.control_laws import clamp
 from fprc.devices.sim import SimulatedRig
-from fprc.experiments.tracking import TRACKING_RUNS, Track, pd_of
+from fprc.experiments.tracking import TRACKING_RUNS, Track
 
 #: State beside the angles: none, the sealed chamber, or a simulated network.
 STATES = ("linear", "p_o", "esn")
@@ -71,7 +71,7 @@ def follow_up(bench: Track, reference: str, state: str) -> dict[str, np.ndarray]
     control, theta_d = bench.control, bench.reference(reference)
     limit_kpa = bench.tracking["pressure_limit_kpa"]
     ahead = np.append(theta_d, np.repeat(theta_d[-1], _DELAY))
-    network, pd = _Network(bench.seed), pd_of(control, limit_kpa)
+    network, pd = _Network(bench.seed), PD(control, limit_kpa)
     filtered: deque[float] = deque(maxlen=3)
     states: deque[np.ndarray] = deque(maxlen=_DELAY + 1)
     commands: deque[float] = deque(maxlen=_DELAY + 1)
@@ -107,8 +107,4 @@ def follow_up(bench: Track, reference: str, state: str) -> dict[str, np.ndarray]
 
     number, rate_hz = TRACKING_RUNS[reference], control["sample_rate_hz"]
     rig = SimulatedRig(bench.rig, seed=bench.seed, run=number, sample_rate_hz=rate_hz)
-    return run(
-        rig, rig, law, len(theta_d),
-        **pressure_loops(control),
-        extra=("theta_d_deg", "p_ff_kpa", "p_fb_kpa"),
-    )  # fmt: skip
+    return run(rig, rig, law, len(theta_d), control, extra=TRACKING_CHANNELS)
