@@ -420,7 +420,7 @@ def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
                "yes, at the end", "-", "0: ticks are missed and counted")  # fmt: skip
 
 
-def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix):
+def test_rig_that_is_in_use_is_left_alone(start, rig, matrix):
     program = start("run", "sweep", seconds=1000.0)
     program.is_in_mid_run()
     # writes that are not of ticks: the start vents more often on a busy machine
@@ -431,8 +431,7 @@ def test_rig_that_is_in_use_is_left_alone_and_its_user_named(start, rig, matrix)
         code, output = second.end()
         assert code == 1
         board = BOARDS["input_device"]
-        assert f"board {board} is in use by process {program.process.pid} " in output
-        assert "rig run sweep" in output
+        assert f"board {board} is in use" in output
         assert not second.raw.with_name("complex.h5").exists()
         matrix.add(
             f"{' '.join(verb)}{' --armed' if armed else ''} while another run is in progress",

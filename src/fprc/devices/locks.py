@@ -3,17 +3,11 @@
 import contextlib
 import errno
 import socket
-import struct
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 
 from fprc.errors import DeviceError
-from fprc.escape import visible
-
-#: Process, user and group of the process that listens at a socket.
-_CREDENTIALS = struct.Struct("3i")
 
 
 @contextmanager
@@ -36,7 +30,7 @@ def locked(boards: Sequence[str]) -> Iterator[list[int]]:
     Raises
     ------
     DeviceError
-        A board is in use, by the process that the message names; or this is not Linux.
+        A board is in use; or this is not Linux.
     """
     if sys.platform != "linux":
         raise DeviceError("the real rig can be driven only from Linux; nothing was moved")
@@ -44,36 +38,15 @@ def locked(boards: Sequence[str]) -> Iterator[list[int]]:
         files = []
         for board in sorted(set(boards)):
             lock = held.enter_context(socket.socket(socket.AF_UNIX))
-            name = f"\0fprc-{board}".encode()
             try:
-                lock.bind(name)
+                lock.bind(f"\0fprc-{board}".encode())
             except OSError as error:
                 why = f"cannot be locked ({error.strerror or error})"
                 if error.errno == errno.EADDRINUSE:
-                    why = f"is in use by {_holder(name)}; wait until it ends, or stop it"
+                    why = (
+                        "is in use by another process; wait until it ends, or stop it: "
+                        f"`ss -xap | grep fprc-{board}` shows which it is"
+                    )
                 raise DeviceError(f"board {board} {why}; nothing was moved") from None
-            lock.listen(4096)  # each program that asks for the holder stays in the queue
             files.append(lock.fileno())
         yield files
-
-
-def _holder(name: bytes) -> str:
-    """Describe the process that took a lock."""
-    try:
-        with socket.socket(socket.AF_UNIX) as asking:
-            asking.setblocking(False)
-            asking.connect(name)
-            found = asking.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
-        process, user, _ = _CREDENTIALS.unpack(found)
-    except OSError:  # it has just ended, or does not listen yet
-        return "another process"
-    place = Path(f"/proc/{process}")
-    command = ""
-    with contextlib.suppress(OSError):
-        command = (place / "cmdline").read_text(errors="replace").replace("\0", " ")
-    if process and not place.exists():
-        command = (
-            "which has ended; a process that it started has the board: pgrep -f "
-            "fprc.apparatus.process"
-        )
-    return visible(f"process {process} of user {user}: {command.strip()[:200] or 'unknown'}")

@@ -5,7 +5,6 @@ from functools import partial
 
 import pytest
 
-from fprc.devices import locks
 from fprc.devices.hardware import HardwareRig
 from fprc.devices.locks import locked
 from fprc.errors import DeviceError
@@ -14,12 +13,10 @@ from fprc.errors import DeviceError
 BOARDS = [f"BOARD{k}-{os.getpid()}" for k in range(3)]
 
 
-def test_board_is_had_by_one_at_a_time_and_its_holder_named():
-    message = rf"{BOARDS[1]} is in use by process {os.getpid()} of user {os.getuid()}: .*python"
+def test_board_is_had_by_one_at_a_time():
     with locked(BOARDS[:2]):
-        for _ in range(200):  # each leaves its question unanswered
-            with pytest.raises(DeviceError, match=message), locked([BOARDS[1]]):
-                pass
+        with pytest.raises(DeviceError, match=f"{BOARDS[1]} is in use"), locked([BOARDS[1]]):
+            pass
         with locked([BOARDS[2]]):
             pass
     with locked(BOARDS):
@@ -65,19 +62,12 @@ def test_process_without_the_lock_does_not_hold_it():
         other.wait()
 
 
-def test_holder_that_does_not_listen_yet_is_another_process():
-    with locks.socket.socket(locks.socket.AF_UNIX) as begun:
-        begun.bind(f"\0fprc-{BOARDS[0]}".encode())
-        with pytest.raises(DeviceError, match="in use by another process"), locked(BOARDS):
-            pass
-
-
 def test_rig_that_is_opened_from_a_program_has_its_boards_alone(bench, settings):
     clock = {"sleep": bench.wait, "now": bench.elapsed}
     build = partial(HardwareRig, settings["hardware"], bench.elapsed, **clock)
     rig = build()
     calls = bench.shared.calls
-    with pytest.raises(DeviceError, match=r"AIO00\d-\d+ is in use by process"):
+    with pytest.raises(DeviceError, match=r"AIO00\d-\d+ is in use"):
         build()
     assert bench.shared.calls == calls
     rig.close()
