@@ -58,7 +58,6 @@ class FakeBus:
     def __init__(self, angle_deg: Callable[[], float], *, address: int = 0x12):
         self._angle_deg = angle_deg
         self._address = address
-        self._zero_deg, self._gain = 0.0, 1.0
         self.fault = self.ticks = self._last = None
         self.state = "standby"
         self.exchanged = deque(maxlen=100_000)
@@ -83,7 +82,7 @@ class FakeBus:
             return bytes([NOTHING] * LENGTH)
         if self._last is not None and self.fault == "freeze":
             return self._last
-        angle_deg = (self._angle_deg() - self._zero_deg) * self._gain
+        angle_deg = self._angle_deg()
         if self.fault == "spike":
             angle_deg += 90.0
         counts = min(max(round(angle_deg * 64), -32768), 32767)
@@ -101,12 +100,6 @@ class FakeBus:
                 self.state = "running" if on else "standby"
             case (0x01, low, high):
                 self.ticks = low + 256 * high
-            case (0x07, 0, 0):
-                self._zero_deg = self._angle_deg()
-            case (0x07, 1, degrees) if degrees >= 45:
-                self._gain = degrees / (self._angle_deg() - self._zero_deg)
-            case (0x07, 2, 0):
-                self._zero_deg, self._gain = 0.0, 1.0
             case _:
                 raise ValueError(f"the sensor has no command {packet.hex(' ')}")
 

@@ -30,7 +30,6 @@ BLOCKS = {
         "tests/unit/models/test_feature_model.py",
         "a protocol without bodies",
     ],
-    "docs/hardware.md": ["needs a sensor on the bus"],
     "docs/running.md": ["tests/workflow/test_module.py"],
     "docs/chamber.md": ["tests/unit/commands/test_import_recording.py"],
     "docs/own-data.md": ["tests/unit/commands/test_page.py"],

@@ -11,8 +11,7 @@ from typing import Any
 
 from fprc.errors import DeviceError
 
-_RUN, _SPS, _CALIBRATE = 0x00, 0x01, 0x07
-_FIRST, _SECOND, _CLEAR = 0, 1, 2  # points of a calibration
+_RUN, _SPS = 0x00, 0x01
 _SAMPLE = 0x00  # code of a reply that holds an angle
 _LENGTH = 3
 _DEG_PER_COUNT = 1 / 64
@@ -104,29 +103,6 @@ class BendSensor:
             return None
         return counts * _DEG_PER_COUNT * self._gain + self._offset_deg
 
-    def calibrate(self, angle_deg: int) -> None:
-        """Calibrate the mounted sensor at its present angle.
-
-        The sensor stores two points: first 0, then a known angle. ``gain``
-        and ``offset_deg`` are not applied.
-
-        Parameters
-        ----------
-        angle_deg : int
-            0, or 45 to 255; 90 is best.
-        """
-        if angle_deg != 0 and angle_deg not in range(45, 256):
-            raise DeviceError(
-                f"{self._name()}: calibration at {angle_deg:g} deg; must be 0, or a whole number "
-                "from 45 to 255; use 90 if possible"
-            )
-        point = _SECOND if angle_deg else _FIRST
-        self._send(f"calibrating it at {angle_deg:g} deg", _CALIBRATE, point, int(angle_deg))
-
-    def restore_calibration(self) -> None:
-        """Restore the factory calibration."""
-        self._send("restoring its calibration", _CALIBRATE, _CLEAR, 0)
-
     def shutdown(self) -> None:
         """Stop sampling until the next ``start``."""
         # not its command SHUTDOWN, 0x09: only the reset line or a power cycle wakes it from that
@@ -143,12 +119,10 @@ class BendSensor:
 
     def _error(self, action: str, reason: str) -> DeviceError:
         return DeviceError(
-            f"{self._name()}: {action} failed ({reason}); check cable, supply and address: "
-            f"`i2cdetect -y {self._number}` lists the devices that answer"
+            f"angle sensor 0x{self._address:02x} on I2C bus {self._number}: {action} failed "
+            f"({reason}); check cable, supply and address: `i2cdetect -y {self._number}` lists the "
+            "devices that answer"
         )
-
-    def _name(self) -> str:
-        return f"angle sensor 0x{self._address:02x} on I2C bus {self._number}"
 
 
 def _smbus2() -> Any:

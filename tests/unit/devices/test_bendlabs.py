@@ -68,34 +68,10 @@ def test_sensor_sleeps_after_shutdown_and_starts_again(bus, sensor):
     assert transcript(bus)[1] == "write 00 00 00"
 
 
-def test_calibration_takes_out_zero_and_gain_of_the_sensor():
-    bent_deg = 0.0
-    bus = FakeBus(lambda: 0.5 * bent_deg + 7.0)
-    sensor = BendSensor(bus, 0x12)
-    sensor.start(sleep=lambda seconds: None)
-    sensor.calibrate(0)
-    bent_deg = 90.0
-    sensor.calibrate(90)
-    bent_deg = 30.0
-    assert sensor.read() == 30.0
-    sensor.restore_calibration()
-    assert sensor.read() == 22.0
-    sent = [line for line in transcript(bus) if line.startswith("write 07")]
-    assert sent == ["write 07 00 00", "write 07 01 5a", "write 07 02 00"]
-
-
-@pytest.mark.parametrize("angle_deg", [-90, 1, 44, 256, 90.5, float("nan")])
-def test_calibration_at_an_angle_that_the_sensor_cannot_take_is_refused(bus, sensor, angle_deg):
-    with pytest.raises(DeviceError, match=r"calibration at .* deg; must be 0, or .* 45 to 255"):
-        sensor.calibrate(angle_deg)
-    assert transcript(bus) == []
-
-
 @pytest.mark.parametrize(
     ("request_", "arguments"),
-    [("start", [lambda seconds: None]), ("read", []), ("calibrate", [90]),
-     ("restore_calibration", []), ("shutdown", [])],
-)  # fmt: skip
+    [("start", [lambda seconds: None]), ("read", []), ("shutdown", [])],
+)
 def test_every_request_to_an_empty_address_raises_device_error(bus, request_, arguments):
     with pytest.raises(DeviceError, match=r"0x13 on I2C bus 1: .* failed"):
         getattr(BendSensor(bus, 0x13), request_)(*arguments)
