@@ -57,31 +57,53 @@ def load_library(path: str = "") -> ctypes.CDLL:
     return library
 
 
-class _Board:
-    """One board: opened by the constructor, released by ``close``."""
+class Board:
+    """One analog board, range +- 10 V: opened by the constructor, released by ``close``.
 
-    def __init__(self, library: ctypes.CDLL, name: str, set_range: str, *, reset: bool = True):
+    Parameters
+    ----------
+    library : str
+        Shared library; see ``load_library``.
+    name : str
+        Device name, such as AIO001.
+    kind : {"Ai", "Ao"}
+        Whether its inputs are read, or its outputs written.
+    reset : bool
+        Whether to reset the board to its power-on state; if not, its outputs hold their
+        voltages until the first write.
+
+    Raises
+    ------
+    DeviceError
+        The driver reports an error; raised by the constructor and every method.
+    """
+
+    def __init__(self, library: str, name: str, kind: str, *, reset: bool = True):
         self.name = name
-        self._library = library
+        self._library = load_library(library)
         self._id = ctypes.c_short()
         self._call("AioInit", name.encode(), ctypes.byref(self._id))
         try:
             if reset:
                 self._call("AioResetDevice", self._id)
-            self._call(set_range, self._id, _PM10)
+            self._call(f"AioSet{kind}RangeAll", self._id, _PM10)
         except DeviceError:
             with contextlib.suppress(DeviceError):
                 self.close()
             raise
 
-    def close(self) -> None:
-        """Release the board.
+    def read(self, n_channels: int) -> "ctypes.Array[ctypes.c_float]":
+        """Return the voltages of the channels 0 to ``n_channels`` - 1."""
+        volts = (ctypes.c_float * n_channels)()
+        self._call("AioMultiAiEx", self._id, n_channels, volts)
+        return volts
 
-        Raises
-        ------
-        DeviceError
-            The driver reports an error.
-        """
+    def write(self, channel: int, volts: float) -> None:
+        """Set the voltage of a channel, which holds it until the next write."""
+        self._call("AioSingleAoEx", self._id, channel, volts)
+
+    def close(self) -> None:
+        """Release the board."""
         self._call("AioExit", self._id)
 
     def _call(self, name: str, *arguments: Any) -> None:
@@ -97,54 +119,3 @@ class _Board:
         if self._library.AioGetErrorString(code, text):
             return "no description"
         return text.value.decode("utf-8", "replace")
-
-
-class AnalogInput(_Board):
-    """Analog input board, range +- 10 V.
-
-    Parameters
-    ----------
-    library : CDLL
-        See ``load_library``.
-    name : str
-        Device name, such as AIO000.
-    n_channels : int
-        Channels 0 to ``n_channels`` - 1 are read.
-
-    Raises
-    ------
-    DeviceError
-        The driver reports an error; raised by the constructor and every method.
-    """
-
-    def __init__(self, library: ctypes.CDLL, name: str, n_channels: int):
-        super().__init__(library, name, "AioSetAiRangeAll")
-        self._volts = (ctypes.c_float * n_channels)()
-
-    def read(self) -> "ctypes.Array[ctypes.c_float]":
-        """Return the voltages of all channels, in an array that the next call overwrites."""
-        self._call("AioMultiAiEx", self._id, len(self._volts), self._volts)
-        return self._volts
-
-
-class AnalogOutput(_Board):
-    """Analog output board, range +- 10 V.
-
-    Parameters
-    ----------
-    reset : bool
-        Whether to reset the board to its power-on state; if not, its outputs hold their
-        voltages until the first write.
-
-    Raises
-    ------
-    DeviceError
-        The driver reports an error; raised by the constructor and every method.
-    """
-
-    def __init__(self, library: ctypes.CDLL, name: str, *, reset: bool = True):
-        super().__init__(library, name, "AioSetAoRangeAll", reset=reset)
-
-    def write(self, channel: int, volts: float) -> None:
-        """Set the voltage of a channel, which holds it until the next write."""
-        self._call("AioSingleAoEx", self._id, channel, volts)

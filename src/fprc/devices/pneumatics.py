@@ -10,7 +10,7 @@ from functools import cache, partial
 from itertools import cycle
 from typing import Any
 
-from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
+from fprc.devices.contec import Board
 from fprc.errors import DeviceError
 from fprc.escape import in_words
 
@@ -39,17 +39,18 @@ class Valves:
     Raises
     ------
     DeviceError
-        The driver reports an error; raised by every method, after trying its other writes.
+        The driver or the board cannot be opened; or the driver reports an error: raised by every
+        method, after trying its other writes.
     """
 
-    def __init__(self, board: AnalogOutput, hardware: Mapping[str, Any]):
+    def __init__(self, hardware: Mapping[str, Any], *, reset: bool):
         boards = hardware["boards"]
-        self._board = board
+        self._board = Board(boards["library"], boards["output_device"], "Ao", reset=reset)
         self._outputs = (boards["main_output"], boards["reservoir_output"])
         self._heartbeat = boards["heartbeat_output"]
         self._beats = 0
         self._voltages = hardware["valves"]
-        self.release = board.close  #: releases the board; its outputs hold their voltages
+        self.release = self._board.close  #: releases the board; its outputs hold their voltages
 
     def write(self, main_v: float, reservoir_v: float) -> None:
         """Set both voltages; if both writes succeed, toggle the heartbeat output."""
@@ -91,13 +92,12 @@ class Pressures:
         boards, names = hardware["boards"], ("p_exp", "p_i", "p_o")
         self._channels = [boards[f"{name}_input"] for name in names]
         self._scales = [(hardware[n]["zero_v"], hardware[n]["gain_kpa_per_v"]) for n in names]
-        library = load_library(boards["library"])
-        self._board = AnalogInput(library, boards["input_device"], 1 + max(self._channels))
+        self._board = Board(boards["library"], boards["input_device"], "Ai")
         self.close = self._board.close
 
     def read(self) -> list[float]:
         """Return the present P_exp, P_i and P_o, kPa gauge."""
-        volts = self._board.read()
+        volts = self._board.read(1 + max(self._channels))
         return [
             (volts[channel] - zero) * gain
             for channel, (zero, gain) in zip(self._channels, self._scales, strict=True)
@@ -211,7 +211,7 @@ def vent_from_outside(hardware: Mapping[str, Any], on_write: Callable[[str], Non
             opened.callback(quietly, inputs.close)
             return inputs
 
-        valves = Valves(_output_board(hardware, reset=False), hardware)
+        valves = Valves(hardware, reset=False)
         try:
             vent(valves, open_inputs, hardware["valves"], on_write=on_write)
         finally:
@@ -228,18 +228,13 @@ def open_valves(hardware: Mapping[str, Any]) -> Valves:
     DeviceError
         The driver or the board cannot be opened.
     """
-    valves = Valves(_output_board(hardware, reset=True), hardware)
+    valves = Valves(hardware, reset=True)
     try:
         valves.exhaust()
     except DeviceError:
         quietly(valves.close)  # tries to vent once more
         raise
     return valves
-
-
-def _output_board(hardware: Mapping[str, Any], *, reset: bool) -> AnalogOutput:
-    boards = hardware["boards"]
-    return AnalogOutput(load_library(boards["library"]), boards["output_device"], reset=reset)
 
 
 def call_all(*calls: Callable[[], None]) -> None:

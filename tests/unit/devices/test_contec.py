@@ -3,25 +3,25 @@ import subprocess
 
 import pytest
 
-from fprc.devices.contec import AnalogInput, AnalogOutput, load_library
+from fprc.devices.contec import Board, load_library
 from fprc.errors import DeviceError
 
 
 @pytest.fixture
 def library(bench, driver):
-    return load_library(str(driver))
+    return str(driver)
 
 
 def test_input_board_reads_the_channels_asked_for(bench, library):
     bench.shared.inputs[:4] = [1.25, -10.0, 9.5, 7.0]
-    board = AnalogInput(library, "AIO000", 3)
-    assert list(board.read()) == [1.25, -10.0, 9.5]
+    board = Board(library, "AIO000", "Ai")
+    assert list(board.read(3)) == [1.25, -10.0, 9.5]
     bench.shared.inputs[0] = 2.5
-    assert board.read()[0] == 2.5
+    assert board.read(3)[0] == 2.5
 
 
 def test_output_board_writes_the_channel_asked_for(bench, library):
-    board = AnalogOutput(library, "AIO001")
+    board = Board(library, "AIO001", "Ao")
     board.write(1, 2.5)
     board.write(0, -10.0)
     assert [row[1:] for row in bench.writes()] == [(1, 2.5), (0, -10.0)]
@@ -29,18 +29,18 @@ def test_output_board_writes_the_channel_asked_for(bench, library):
 
 
 def test_board_is_reset_unless_its_outputs_must_hold(bench, library):
-    AnalogOutput(library, "AIO001").close()
+    Board(library, "AIO001", "Ao").close()
     calls = bench.shared.calls
-    AnalogOutput(library, "AIO001", reset=False).close()
+    Board(library, "AIO001", "Ao", reset=False).close()
     assert bench.shared.calls - calls == calls - 1
 
 
 @pytest.mark.parametrize(("code", "words"), [(20000, "\\ufffd+u"), (20001, "no description")])
 def test_words_that_cannot_be_read_and_none_are_no_crash(bench, library, code, words):
-    board = AnalogInput(library, "AIO000", 1)
+    board = Board(library, "AIO000", "Ai")
     bench.fail(code=code)
     with pytest.raises(DeviceError, match=rf"failed with code {code} \({words}\)"):
-        board.read()
+        board.read(1)
 
 
 @pytest.mark.parametrize(
