@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from fprc.evaluation import evaluate
 from fprc.experiments.data import Data
+from fprc.experiments.grids import judge_cell
 from fprc.experiments.settings import Judgement
-from fprc.registry import build
 
 #: P_o and its substitutes, and their models: ``theta`` has the low-pass but no reservoir,
 #: ``shifted`` is P_o of another time of the same recording, with its slow changes.
@@ -45,13 +44,12 @@ def judge_readout(
 ) -> dict[str, Any]:
     """Return the errors of one cell, by its own split."""
     seed, readout = judgement.seed, cell["readout"]
-    name = READOUTS[readout]
     settings = {key: cell[key] for key in ("epsilon", "n_u") if readout != "none"}
-    model = build(name, judgement.models, seed, **settings)
-    folds = replace(judgement, split=cell["split"]).split_rows(train)
     if readout == "shifted":
         train, test = shifted(train, seed), shifted(test, seed + 1)
-    return evaluate(model, folds, train.samples(name), test.samples(name))
+    how = replace(judgement, split=cell["split"])
+    changed = {"model": READOUTS[readout], **settings}
+    return judge_cell(changed, train=train, test=test, judgement=how)
 
 
 def shifted(data: Data, seed: int) -> Data:
