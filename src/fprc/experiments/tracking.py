@@ -293,21 +293,6 @@ def tracking_errors(
     return errors
 
 
-def rmse_of_each(
-    bench: Track, models: Sequence[SequenceModel], controllers: Sequence[str]
-) -> dict[str, list[float]]:
-    """Return the RMSEs of Table IV with each of several models, deg, by "reference/controller"."""
-    errors = {}
-    for reference in REFERENCES:
-        inputs = bench.inputs(reference)
-        for name in controllers:
-            errors[f"{reference}/{name}"] = [
-                bench.error(reference, bench.precompute(model, inputs), feedback=has_feedback(name))
-                for model in models
-            ]
-    return errors
-
-
 def rms_of(errors: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, dict[str, float]]:
     """Return the root mean squares of ``tracking_errors``, deg."""
     return {

@@ -8,7 +8,8 @@ from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.grids import judge_grids
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.experiments.tracking import Track, measure_control, rmse_of_each
+from fprc.experiments.tracking import Track, measure_control, rms_of, tracking_errors
+from fprc.paper import REFERENCES
 from fprc.registry import controllers
 
 #: Places where the fuzzy c-means of FPRC begins, to see how much its errors depend on them.
@@ -48,5 +49,11 @@ def replicate(
     write_json(cells, described | judge_grids(data, values, how))
     bench = Track(tracking, settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
-    tracked = rmse_of_each(bench, started[:_TRACKED], ("fprc", "fprc_pd"))
-    write_json(measures, described | measured | {"fprc_rmse_over_starts": tracked})
+    loops = {"fprc": 0.0, "fprc_pd": 1.0}
+    tracked = [rms_of(tracking_errors(bench, model, loops)) for model in started[:_TRACKED]]
+    over_starts = {
+        f"{reference}/{name}": [errors[name][reference] for errors in tracked]
+        for reference in REFERENCES
+        for name in loops
+    }
+    write_json(measures, described | measured | {"fprc_rmse_over_starts": over_starts})
