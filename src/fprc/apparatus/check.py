@@ -2,16 +2,15 @@
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from fprc.apparatus.session import on_rig
-from fprc.channels import SENSORS, Readings
+from fprc.apparatus.session import Session, on_rig
+from fprc.channels import SENSORS
 from fprc.control import run
 from fprc.devices import Clock, Device
-from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
 
@@ -64,20 +63,27 @@ def check_rig(
     period_s = 1.0 / control["sample_rate_hz"]
     phases = PHASES if armed else PHASES[:1]
     ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
-    at_rest = partial(_read_at_rest, samples=int(ends[0]), stop=stop)
-    seen = on_rig(hardware, period_s, at_rest, guarded)
+    setpoints = _setpoints(phases, ends, period_s).tolist()
+
+    def follow(first: int, end: int, *, moves: bool) -> Session:
+        def act(device: Device, clock: Clock) -> dict[str, np.ndarray]:
+            still = SimpleNamespace(read=device.read, write=lambda *volts: None, safe=lambda: None)
+            return run(
+                device if moves else still,
+                clock,
+                lambda k, now: setpoints[first + k],
+                end - first,
+                control,
+                neutral_v=hardware["valves"]["neutral_v"],
+                stop=stop,
+            )
+
+        return on_rig(hardware, period_s, act, guarded)
+
+    seen = follow(0, ends[0], moves=False)
     channels = seen.channels
-    if armed and not seen.unvented:  # a rig that may not vent must not be filled
-        setpoints = _setpoints(phases[1:], ends - ends[0], period_s).tolist()
-        filling = partial(
-            run,
-            law=lambda k, now: setpoints[k],
-            samples=len(setpoints),
-            control=control,
-            neutral_v=hardware["valves"]["neutral_v"],
-            stop=stop,
-        )
-        seen = on_rig(hardware, period_s, filling, guarded)
+    if armed and not (seen.stopped or seen.unvented):  # a rig that may not vent is not filled
+        seen = follow(ends[0], ends[-1], moves=True)
         seen.channels["time_s"] += ends[0] * period_s
         channels = {k: np.append(values, seen.channels[k]) for k, values in channels.items()}
     lines, problems = describe(channels, ends * period_s, phases)
@@ -97,22 +103,10 @@ def check_rig(
     return 1 if trouble else 0
 
 
-def _read_at_rest(
-    device: Device, clock: Clock, /, *, samples: int, stop: Callable[[], str]
-) -> dict[str, np.ndarray]:
-    readings, k = [], 0
-    while k < samples and (k := clock.wait_for(k)) < samples:
-        readings.append(device.read())
-        if reason := stop():
-            raise ControlError(reason)
-        k += 1
-    return dict(zip(Readings._fields, np.array(readings).T, strict=True))
-
-
-def _setpoints(phases: Sequence[Phase], bounds: np.ndarray, period_s: float) -> np.ndarray:
+def _setpoints(phases: Sequence[Phase], ends: np.ndarray, period_s: float) -> np.ndarray:
     """Return the setpoints of both chambers at every sample, kPa."""
-    setpoints = np.empty((bounds[-1], 2))
-    for (_, *goals, _), begin, end in zip(phases, bounds[:-1], bounds[1:], strict=True):
+    setpoints = np.empty((ends[-1], 2))
+    for (_, *goals, _), begin, end in zip(phases, [0, *ends[:-1]], ends, strict=True):
         risen_kpa = np.arange(end - begin) * period_s * TEST_KPA / RISE_S
         setpoints[begin:end] = np.minimum(risen_kpa[:, None], goals)
     return setpoints

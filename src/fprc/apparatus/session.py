@@ -17,7 +17,7 @@ from fprc.control.realtime import request_realtime
 from fprc.devices import Clock, Device
 from fprc.devices.hardware import HardwareRig
 from fprc.devices.safety import CheckedRig
-from fprc.errors import DeviceError, FprcError
+from fprc.errors import DeviceError
 
 log = logging.getLogger("fprc.rig")
 
@@ -53,8 +53,6 @@ def on_rig(
     ------
     DeviceError
         A part cannot be opened; or ``act`` raised another error, and closing failed too.
-    FprcError
-        Any other error of ``act``.
     """
     limits = hardware["limits"]
     clock = Metronome(
@@ -76,7 +74,6 @@ def on_rig(
     notify(ARMED)
     timing: dict[str, float] = {}
     stopped = unvented = ""
-    failed = None
     try:
         checked = CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"]))
         try:
@@ -84,9 +81,6 @@ def on_rig(
         except RunAbortedError as aborted:
             channels, stopped = aborted.channels, str(aborted)
         timing = clock.statistics()
-    except FprcError as error:
-        failed = error
-        raise
     finally:
         try:
             opened.close()
@@ -95,8 +89,6 @@ def on_rig(
             unvented = str(closing)
             if not (guarded() and notify(HEARTBEAT)):  # else only this process can vent
                 unvented += f"\n{vent_until_shown(hardware)}"
-            if failed:  # which is not hidden
-                raise DeviceError(f"{failed}\n{unvented}") from failed
             if not timing:
                 raise DeviceError(unvented) from closing
     return Session(channels, timing, stopped, unvented)

@@ -1,13 +1,10 @@
 import logging
 import re
-from types import SimpleNamespace
 
 import pytest
 
-from fprc.apparatus.check import _read_at_rest, check_rig
+from fprc.apparatus.check import check_rig
 from fprc.apparatus.guardian import ARMED, SAFE
-from fprc.channels import Readings
-from fprc.errors import DeviceError
 
 
 @pytest.fixture
@@ -111,13 +108,21 @@ def test_pam_b_that_is_not_filled_to_100_kpa_is_named(look, settings, precharge_
 
 def test_sensor_without_a_cable_stops_the_check_and_is_named(look, settings):
     settings["hardware"]["boards"]["p_i_input"] = 9
-    with pytest.raises(DeviceError) as caught:
-        look()
-    stopped, unvented = str(caught.value).splitlines()
-    assert stopped.startswith("p_i_kpa = -250.0 is outside -20 to 180 (hardware.limits.p_i_kpa)")
+    code, (stopped, unvented) = look()
+    assert code == 1
+    limit = "p_i_kpa = -250.0 is outside -20 to 180 (hardware.limits.p_i_kpa)"
+    assert stopped.startswith(f"stopped: run stopped at sample 0: {limit}")
     assert "cable" in stopped
     assert "and p_i_kpa = -250.0; vented is 15 or less" in unvented
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
+
+
+def test_check_that_is_stopped_at_rest_fills_nothing(look):
+    reasons = iter([""] * 150 + ["stopped by SIGTERM"] * 2)
+    assert look(stop=lambda: next(reasons)) == (
+        1, ["stopped: run stopped at sample 150: stopped by SIGTERM"]
+    )  # fmt: skip
+    assert {volts for *_, volts in look.bench.writes()} == {0.0}
 
 
 def test_check_that_is_stopped_says_so_and_shows_what_it_saw(look):
@@ -135,17 +140,3 @@ def test_phase_that_was_cut_short_accuses_no_part(look, ticks):
     reasons = iter([""] * (200 + ticks) + ["stopped by Ctrl-C"] * 2)
     _, troubles = look(stop=lambda: next(reasons))
     assert [trouble.split(":")[0] for trouble in troubles] == ["stopped"]
-
-
-def test_stall_at_rest_is_given_up_once():
-    asked = []
-
-    def wait_for(tick):
-        asked.append(tick)
-        return 13 if tick == 10 else tick
-
-    device = SimpleNamespace(read=lambda: Readings(*[0.0] * 6))
-    clock = SimpleNamespace(wait_for=wait_for)
-    channels = _read_at_rest(device, clock, samples=20, stop=lambda: "")
-    assert asked == [*range(11), *range(14, 20)]
-    assert len(channels["time_s"]) == len(asked)
