@@ -131,28 +131,25 @@ class Track(NamedTuple):
         models : Mapping
             Models that give the feedforward, by name.
         pushed : bool, optional
-            Whether the reservoir is pushed; by default in the disturbance test only.
+            See ``simulate``.
         """
-        samples = len(self.reference(reference))
-        pushed = reference == DISTURBANCE if pushed is None else pushed
-        pushes = self.pushes(samples) if pushed else None
-        inputs = self.inputs(reference, pushes)
+        inputs = self.inputs(reference, pushed=pushed)
         runs = {}
         for name in controllers:
             driver = feedforward_of(name)
-            p_ff = self.precompute(models[driver], inputs) if driver else np.zeros(samples)
-            runs[name] = self.simulate(reference, p_ff, pushes, feedback=has_feedback(name))
+            p_ff = self.precompute(models[driver], inputs) if driver else None
+            feedback = has_feedback(name)
+            runs[name] = self.simulate(reference, p_ff, feedback=feedback, pushed=pushed)
         log.info("followed %s with %s", reference, ", ".join(controllers))
         return runs
 
-    def inputs(self, reference: str, pushes: np.ndarray | None = None) -> np.ndarray:
+    def inputs(self, reference: str, *, pushed: bool | None = None) -> np.ndarray:
         """Return the inputs of the models for a whole reference, of shape (n_samples, 2).
 
         P_o depends on P_i = K_in theta_d only, so one run with the actuator at rest gives it.
         """
-        theta_d = self.reference(reference)
-        at_rest = self.simulate(reference, np.zeros(len(theta_d)), pushes, feedback=False)
-        return np.column_stack([theta_d, at_rest["p_o_kpa"]])
+        at_rest = self.simulate(reference, None, feedback=False, pushed=pushed)
+        return np.column_stack([at_rest["theta_d_deg"], at_rest["p_o_kpa"]])
 
     def precompute(self, model: SequenceModel, inputs: np.ndarray) -> Precomputed:
         """Return P_ff of a model for a whole reference, and the model that learns, if it does."""
@@ -178,10 +175,10 @@ class Track(NamedTuple):
     def simulate(
         self,
         reference: str,
-        precomputed: np.ndarray | Precomputed,
-        pushes: np.ndarray | None = None,
+        precomputed: Precomputed | None,
         *,
         feedback: bool,
+        pushed: bool | None = None,
     ) -> dict[str, np.ndarray]:
         """Return the channels of a run, simulated in compiled code.
 
@@ -189,31 +186,28 @@ class Track(NamedTuple):
 
         Parameters
         ----------
-        precomputed : ndarray or Precomputed
-            P_ff in kPa, or the result of ``precompute``.
+        precomputed : Precomputed, optional
+            The feedforward; without it P_ff = 0.
+        pushed : bool, optional
+            Whether the reservoir is pushed; by default in the disturbance test only.
         """
+        theta_d = self.reference(reference)
+        pushed = reference == DISTURBANCE if pushed is None else pushed
+        given = precomputed or Precomputed(np.zeros(len(theta_d)))
         rate_hz, number = self.control["sample_rate_hz"], TRACKING_RUNS[reference]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
-        given = precomputed if isinstance(precomputed, Precomputed) else Precomputed(precomputed)
         return device.follow(
             self.control,
-            theta_d_deg=self.reference(reference),
+            theta_d_deg=theta_d,
             pressure_limit_kpa=self.tracking["pressure_limit_kpa"],
             feedback=feedback,
-            push_kpa=pushes,
+            push_kpa=self.pushes(len(theta_d)) if pushed else None,
             **given._asdict(),
         )
 
-    def error(
-        self,
-        reference: str,
-        precomputed: np.ndarray | Precomputed,
-        pushes: np.ndarray | None = None,
-        *,
-        feedback: bool,
-    ) -> float:
+    def error(self, reference: str, precomputed: Precomputed | None, *, feedback: bool) -> float:
         """Follow a reference as ``simulate`` does, and return the RMSE, deg."""
-        run = self.simulate(reference, precomputed, pushes, feedback=feedback)
+        run = self.simulate(reference, precomputed, feedback=feedback)
         return tracking_rmse(run, self.tracking["references"][reference]["settle_s"])
 
 

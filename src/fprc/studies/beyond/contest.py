@@ -181,9 +181,9 @@ def _follow(
     """Return the error over the references, deg, with feedforward alone and with PD."""
     errors: dict[str, dict[str, float]] = {loop: {} for loop in LOOPS}
     for reference, inputs in followed.items():
-        p_ff_kpa = model.predict(columns_for(name, inputs))
+        precomputed = bench.precompute(model, columns_for(name, inputs))
         for loop, feedback in zip(LOOPS, (False, True), strict=True):
-            errors[loop][reference] = bench.error(reference, p_ff_kpa, feedback=feedback)
+            errors[loop][reference] = bench.error(reference, precomputed, feedback=feedback)
     return {loop: over_references(of_loop) for loop, of_loop in errors.items()}
 
 

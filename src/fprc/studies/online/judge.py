@@ -12,7 +12,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Unit
 from fprc.experiments.tracking import Track, columns_for, tracking_rmse
 from fprc.models import SequenceModel
-from fprc.paper import DISTURBANCE, REFERENCES
+from fprc.paper import REFERENCES
 from fprc.registry import build
 from fprc.studies.online.follow_up import STATES, follow_up
 
@@ -102,9 +102,7 @@ def _followed(
         for learns in (False, True)
     }
     for reference in bench.tracking["references"]:
-        samples = len(bench.reference(reference))
-        pushes = bench.pushes(samples) if reference == DISTURBANCE else None
-        inputs = bench.inputs(reference, pushes)
+        inputs = bench.inputs(reference)
         p_o_kpa = inputs[:, 1] + trained["p_o_shift_kpa"]  # of P_o only, whatever a model gets
         inputs[:, 1] = disturbed(p_o_kpa, condition, bench.control["sample_rate_hz"])
         for name, model in models.items():
@@ -112,10 +110,10 @@ def _followed(
             for learns, bench in benches.items():
                 for loop, feedback in LOOPS.items():
                     precomputed = bench.precompute(model, given)
-                    error = bench.error(reference, precomputed, pushes, feedback=feedback)
+                    error = bench.error(reference, precomputed, feedback=feedback)
                     rows.append((name, condition, learns, loop, reference, error))
         if condition not in OF_P_O:
-            error = bench.error(reference, np.zeros(samples), pushes, feedback=True)
+            error = bench.error(reference, None, feedback=True)
             rows.append(("pd", condition, False, "closed", reference, error))
     return rows
 

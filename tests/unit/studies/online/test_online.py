@@ -99,8 +99,7 @@ def test_disturbances_of_p_o_are_those_of_physics():
 @pytest.mark.parametrize("state", STATES)
 def test_scheme_that_learns_from_nothing_beats_pd_alone(state):
     bench = Track(shortened(20.0), SETTINGS["control"], SETTINGS["rig"], 5)
-    nothing = np.zeros(len(bench.reference("sine_0p5")))
-    alone = bench.simulate("sine_0p5", nothing, feedback=True)
+    alone = bench.simulate("sine_0p5", None, feedback=True)
     found = follow_up(bench, "sine_0p5", state)
     assert tracking_rmse(found, 10.0) < 0.8 * tracking_rmse(alone, 10.0)
 
