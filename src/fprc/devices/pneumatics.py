@@ -140,7 +140,9 @@ def vent(
         Every write to the valves has failed for ``vent_s``.
     """
     began_s, written_s = now(), None
-    chambers = _Chambers(voltages["vented_kpa"])
+    names, limit_kpa = ("p_exp_kpa", "p_i_kpa"), voltages["vented_kpa"]
+    seen: list[list[float]] = []
+    in_a_row = 0
     while True:
         failed = ""
         try:
@@ -153,49 +155,24 @@ def vent(
         else:
             on_write("")
             written_s = now() if written_s is None else written_s
-        state = chambers.read(open_inputs)
+        try:
+            seen.append(open_inputs().read()[:2])
+            state = in_words(
+                f"{name} = {kpa:.1f}" for name, kpa in zip(names, seen[-1], strict=True)
+            )
+            state += f"; vented is {limit_kpa:g} or less (hardware.valves.vented_kpa)"
+            # abs: a disconnected sensor reads far below 0
+            in_a_row = in_a_row + 1 if all(abs(kpa) <= limit_kpa for kpa in seen[-1]) else 0
+        except DeviceError as error:
+            in_a_row, state = 0, f"no pressure can be read ({error})"
+        frozen = [name for k, name in enumerate(names) if len({row[k] for row in seen}) == 1]
         if written_s is not None:
-            if chambers.vented:
+            if in_a_row >= _IN_A_ROW and not frozen:
                 return
             if now() - written_s > voltages["vent_s"]:
+                state += f"; {in_words(frozen)} never changed: frozen sensor" if frozen else ""
                 raise NotVentedError(f"after {voltages['vent_s']:g} s {failed}{state}")
         sleep(_POLL_S)
-
-
-class _Chambers:
-    """Judges from successive readings whether both chambers are vented."""
-
-    def __init__(self, limit_kpa: float):
-        self._limit_kpa = limit_kpa
-        self._first: list[float] = []
-        self._changed = [False, False]
-        self._in_a_row = 0
-
-    @property
-    def vented(self) -> bool:
-        return self._in_a_row >= _IN_A_ROW and all(self._changed)
-
-    def read(self, open_inputs: Callable[[], Pressures]) -> str:
-        """Read both pressures; return them as text for a message."""
-        try:
-            kpa = open_inputs().read()[:2]
-        except DeviceError as error:
-            self._in_a_row = 0
-            return f"no pressure can be read ({error})"
-        self._first = self._first or kpa
-        self._changed = [
-            moved or a != b for moved, a, b in zip(self._changed, self._first, kpa, strict=True)
-        ]
-        # abs: a disconnected sensor reads far below 0
-        within = all(abs(value) <= self._limit_kpa for value in kpa)
-        self._in_a_row = self._in_a_row + 1 if within else 0
-        names = ("p_exp_kpa", "p_i_kpa")
-        frozen = [name for name, moved in zip(names, self._changed, strict=True) if not moved]
-        return (
-            in_words(f"{name} = {value:.1f}" for name, value in zip(names, kpa, strict=True))
-            + f"; vented is {self._limit_kpa:g} or less (hardware.valves.vented_kpa)"
-            + (f"; {in_words(frozen)} never changed: frozen sensor" if frozen else "")
-        )
 
 
 def vent_from_outside(hardware: Mapping[str, Any], on_write: Callable[[str], None]) -> None:
