@@ -58,8 +58,8 @@ def on_rig(
     clock = Metronome(
         period_s, overruns_in_a_row=limits["overruns_in_a_row"], spin_s=hardware["loop"]["spin_s"]
     )
-    for line in request_realtime(hardware["loop"]["priority"]):
-        log.info("%s", line)
+    if refused := request_realtime(hardware["loop"]["priority"]):
+        log.info("%s", refused)
     notify(OPENING)  # the guardian then notices a call that hangs
     try:
         opened = HardwareRig(

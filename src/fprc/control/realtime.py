@@ -4,13 +4,13 @@ import ctypes
 import gc
 import os
 
+from fprc.escape import in_words
+
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 
 
-def request_realtime(priority: int) -> list[str]:
+def request_realtime(priority: int) -> str:
     """Request a real-time priority and locked memory, and disable the garbage collector.
-
-    A request that the system refuses is reported and otherwise ignored.
 
     Parameters
     ----------
@@ -19,32 +19,24 @@ def request_realtime(priority: int) -> list[str]:
 
     Returns
     -------
-    list of str
-        One line per request.
+    str
+        What the system refused, which is otherwise ignored, and how to grant it; or nothing.
     """
     gc.collect()
     gc.freeze()
     gc.disable()
-    if not priority:
-        return []
-    return [_priority(priority), _memory()]
-
-
-def _priority(priority: int) -> str:
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
-    except OSError as error:
-        return (
-            f"no real-time priority ({error.strerror}); continuing without. To grant it, add "
-            f"'@realtime - rtprio {priority}' to /etc/security/limits.conf and join that group"
-        )
-    return f"real-time priority {priority}"
-
-
-def _memory() -> str:
-    if ctypes.CDLL(None, use_errno=True).mlockall(_MCL_CURRENT | _MCL_FUTURE):
-        return (
-            f"memory not locked ({os.strerror(ctypes.get_errno())}); continuing without. To grant "
-            "it, add '@realtime - memlock unlimited' to /etc/security/limits.conf"
-        )
-    return "memory locked"
+    refused = []
+    if priority:
+        try:
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+        except OSError as error:
+            refused.append(f"real-time priority ({error.strerror})")
+        if ctypes.CDLL(None, use_errno=True).mlockall(_MCL_CURRENT | _MCL_FUTURE):
+            refused.append(f"locked memory ({os.strerror(ctypes.get_errno())})")
+    if not refused:
+        return ""
+    return (
+        f"continuing without {in_words(refused)}. To grant both, add '@realtime - rtprio "
+        f"{priority}' and '@realtime - memlock unlimited' to /etc/security/limits.conf, and join "
+        "that group"
+    )
