@@ -21,7 +21,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 #: What is measured, not computed.
-MEASURED = ("timing/times.json", "timing/times_over_n_c.json", "timing/steps.json")
+MEASURED = ("timing/times.json", "timing/times_over_n_c.json")
 
 #: Cores, time zone and locale of the builds. With four cores the long grids have two processes; in
 #: the second build text that names no encoding is ASCII.

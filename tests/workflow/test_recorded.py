@@ -49,7 +49,7 @@ def recording(project):
 def test_all_plans_what_the_logs_allow_and_nothing_else(recording):
     assert recording("theta_deg", "p_exp_kpa").planned("all", *SMOKE, *ARGUMENTS).keys() == {
         "all", "preprocess", "judge", "comparison_table", "configuration_table", "grid",
-        "measure_times", "timing_table", "steps_table",
+        "measure_times", "timing_table",
         "draw_fig3", "draw_fig4", "draw_fig6", "draw_fig7", "draw_fig10", "list_unavailable",
         "report_page",
     }  # fmt: skip

@@ -25,7 +25,6 @@ ESN = SEEDS | {
     "measure_times": 1,
     "comparison_table": 2,
     "timing_table": 1,
-    "steps_table": 1,
     "ledger": 1,
     "report_page": 1,
 }
@@ -48,10 +47,9 @@ MODELS = ESN | figures(*range(8, 18)) | {
 }  # fmt: skip
 RIG = MODELS | figures(1, 2, 4, 5) | {"record": 2, "preprocess": 2}
 ALL = RIG | figures(3, 6, 7) | {"configuration_table": 1, "list_unavailable": 1}
-#: The closed loops, the cost of a control step, and what is made of them alone.
+#: The closed loops, and what is made of them alone.
 FEEDBACK = SEEDS | figures(*range(12, 18)) | {
-    "measure_times": 1, "timing_table": 1, "steps_table": 1, "track": 5, "tracking_table": 1,
-    "ledger": 1, "report_page": 1,
+    "track": 5, "tracking_table": 1, "ledger": 1, "report_page": 1,
 }  # fmt: skip
 #: Those whose stages are in one module.
 TABLES = dict.fromkeys([rule for rule in ALL if rule.endswith("_table")], 1) | {
@@ -123,8 +121,7 @@ CHANGES = {
     "nothing": ("seed=1", {}),
     "values of n_c": (
         "grids={n_c: [2, 4, 8]}",
-        SEEDS | {"measure_times": 1, "timing_table": 1, "steps_table": 1, "ledger": 1}
-        | {"report_page": 1},
+        SEEDS | {"measure_times": 1, "timing_table": 1, "ledger": 1, "report_page": 1},
     ),
     "gains of the feedback": ("control={pd: {kp_kpa_per_deg: 0.6}}", FEEDBACK),
     "one reference": (

@@ -15,7 +15,6 @@ CONTRACT = [
     *(f"tables/{name}.{kind}" for name in TABLES for kind in ("csv", "md", "tex")),
     *(f"figures/{name}.{kind}" for name in FIGURES for kind in ("pdf", "png", "json")),
     "timing/table2_timing.csv",
-    "timing/step_cost.csv",
     "report.html",
     "readout/readout.csv",
     "readout/readout.pdf",

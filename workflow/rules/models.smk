@@ -55,7 +55,6 @@ rule measure_times:
         **TRAIN_AND_TEST,
     output:
         times=PATHS.below("timing/times.json"),
-        steps=PATHS.below("timing/steps.json"),
         times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
     log:
         PATHS.messages("measure_times"),
@@ -66,8 +65,6 @@ rule measure_times:
     params:
         **stage("timing.measure_times", *PLAN.models),
         models=SETTINGS["models"],
-        control=SETTINGS["control"],
-        pressure_limit_kpa=SETTINGS["tracking"]["pressure_limit_kpa"],
         n_c=SETTINGS["grids"]["n_c"],
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],

@@ -54,13 +54,6 @@ TABLES = {
         **stage("tabulate.tabulate_tracking_seeds"),
         feedback=feedback_in_words(SETTINGS),
     ),
-    "steps_table": table_spec(
-        "timing/step_cost",
-        "Cost of a control step",
-        {"steps": PATHS.below("timing/steps.json")},
-        **stage("tabulate.tabulate_steps"),
-        left_out=PLAN.left_out,
-    ),
     "readout_table": table_spec(
         "readout/readout",
         "Value of the readout: table",

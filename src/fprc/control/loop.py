@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
-from fprc.control.pressure import pressure_loops
+from fprc.control.pressure import PressurePI
 from fprc.control_laws import NEUTRAL_V, clamp
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError, FprcError
@@ -75,7 +75,11 @@ def run(
     names = (*RAW_CHANNELS, *extra)
     rows = np.empty((samples, len(names)))
     done = k = 0
-    main_loop, reservoir_loop = pressure_loops(control, neutral_v)
+    period_s = 1.0 / control["sample_rate_hz"]
+    main_loop, reservoir_loop = (
+        PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v)
+        for name in ("main_loop", "reservoir_loop")
+    )
 
     def recorded() -> dict[str, np.ndarray]:
         return dict(zip(names, rows[:done].T.copy(), strict=True))

@@ -1,9 +1,7 @@
 """PI loop that sets a valve's voltage to control a chamber's pressure."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Any
 
 from fprc.control_laws import NEUTRAL_V, pressure_step
 
@@ -53,12 +51,3 @@ class PressurePI:
             self.neutral_v,
         )
         return volts
-
-
-def pressure_loops(control: Mapping[str, Any], neutral_v: float = NEUTRAL_V) -> list[PressurePI]:
-    """Return the loops of the actuator and the reservoir, by the section ``control``."""
-    period_s = 1.0 / control["sample_rate_hz"]
-    return [
-        PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v)
-        for name in ("main_loop", "reservoir_loop")
-    ]

@@ -221,20 +221,6 @@ def tabulate_times(
     write_table(table, timing.timing_page(table), note, **files)
 
 
-def tabulate_steps(steps: str, *, left_out: Mapping[str, str], **files: str) -> None:
-    """Write the cost of one step of the closed loop, compared with the sampling period."""
-    report = read_json(steps)
-    table = timing.steps(report)
-    note = (
-        "Cost of a control step: computing time of feedforward, PD and both pressure loops, "
-        f"without a rig and without learning; {table['samples'].iloc[0]} steps, each timed on "
-        f"{report['cpu']}.\n"
-        "The last column is the 99.9th percentile's share of the sampling period, "
-        f"{table['budget_us'].iloc[0] / 1000:g} ms.{_without(left_out)}"
-    )
-    write_table(table, timing.steps_page(table), note, **files)
-
-
 def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, str]]) -> None:
     """List the results that cannot be made from the data, with reasons; the list may be empty."""
     rows = [(name, *texts) for name, texts in reasons.items()]

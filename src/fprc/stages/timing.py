@@ -1,6 +1,5 @@
-"""Execution times of the models, and of a step of the control loop."""
+"""Execution times of the models."""
 
-import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -8,28 +7,22 @@ from fprc.artifacts import write_json
 from fprc.evaluation import time_models
 from fprc.evaluation.timing import machine
 from fprc.experiments.data import models_for, read_data, refuse_mixture
-from fprc.experiments.step_cost import step_cost
 from fprc.paper import GRID_MODELS
 from fprc.registry import build, has_steps
-
-log = logging.getLogger(__name__)
 
 
 def measure_times(
     train: str,
     test: str,
     times: str,
-    steps: str,
     times_over_n_c: str,
     *,
     models: Mapping[str, Any],
-    control: Mapping[str, Any],
-    pressure_limit_kpa: float,
     n_c: Sequence[int],
     repeats: int,
     seed: int,
 ) -> None:
-    """Time training and test of every model on this machine, and steps of the closed loop.
+    """Time training and test of every model on this machine.
 
     FPRC and Fuzzy-linear also over the number of rules (Fig. 10c).
     """
@@ -45,15 +38,9 @@ def measure_times(
     timed = time_models(stepping, repeats)
     others = {name: pieces for name, pieces in work.items() if name not in stepping}
     timed |= time_models(others, repeats, modes=("batch",)) if others else {}
-    costs = []
-    for name, (model, *_) in stepping.items():
-        cost = step_cost(model, test_data, control, pressure_limit_kpa)
-        costs.append({"model": name, **cost})
-        log.info("%s: median %.1f us of %.0f", name, cost["median_us"], cost["budget_us"])
     results = [{"model": name, **entry} for name, entries in timed.items() for entry in entries]
     described = {"source": train_data.attributes["source"], **machine()}
     write_json(times, described | {"times": results})
-    write_json(steps, described | {"steps": costs})
 
     with_rules = {
         (name, rules): (build(name, models, seed, n_c=rules).fit(*logs[name][0]), *logs[name])

@@ -1,4 +1,4 @@
-"""Execution times, and the cost of a control step."""
+"""Execution times."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -53,26 +53,6 @@ def timing_page(table: pd.DataFrame) -> pd.DataFrame:
             "Ours [s]": spread(row.mean, row.std),
             "Ours [us per sample]": three_digits(row.us_per_sample),
             "Paper [s]": spread(row.published_mean, row.published_std) or "-",
-        }
-        for row in table.itertuples()
-    )
-
-
-def steps(report: Mapping[str, Any]) -> pd.DataFrame:
-    """Cost of one control step of each model, with its share of the sampling period, tidy."""
-    table = pd.DataFrame(report["steps"])
-    table["share_of_budget"] = table["p99_9_us"] / table["budget_us"]
-    return table.assign(threads=report["threads"], cpu=report["cpu"], source=report["source"])
-
-
-def steps_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the cost of a control step as a page."""
-    return pd.DataFrame(
-        {
-            "Model": title_of(row.model),
-            "Median [us]": three_digits(row.median_us),
-            "99.9 % of steps below [us]": three_digits(row.p99_9_us),
-            "Share of the period": f"{float(f'{100 * row.share_of_budget:.2g}'):g} %",
         }
         for row in table.itertuples()
     )

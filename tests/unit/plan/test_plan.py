@@ -160,7 +160,7 @@ def test_without_closed_loops_what_shows_them_is_refused():
         f"fig{number:02}" for number in range(1, 12)
     ]
     assert [Path(page).stem for page in plan.pages] == [
-        "table1", "table2", "table3", "readout", "table2_timing", "step_cost"
+        "table1", "table2", "table3", "readout", "table2_timing"
     ]  # fmt: skip
 
 

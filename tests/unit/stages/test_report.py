@@ -278,7 +278,7 @@ TABLES = {
     **dict.fromkeys(
         ("table4", "table4_seeds"), ("predicted", "half fitted", "predicted", "half fitted")
     ),
-    **dict.fromkeys(("table1", "table2_timing", "step_cost"), ("", "", "", "")),
+    **dict.fromkeys(("table1", "table2_timing"), ("", "", "", "")),
 }
 FITS = (
     {"to": ["tables", "orders"]}, {"to": ["tables", "open_loop"]}, {"to": ["C8"]},

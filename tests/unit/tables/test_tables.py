@@ -222,31 +222,6 @@ def test_page_of_table_4_over_seeds_shows_intervals():
     assert page.iloc[:, 4].tolist()[:2] == ["2.00 (2.00 to 2.00)", ""]
 
 
-def steps():
-    return {
-        "source": "sim",
-        "cpu": "A & B_1 100 %",
-        "threads": 1,
-        "steps": [
-            {"model": model, "samples": 1000, "median_us": us, "p99_9_us": 2.5 * us,
-             "max_us": 9.0 * us, "budget_us": 5000.0}
-            for model, us in (("esn", 300.0), ("fprc", 40.0), ("fuzzy_linear", 8.0))
-        ],
-    }  # fmt: skip
-
-
-def test_cost_of_a_step_is_related_to_the_sampling_period():
-    table = timing.steps(steps())
-    assert table["model"].tolist() == ["esn", "fprc", "fuzzy_linear"]
-    assert table["share_of_budget"].tolist() == pytest.approx([0.15, 0.02, 0.004])
-    assert table["median_us"].tolist() == [300.0, 40.0, 8.0]
-    assert timing.steps_page(table).iloc[1].tolist() == ["FPRC", "40.0", "100", "2 %"]
-    slow = table.assign(share_of_budget=1.0578)
-    assert set(timing.steps_page(slow)["Share of the period"]) == {"110 %"}
-    for name, value in (("cpu", "A & B_1 100 %"), ("threads", 1), ("source", "sim")):
-        assert set(table[name]) == {value}
-
-
 def times():
     entries = [
         {"model": model, "phase": phase, "mode": mode, "samples": 1000, "seconds": [1.0, 3.0]}
