@@ -23,7 +23,6 @@ from fprc.rig.simulator import (
 if TYPE_CHECKING:
     from fprc.models import Online
 
-_NOISE_BLOCK = 4096
 _GAINS = ("kp_kpa_per_deg", "kd_kpa_s_per_deg")
 
 
@@ -58,8 +57,6 @@ class SimulatedRig:
         self._state = initial_state(rig, self._rng)
         self._valve_v = np.full(2, NEUTRAL_V)
         self._reading = np.zeros(5)
-        self._noise = np.empty((0, NOISE_PER_TICK))
-        self._used = 0  # rows of _noise
         self._tick = -1
         self._advance(0)
 
@@ -171,7 +168,7 @@ class SimulatedRig:
             record(controllers),
             np.column_stack([p_ff_kpa, theta_d, p_i_kpa, pushes]),
             *learner,
-            self._next_noise(samples - 1),
+            self._rng.standard_normal((samples - 1, NOISE_PER_TICK)),
             self._period_s,
             self._substeps,
             self._tick,
@@ -195,21 +192,12 @@ class SimulatedRig:
             self._instruments,
             self._valve_v,
             self.push_kpa,
-            self._next_noise(1)[0],
+            self._rng.standard_normal(NOISE_PER_TICK),
             self._period_s,
             substeps,
             self._reading,
         )
         self._refuse(failed)
-
-    def _next_noise(self, ticks: int) -> np.ndarray:
-        missing = self._used + ticks - len(self._noise)
-        if missing > 0:
-            rows = math.ceil(missing / _NOISE_BLOCK) * _NOISE_BLOCK
-            noise = self._rng.standard_normal((rows, NOISE_PER_TICK))
-            self._used, self._noise = 0, np.concatenate([self._noise[self._used :], noise])
-        self._used += ticks
-        return self._noise[self._used - ticks : self._used]
 
     def _refuse(self, failed: int) -> None:
         if failed:

@@ -9,7 +9,7 @@ from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
 from fprc.rig.closed_loop import RECORDED
 
-SAMPLES = 5000  # more than one block of noise
+SAMPLES = 5000
 
 
 def device(rig):
