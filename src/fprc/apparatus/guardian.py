@@ -76,7 +76,7 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         with suppress(BrokenPipeError):  # it has already ended, with a message
             process.stdin.write(json.dumps(request).encode() + b"\n")
             process.stdin.flush()
-        end = _watch(messages, _heartbeat_of(process), hardware["loop"])
+        end = _watch(messages, process.beat, hardware["loop"])
         if end in _KILLED:
             process.kill()
         # vent before waiting for the end of the process: until then the valves hold their voltages
@@ -90,27 +90,24 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         if end in _KILLED:
             # again: the last driver call of the killed process may have come after the venting
             vented = vent_until_shown(hardware, received)
-    if end == "stuck":
-        opening_s = hardware["loop"]["opening_s"]
-        raise ControlError(
-            f"the process that drives the rig had not opened the boards after {opening_s:g} s "
-            f"(hardware.loop.opening_s) and was killed; {vented}"
-        )
+    drives = "the process that drives the rig"
+    kept = "; if a run had begun, its samples are in the journal beside its log: fprc log repair"
     if end != "safe":
-        how = "stopped responding and was killed" if end == "silent" else f"ended with code {code}"
-        kept = ". Its samples are in the journal beside the log: fprc log repair"
-        raise ControlError(
-            f"the process that drives the rig {how} before it released the rig; {vented}"
-            + (kept if request["what"] == "run" else "")
-        )
+        opening_s = hardware["loop"]["opening_s"]
+        how = {
+            "gone": f"ended with code {code} before it released the rig",
+            "silent": "stopped responding before it released the rig, and was killed",
+            "stuck": f"had not opened the boards after {opening_s:g} s (hardware.loop.opening_s) "
+            "and was killed",
+        }
+        raise ControlError(f"{drives} {how[end]}; {vented}{kept}")
     if code < 0:
         raise ControlError(
-            f"the process that drives the rig was ended by {signal.Signals(-code).name}, before it "
-            "opened the boards or after it vented; a run that had begun is in the journal beside "
-            "its log: fprc log repair"
+            f"{drives} was ended by {signal.Signals(-code).name}, before it opened the boards or "
+            f"after it vented{kept}"
         )
     if code:
-        raise ControlError(f"the rig process failed (exit code {code}); see its messages above")
+        raise ControlError(f"{drives} failed (exit code {code}); see its messages above")
 
 
 class _Process(subprocess.Popen[bytes]):
@@ -119,23 +116,17 @@ class _Process(subprocess.Popen[bytes]):
     stdin: IO[bytes]
     stdout: BufferedReader
 
+    def beat(self) -> None:
+        """Send a heartbeat to the process, without blocking."""
+        os.set_blocking(self.stdin.fileno(), False)
+        with suppress(BrokenPipeError, BlockingIOError):
+            os.write(self.stdin.fileno(), HEARTBEAT)
+
 
 def _listen(process: _Process, messages: queue.SimpleQueue[bytes]) -> None:
     while chunk := process.stdout.read1(64):
         messages.put(chunk)
     messages.put(b"")
-
-
-def _heartbeat_of(process: _Process) -> Callable[[], None]:
-    """Return a function that sends the process a heartbeat, without blocking."""
-    pipe = process.stdin.fileno()
-    os.set_blocking(pipe, False)
-
-    def beat() -> None:
-        with suppress(BrokenPipeError, BlockingIOError):
-            os.write(pipe, HEARTBEAT)
-
-    return beat
 
 
 def _watch(
