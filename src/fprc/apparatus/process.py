@@ -90,10 +90,15 @@ def record(
     path = Path(raw).with_suffix(f".{stamp}.journal")
     control, hardware = settings["control"], settings["hardware"]
     period_s = 1.0 / control["sample_rate_hz"]
+    seconds, tenth = experiment.samples * period_s, max(experiment.samples // 10, 1)
     with Journal(path, experiment.channels, experiment.attributes) as journal:
 
+        def keep(tick: int, row: Sequence[float]) -> None:
+            journal.append(tick, row)
+            if (tick + 1) % tenth == 0:  # a missed tick tells nothing
+                log.info("%.3g of %.3g s", (tick + 1) * period_s, seconds)
+
         def drive(device: Device, clock: Clock) -> dict[str, np.ndarray]:
-            seconds = experiment.samples * period_s
             log.info("%s starts, %.0f s; Ctrl-C stops it and vents", name, seconds)
             if experiment.hint:
                 log.info("%s", experiment.hint)
@@ -105,7 +110,7 @@ def record(
                 control,
                 neutral_v=hardware["valves"]["neutral_v"],
                 extra=experiment.channels[len(RAW_CHANNELS) :],
-                keep=_keeping(journal, experiment.samples, period_s),
+                keep=keep,
                 stop=stop,
             )
 
@@ -162,25 +167,6 @@ def _kept(
     except LogError as error:
         return f"{path} may lack some of {recorded} samples, which can be saved nowhere:\n{error}"
     return f"{saved} has all of them, {recorded} samples"
-
-
-def _keeping(
-    journal: Journal, samples: int, period_s: float
-) -> Callable[[int, Sequence[float]], None]:
-    """Return a function that appends a sample, and logs a line every tenth of the run."""
-    tenth = max(samples // 10, 1)
-    printed = 0
-
-    def keep(tick: int, row: Sequence[float]) -> None:
-        nonlocal printed
-        journal.append(tick, row)
-        done = tick + 1
-        # not `done % tenth`: missed ticks can skip the multiples
-        if done // tenth > printed:
-            printed = done // tenth
-            log.info("%.3g of %.3g s", done * period_s, samples * period_s)
-
-    return keep
 
 
 if __name__ == "__main__":
