@@ -5,11 +5,12 @@ Classes are given by name and imported on demand: reading a title imports no num
 
 from collections.abc import Mapping
 from importlib import import_module
+from inspect import isabstract
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fprc.errors import ConfigError
 from fprc.paper import CONTROLLERS, reference_and_controller
-from fprc.paper import MODELS as PAPER_MODELS
 
 if TYPE_CHECKING:
     from fprc.models import SequenceModel
@@ -211,10 +212,6 @@ def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceMo
     return model
 
 
-#: Methods that the workflow calls; closed loops also call ``step`` and ``reset``.
-_METHODS = ("get_params", "fit", "predict", "make_features", "make_readout", "assembled")
-
-
 def load_class(name: str, models: Settings) -> Any:
     """Import the class of a model, or the class or function that makes a competitor.
 
@@ -235,24 +232,13 @@ def load_class(name: str, models: Settings) -> Any:
             f"{where} cannot be imported ({type(error).__name__}: {error}); give module.Class, and "
             "put the module's folder on PYTHONPATH"
         ) from error
-    unwritten = getattr(loaded, "__abstractmethods__", ())
-    missing = [name for name in _METHODS if not hasattr(loaded, name) or name in unwritten]
-    if missing or not isinstance(loaded, type):
+    base = import_module("fprc.models").SequenceModel
+    if not isinstance(loaded, type) or not issubclass(loaded, base) or isabstract(loaded):
         raise ConfigError(
-            f"{where} is no model: {', '.join(missing) or 'not a class'} missing; derive it from "
-            "fprc.models.SequenceModel"
+            f"{where} is no model; derive a class from fprc.models.SequenceModel, with "
+            "make_features and make_readout"
         )
     return loaded
-
-
-def has_steps(cls: type) -> bool:
-    """Return whether a model computes sample by sample, as closed loops require."""
-    return hasattr(cls, "step") and hasattr(cls, "reset")
-
-
-def outside_paper(models: Settings) -> list[str]:
-    """Return the models that are not the paper's."""
-    return [name for name in entries(models) if name not in PAPER_MODELS]
 
 
 def class_module(name: str, models: Settings | None = None) -> str:
@@ -262,27 +248,18 @@ def class_module(name: str, models: Settings | None = None) -> str:
     return entry_of(name).cls.rpartition(".")[0]
 
 
-def outside_class(name: str, models: Settings) -> list[type]:
-    """Return the class of a model of ``models.others``, for ``load_model``; else an empty list."""
-    return [load_class(name, models)] if name in models.get("others", {}) else []
-
-
 def outside_classes(models: Settings) -> list[type]:
     """Return the classes of all models of ``models.others``, for ``load_model``."""
-    return [load_class(name, models) for name in models["others"]]
+    return [load_class(name, models) for name in models.get("others", {})]
 
 
 def controllers(models: Settings) -> list[str]:
     """Return the controllers of the closed-loop runs.
 
-    They are the paper's, and each further model whose class has ``step`` and ``reset``, alone and
-    with PD.
+    They are the paper's, and each further model, alone and with PD.
     """
-    names = list(CONTROLLERS)
-    for name in outside_paper(models):
-        if has_steps(load_class(name, models)):
-            names += [name, f"{name}_pd"]
-    return names
+    others = [[name, f"{name}_pd"] for name in models.get("others", {})]
+    return [*CONTROLLERS, *chain.from_iterable(others)]
 
 
 def feedforward_of(controller: str) -> str | None:

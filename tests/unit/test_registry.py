@@ -8,7 +8,7 @@ from fprc.config import check
 from fprc.errors import ConfigError
 from fprc.models import RidgeReadout, SequenceModel, TapFeatures
 from fprc.paper import CONTROLLERS, DISTURBANCE, REFERENCES, reference_and_controller, run_log
-from fprc.registry import build, controllers, feedforward_of, load_class, model_of_run, settings_of
+from fprc.registry import build, feedforward_of, load_class, model_of_run, settings_of
 
 
 class Outside(SequenceModel):
@@ -73,11 +73,3 @@ def test_estimator_that_is_no_model_is_refused_by_its_key(settings, estimator):
     settings["models"]["others"]["taps_a"]["estimator"] = estimator
     with pytest.raises(ConfigError, match=r"models\.others\.taps_a\.estimator"):
         load_class("taps_a", settings["models"])
-
-
-def test_class_without_steps_drives_no_closed_loop(settings, monkeypatch):
-    settings["models"]["others"]["taps_a"]["estimator"] = "fprc.models.Batch"
-    methods = ("get_params", "fit", "predict", "make_features", "make_readout", "assembled")
-    bare = type("Batch", (), dict.fromkeys(methods))
-    monkeypatch.setattr("fprc.models.Batch", bare, raising=False)
-    assert controllers(settings["models"]) == list(CONTROLLERS)

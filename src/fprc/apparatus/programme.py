@@ -9,7 +9,7 @@ from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
 from fprc.paper import EXPERIMENTS, reference_and_controller, run_log
-from fprc.registry import controllers, entries, feedforward_of, load_class, outside_class
+from fprc.registry import controllers, entries, feedforward_of, load_class, outside_classes
 from fprc.signals import pressure_command
 
 
@@ -93,7 +93,7 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     driver = feedforward_of(controller)
     attributes, fitted = bench.describe(reference, controller), None
     if driver and model:  # without a file the law refuses to start
-        fitted = load_model(model, outside_class(driver, settings["models"]))
+        fitted = load_model(model, outside_classes(settings["models"]))
         which, inputs = f"{model}, the model of {name}", entries(settings["models"])[driver].inputs
         _refuse_other(fitted, driver, settings["models"], which)
         units = [unit_of(channel) for channel in ("p_target_kpa", *inputs)]

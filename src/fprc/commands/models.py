@@ -20,7 +20,7 @@ from fprc.experiments.trained import refuse_other_data, trained_on
 from fprc.logs import write_columns
 from fprc.models import SequenceModel, load_model, save_model
 from fprc.plan.arguments import judgement
-from fprc.registry import build, entries, entry_of, load_class, outside_class, outside_classes
+from fprc.registry import build, entries, entry_of, load_class, outside_classes
 from fprc.stages.preprocess import read_recordings
 
 Settings = Mapping[str, Any]
@@ -85,7 +85,7 @@ def train(
         result = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
     with replacing(out) as temporary:
         remembered = trained_on(result.model, data, model, models)
-        save_model(remembered, temporary, outside_class(model, models))
+        save_model(remembered, temporary, outside_classes(models))
     report = (
         f"{out}: {model}, trained on {', '.join(logs)}; fold {result.best + 1} of {len(folds)} is "
         f"best: training RMSE {result.train_rmse[result.best]:.2f} {data.unit}, validation "

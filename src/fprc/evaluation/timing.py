@@ -24,9 +24,7 @@ Log = tuple[np.ndarray, np.ndarray]
 
 
 def time_models(
-    fitted: Mapping[Name, tuple[SequenceModel, Log, Log]],
-    repeats: int,
-    modes: tuple[str, ...] = ("sequential", "batch"),
+    fitted: Mapping[Name, tuple[SequenceModel, Log, Log]], repeats: int
 ) -> dict[Name, list[dict[str, Any]]]:
     """Time fitted models, ``repeats`` times in each mode, each time after a short untimed run.
 
@@ -49,8 +47,6 @@ def time_models(
     """
     results: dict[Name, list[dict[str, Any]]] = {name: [] for name in fitted}
     for (phase, mode), run in _WORK.items():
-        if mode not in modes:
-            continue
         log.info("%s, %s, %d repeats in turn", phase, mode, repeats)
         logs = {
             name: train if phase == "train" else test for name, (_, train, test) in fitted.items()

@@ -15,7 +15,7 @@ from fprc.logs.quality import substitute
 from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, RESULTS, Result
-from fprc.registry import controllers, entries, feedforward_of, outside_paper
+from fprc.registry import controllers, entries, feedforward_of
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
 TRAINING = EXPERIMENTS[0]
@@ -192,7 +192,7 @@ class Plan:
         """Models outside the paper that can be judged."""
         if "table2" in self.unavailable:
             return []
-        return [name for name in outside_paper(self.settings["models"]) if name in self.models]
+        return [name for name in self.settings["models"]["others"] if name in self.models]
 
     @cached_property
     def figures(self) -> list[str]:

@@ -10,7 +10,7 @@ from fprc.experiments.settings import Judgement
 from fprc.logs import write_columns
 from fprc.models import save_model
 from fprc.paper import DIRECTIONS
-from fprc.registry import outside_class
+from fprc.registry import outside_classes
 
 
 def judge(
@@ -30,7 +30,7 @@ def judge(
     output on the training log (``fits``) and on the test log (``predictions``).
     """
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
-    outside = outside_class(name, judgement["models"])
+    outside = outside_classes(judgement["models"])
     judged = judge_directions(name, Judgement(**judgement), logs)
     for (train, test), (validated, report, tested), error, model, fit, prediction in zip(
         DIRECTIONS, judged, errors, fitted, fits, predictions, strict=True

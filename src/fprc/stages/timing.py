@@ -8,7 +8,7 @@ from fprc.evaluation import time_models
 from fprc.evaluation.timing import machine
 from fprc.experiments.data import models_for, read_data, refuse_mixture
 from fprc.paper import GRID_MODELS
-from fprc.registry import build, has_steps
+from fprc.registry import build
 
 
 def measure_times(
@@ -34,10 +34,7 @@ def measure_times(
     }
     fitted = {name: build(name, models, seed).fit(*pairs[0]) for name, pairs in logs.items()}
     work = {name: (model, *logs[name]) for name, model in fitted.items()}
-    stepping = {name: pieces for name, pieces in work.items() if has_steps(type(pieces[0]))}
-    timed = time_models(stepping, repeats)
-    others = {name: pieces for name, pieces in work.items() if name not in stepping}
-    timed |= time_models(others, repeats, modes=("batch",)) if others else {}
+    timed = time_models(work, repeats)
     results = [{"model": name, **entry} for name, entries in timed.items() for entry in entries]
     described = {"source": train_data.attributes["source"], **machine()}
     write_json(times, described | {"times": results})

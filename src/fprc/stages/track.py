@@ -7,7 +7,7 @@ from typing import Any
 from fprc.experiments.tracking import Track, describe_model, tracking_rmse
 from fprc.logs import write_raw
 from fprc.models import load_model
-from fprc.registry import feedforward_of, outside_class
+from fprc.registry import feedforward_of, outside_classes
 
 log = logging.getLogger(__name__)
 
@@ -41,9 +41,8 @@ def track(
     """
     bench = Track(tracking, control, rig, seed)
     files = dict(zip(names, models, strict=True))
-    fitted = {
-        name: load_model(path, outside_class(name, classes or {})) for name, path in files.items()
-    }
+    outside = outside_classes(classes or {})
+    fitted = {name: load_model(path, outside) for name, path in files.items()}
     for path, (controller, channels) in zip(
         raw, bench.follow(reference, controllers, fitted).items(), strict=True
     ):
