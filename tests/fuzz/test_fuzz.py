@@ -41,7 +41,7 @@ from fprc.models import (
     load_model,
     save_model,
 )
-from fprc.models.model_file import sealed
+from fprc.models.storage import sealed
 
 pytestmark = [
     pytest.mark.slow,
@@ -426,8 +426,8 @@ def change_description(file, draw):
 def change_array(file, draw):
     """Replace an array by another of other values, shape or type, or by a link."""
     name = draw(st.sampled_from([name for name in file if name != "model"]))
-    values = file[name][()]
-    flat = values.copy().reshape(-1)
+    values = np.atleast_1d(file[name][()])
+    flat = values.astype(float).reshape(-1)
     flat[draw(st.integers(0, flat.size - 1))] = draw(
         st.sampled_from([np.nan, np.inf, 0.0, 7.0, -1e30, 1e300, 5e-324])
     )
@@ -435,7 +435,7 @@ def change_array(file, draw):
         made = [
             flat.reshape(values.shape), values[:-1], values[..., :-1], values[:0], values.T,
             values.reshape(-1), values[None], np.repeat(values, 2, axis=0), values.sum(),
-            values.astype("f4"), values.astype(">f8"), values.astype("i8"), values > 0,
+            flat[0], values.astype("f4"), values.astype(">f8"), values.astype("i8"), values > 0,
             values + 1j, values.astype("S8"), values * 1e20, values * 1e300, -values,
             np.zeros(3, [("a", "f8")]), h5py.ExternalLink("log.h5", "/theta_deg"),
             h5py.SoftLink("/model"), h5py.ExternalLink("other.h5", f"/{name}"), None,

@@ -10,7 +10,7 @@ from fprc.models.echo import echo_states, narrowed, update
 from fprc.models.features import FeatureMap, refuse_shorter, taps
 from fprc.models.kernels import shift
 from fprc.models.learned import Learned
-from fprc.models.limits import Limit, Seed, Whole
+from fprc.models.limits import Array, Limit, Seed, Whole
 
 #: Most products before the first sample of a stream: some seconds.
 MOST_PRODUCTS = 1e10
@@ -88,8 +88,8 @@ class EchoStates(FeatureMap):
     def learned(self) -> Iterator[tuple[str, Learned]]:
         """Check the parameters, and yield the shapes of both matrices."""
         yield from super().learned()
-        yield "w_in_", (self.r, self.n_features_in_)
-        yield "W_r_", (self.r, self.r)
+        yield "w_in_", Array((self.r, self.n_features_in_))
+        yield "W_r_", Array((self.r, self.r))
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
         refuse_shorter(X, self.n_y)

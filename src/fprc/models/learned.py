@@ -1,23 +1,25 @@
-"""What a model learns, declared by its class, and the check of a model from a file.
+"""What a model learns, declared by its class, and a model that is made again from it.
 
 Each class of this package has a method ``learned`` that yields pairs: the name of a learned
-attribute, and the shape of its array, the ``LearnedPart`` that it holds, or a list of these.
+attribute, and its ``Array``, the ``LearnedPart`` that it holds, or a list of these.
 A class from outside, which may learn anything, is not checked; its parts of this package are.
 """
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-import numpy as np
-from sklearn.base import BaseEstimator
+from sklearn.base import BaseEstimator, clone
 
-from fprc.models.limits import MOST_FEATURES, Limit, Whole, check_limits
-
-#: Learned numbers are within, unless the class's LIMITS have the attribute too. A trained model is
-#: far from it; beyond, sums over the features could exceed the range of double.
-USUAL = Limit(-1e30, 1e30)
-
-_RATE = Limit(1e-3, 1e6)
-_COLUMNS = Whole(1, MOST_FEATURES)
+from fprc.models.limits import (
+    MOST_FEATURES,
+    Allows,
+    Array,
+    Limit,
+    Whole,
+    Words,
+    check_limits,
+    shown,
+)
 
 
 class LearnedPart(NamedTuple):
@@ -28,7 +30,11 @@ class LearnedPart(NamedTuple):
 
 
 #: What ``learned`` yields beside a name.
-Learned = tuple[int, ...] | LearnedPart | list[LearnedPart]
+Learned = Array | LearnedPart | list[LearnedPart]
+
+_RATE = Limit(1e-3, 1e6)
+#: What a model may know, or not.
+_OPTIONAL = {"feature_names_in_", "information_", "sample_rate_hz_", "units_"}
 
 
 def is_built_in(model: BaseEstimator) -> bool:
@@ -38,7 +44,7 @@ def is_built_in(model: BaseEstimator) -> bool:
 
 def is_learned(key: str) -> bool:
     """Return whether an attribute of this name is learned."""
-    return key.endswith("_") and not key.startswith("_")
+    return key.isidentifier() and key.endswith("_") and not key.startswith("_")
 
 
 def features_of(features: Any) -> int | None:
@@ -46,102 +52,61 @@ def features_of(features: Any) -> int | None:
     return features.count_features() if is_built_in(features) else None
 
 
-def describe(value: Any, *, seeds: bool = True) -> Any:
-    """Return an estimator as a dict of class and parameters, at any depth.
-
-    Arrays and tuples become lists, numbers of NumPy become Python's; two estimators are equal
-    if their descriptions are. Any other value stays as it is.
+def restore(
+    unfitted: BaseEstimator, values: dict[str, Any], place: str = "", columns: int | None = None
+) -> Any:
+    """Return a fitted copy of an estimator, whose parts are made as ``fit`` makes them.
 
     Parameters
     ----------
-    seeds : bool, default=True
-        Whether the parameters include ``random_state``.
-    """
-    if isinstance(value, BaseEstimator):
-        parameters = value.get_params(deep=False)
-        kept = {key: value for key, value in parameters.items() if seeds or key != "random_state"}
-        return {"class": type(value), "parameters": describe(kept, seeds=seeds)}
-    if isinstance(value, dict):
-        return {key: describe(part, seeds=seeds) for key, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [describe(part, seeds=seeds) for part in value]
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-
-
-def check_learned(model: Any) -> None:
-    """Check parameters and learned attributes of a fitted model and of its parts.
+    values : dict
+        Learned attributes, by their place in the model; those of this estimator and of its parts
+        are taken out.
+    place : str
+        Place of the estimator in the model, such as ``readout_.``.
+    columns : int, optional
+        Columns that it gets; by default any number.
 
     Raises
     ------
     ValueError
-        Names part and attribute.
+        Names a parameter outside its limits, or an attribute that is not as its class learns it.
     """
-    has = {key: value for key, value in vars(model).items() if is_learned(key)}
-    if not _RATE.allows(rate := has.pop("sample_rate_hz_", 200.0)):
-        raise ValueError(f"sample_rate_hz_ = {rate!r:.60}; must be {_RATE}")
-    units = has.pop("units_", None)
-    if not is_built_in(model):
-        _check_words("units_", units, np.size(units))
-        for key, value in has.items():
-            parts = enumerate(value) if isinstance(value, list) else []
-            for place, part in [(key, value), *((f"{key}.{i}", element) for i, element in parts)]:
-                if isinstance(part, BaseEstimator):
-                    _check_within(place, part)
-        return
-    limits = getattr(model, "LIMITS", {})
-    check_limits(model, limits)
-    columns, names = has.pop("n_features_in_", None), has.pop("feature_names_in_", None)
-    if not _COLUMNS.allows(columns):
-        raise ValueError(f"n_features_in_ = {columns!r:.60}; must be {_COLUMNS}")
-    _check_words("feature_names_in_", names, columns)
-    _check_words("units_", units, 1 + columns)
-    for key, expected in model.learned():
-        found = has.pop(key, None)
+    model, ours = clone(unfitted), is_built_in(unfitted)
+    keys = [name.removeprefix(place) for name in values if name.startswith(place)]
+    own = {key: values.pop(place + key) for key in keys if is_learned(key)}
+    if ours:
+        check_limits(model, getattr(model, "LIMITS", {}))
+    else:
+        vars(model).update(own)
+    for key, expected in _declared(model, columns):
         if isinstance(expected, LearnedPart):
-            _check_part(key, found, expected)
+            part = restore(expected.unfitted, values, f"{place}{key}.", expected.n_features_in)
+            setattr(model, key, part)
         elif isinstance(expected, list):
-            if not isinstance(found, list) or len(found) != len(expected):
-                raise ValueError(f"{key}: must be {len(expected)} parts")
-            for i, (part, wanted) in enumerate(zip(found, expected, strict=True)):
-                _check_part(f"{key}.{i}", part, wanted)
-        else:
-            _check_array(key, found, expected, limits.get(key, USUAL))
-    if has:
-        raise ValueError(f"{', '.join(has)}: {type(model).__name__} learns no such attribute")
+            parts = [
+                restore(part, values, f"{place}{key}.{i}.", n)
+                for i, (part, n) in enumerate(expected)
+            ]
+            setattr(model, key, parts)
+        elif key in own or key not in _OPTIONAL:
+            value = own.pop(key, None)
+            if not expected.allows(value):
+                raise ValueError(f"{place}{key}: {shown(value)}; must be {expected}")
+            setattr(model, key, value)
+    if ours and own:
+        raise ValueError(f"{place}: {type(model).__name__} learns no {', '.join(own)}")
+    return model
 
 
-def _check_words(key: str, words: Any, count: int) -> None:
-    listed = words.tolist() if isinstance(words, np.ndarray) else []
-    if words is not None and [isinstance(word, str) for word in listed] != [True] * count:
-        raise ValueError(f"{key}: must be {count} words")
-
-
-def _check_within(place: str, part: BaseEstimator) -> None:
-    try:
-        check_learned(part)
-    except ValueError as error:
-        raise ValueError(f"{place}.{error}") from error
-
-
-def _check_part(place: str, found: Any, expected: LearnedPart) -> None:
-    unfitted, columns = expected
-    if type(found) is not type(unfitted):
-        raise ValueError(f"{place}: is {type(found).__name__}; must be {type(unfitted).__name__}")
-    # a cross-validation gives the readout of every fold another seed
-    if describe(found, seeds=False) != describe(unfitted, seeds=False):
-        raise ValueError(f"{place}: its parameters are not those that the model gives it")
-    if columns is not None and getattr(found, "n_features_in_", columns) != columns:
-        raise ValueError(
-            f"{place}: is trained on {found.n_features_in_!r:.60} columns, but gets {columns}"
-        )
-    _check_within(place, found)
-
-
-def _check_array(place: str, found: Any, shape: tuple[int, ...], limit: Limit) -> None:
-    if not isinstance(found, np.ndarray) or found.dtype != np.float64 or found.shape != shape:
-        kind = getattr(found, "dtype", type(found).__name__)
-        raise ValueError(
-            f"{place}: is {kind} of shape {np.shape(found)}; must be float64 of shape {shape}"
-        )
-    if not (limit.allows(found.min()) and limit.allows(found.max())):  # NaN is neither
-        raise ValueError(f"{place}: holds {found.min():g} to {found.max():g}; each must be {limit}")
+def _declared(model: Any, columns: int | None) -> Iterator[tuple[str, Learned | Allows]]:
+    """Yield what a model learns; the next thing only after the one before is set."""
+    ours = is_built_in(model)
+    if ours:
+        yield "n_features_in_", Whole(columns or 1, columns or MOST_FEATURES)
+        yield "feature_names_in_", Words(model.n_features_in_)
+    yield "units_", Words(1 + model.n_features_in_ if ours else None)
+    yield "sample_rate_hz_", _RATE
+    for key, expected in model.learned() if hasattr(model, "learned") else ():
+        if ours or not isinstance(expected, Array):
+            yield key, expected

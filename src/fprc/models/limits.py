@@ -92,6 +92,40 @@ class Each(NamedTuple):
         return f"a list of 1 to {self.most} numbers in {self.limit.interval()}"
 
 
+class Array(NamedTuple):
+    """Shape of an array of double, and range of each number.
+
+    By default a trained model is far from the range; beyond it, sums over the features could exceed
+    that of double.
+    """
+
+    shape: tuple[int, ...]
+    each: Limit = Limit(-1e30, 1e30)
+
+    def allows(self, value: Any) -> bool:
+        """Return whether ``value`` is such an array."""
+        if not isinstance(value, np.ndarray) or value.dtype != np.float64:
+            return False
+        return value.shape == self.shape and all(map(self.each.allows, (value.min(), value.max())))
+
+    def __str__(self) -> str:  # noqa: D105
+        return f"float64 of shape {self.shape} in {self.each.interval()}"
+
+
+class Words(NamedTuple):
+    """Length of an array of words; None is any."""
+
+    length: int | None
+
+    def allows(self, value: Any) -> bool:
+        """Return whether ``value`` is such an array."""
+        words = value.tolist() if isinstance(value, np.ndarray) else [None]
+        return self.length in (None, len(words)) and all(isinstance(word, str) for word in words)
+
+    def __str__(self) -> str:  # noqa: D105
+        return f"{'any number of' if self.length is None else self.length} words"
+
+
 class Seed(NamedTuple):
     """What ``random_state`` may be."""
 
@@ -106,11 +140,18 @@ class Seed(NamedTuple):
 _INTEGER_SEED = Whole(0, 2**32 - 1, or_none=True)
 
 #: What tells whether a value of any type is allowed; as text, what it must be.
-Allows = Limit | Whole | OneOf | Each | Seed
+Allows = Limit | Whole | OneOf | Each | Array | Words | Seed
 
 
 def _is(value: Any, kind: type) -> bool:
     return isinstance(value, kind) and not isinstance(value, bool)
+
+
+def shown(value: Any) -> str:
+    """Return a value as a message shows it."""
+    if isinstance(value, np.ndarray) and value.dtype != object and value.size:
+        return f"{value.dtype} of shape {value.shape} from {value.min():g} to {value.max():g}"
+    return f"{value!r:.60}"
 
 
 def check_limits(estimator: BaseEstimator, limits: Mapping[str, Allows]) -> None:

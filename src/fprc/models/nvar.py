@@ -8,7 +8,7 @@ import numpy as np
 
 from fprc.models.features import FeatureMap, refuse_shorter, taps
 from fprc.models.learned import Learned
-from fprc.models.limits import LARGEST, SMALLEST_SCALE, Limit, Whole
+from fprc.models.limits import LARGEST, SMALLEST_SCALE, Array, Limit, Whole
 
 
 class NVAR(FeatureMap):
@@ -51,8 +51,6 @@ class NVAR(FeatureMap):
         "n_taps": Whole(1, 1000),
         "spacing": Whole(1, 10_000),
         "degree": Whole(2, 10),
-        "mean_": Limit(-2 * LARGEST, 2 * LARGEST),
-        "scale_": Limit(SMALLEST_SCALE, 1e30),
     }
 
     def count_features(self) -> int:
@@ -63,8 +61,8 @@ class NVAR(FeatureMap):
     def learned(self) -> Iterator[tuple[str, Learned]]:
         """Check the parameters, and yield the shapes of mean and scale."""
         yield from super().learned()
-        yield "mean_", (self.n_features_in_,)
-        yield "scale_", (self.n_features_in_,)
+        yield "mean_", Array((self.n_features_in_,), Limit(-2 * LARGEST, 2 * LARGEST))
+        yield "scale_", Array((self.n_features_in_,), Limit(SMALLEST_SCALE, 1e30))
 
     def _prepare(self, X: np.ndarray) -> None:
         self.mean_, spread = X.mean(axis=0), X.std(axis=0)

@@ -7,7 +7,7 @@ import numpy as np
 from fprc.models.features import FeatureMap
 from fprc.models.kernels import play, play_log
 from fprc.models.learned import Learned
-from fprc.models.limits import Limit, Whole
+from fprc.models.limits import Array, Limit, Whole
 
 
 class PlayOperators(FeatureMap):
@@ -40,7 +40,7 @@ class PlayOperators(FeatureMap):
     def __init__(self, n_plays: int = 10):
         self.n_plays = n_plays
 
-    LIMITS = {"n_plays": Whole(1, 10_000), "half_widths_": Limit(0, 1e30)}
+    LIMITS = {"n_plays": Whole(1, 10_000)}
 
     def count_features(self) -> int:
         """Return the number of plays of all columns."""
@@ -49,7 +49,7 @@ class PlayOperators(FeatureMap):
     def learned(self) -> Iterator[tuple[str, Learned]]:
         """Check the parameters, and yield the shape of the half-widths."""
         yield from super().learned()
-        yield "half_widths_", (self.n_features_in_, self.n_plays)
+        yield "half_widths_", Array((self.n_features_in_, self.n_plays), Limit(0, 1e30))
 
     def _prepare(self, X: np.ndarray) -> None:
         shares = np.arange(1, self.n_plays + 1) / (self.n_plays + 1)

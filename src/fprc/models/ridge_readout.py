@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.models.limits import Limit, check_limits
+from fprc.models.limits import Array, Limit, check_limits
 from fprc.models.ridge import ridge_weights, solve_ridge, with_bias
 
 
@@ -34,9 +34,9 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
 
     LIMITS: ClassVar[Mapping[str, Limit]] = {"alpha": Limit(0, 1e30)}
 
-    def learned(self) -> Iterator[tuple[str, tuple[int, ...]]]:
+    def learned(self) -> Iterator[tuple[str, Array]]:
         """Yield the shape of the weights, see ``fprc.models.learned``."""
-        yield "w_out_", (1 + self.n_features_in_,)
+        yield "w_out_", Array((1 + self.n_features_in_,))
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Solve the normal equations for one output."""

@@ -12,6 +12,7 @@ from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.learned import Learned, LearnedPart, features_of
+from fprc.models.limits import Array
 from fprc.models.recordings import are_several, joined, transform_each
 from fprc.models.ridge import solve_ridge
 
@@ -181,9 +182,8 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         """Yield both parts, and what is remembered, see ``fprc.models.learned``."""
         yield "features_", LearnedPart(self.make_features(), self.n_features_in_)
         yield "readout_", LearnedPart(self.make_readout(), features_of(self.features_))
-        if hasattr(self, "information_"):
-            weights = np.size(getattr(self.readout_, "weights", ()))
-            yield "information_", (weights, weights)
+        if self.learns_online():
+            yield "information_", Array((self.readout_.weights.size,) * 2)
 
     def __copy__(self) -> Self:
         """Return a deep copy: two models must not share the state of a stream."""

@@ -1,25 +1,41 @@
-"""Fitted models in files."""
+"""Fitted models in files: an HDF5 file of one text and some arrays, behind a checksum.
 
+The first 512 bytes, HDF5's user block, hold the SHA-256 of all others, so a damaged file is refused
+before the HDF5 library reads it. The text is JSON: the model as it is before ``fit``, and the words
+that it learned. What else it learned are arrays, each named by its place in the model, such as
+``readout_.W_out_``.
+
+A model is read by making it again, see ``fprc.models.learned``; what does not fit into it is
+refused. A model that would not be read again is not written.
+"""
+
+import hashlib
 import json
 import sys
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
 from fprc.given import read_given
-from fprc.models.learned import check_learned, describe, is_built_in, is_learned
-from fprc.models.model_file import MOST_BYTES, model_file, read_model_file
-from fprc.models.sequence import SequenceModel
+from fprc.models.learned import is_built_in, is_learned, restore
 
-Arrays = dict[str, np.ndarray]
+#: Largest file, bytes: an ESN of 4,000 nodes takes 128 MB.
+MOST_BYTES = 150_000_000
 
 #: Longest message about a file, which may quote a name of any length.
 _LONGEST = 1000
+
+#: Name of the text.
+_TEXT = "model"
+_FORMAT = b"fprc model 2\n"
+_BLOCK = 512
+_HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type] = ()) -> None:
@@ -34,31 +50,29 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     Raises
     ------
     FprcError
-        The class of the model, or of a part of it, is neither of this package nor in
-        ``classes``; ``random_state`` is neither a number nor None; or a learned attribute cannot
-        be saved: it is not finite, not as the class learns it, or neither numbers nor text.
+        The class of the model, or of an estimator among its parameters, is neither of this package
+        nor in ``classes``; ``random_state`` is neither a number nor None; or a learned attribute
+        cannot be saved: it is not finite, not as the class learns it, or neither numbers nor text.
     """
-    names = {cls: name for name, cls in _known_classes(classes).items()}
-    arrays: Arrays = {}
-
-    def plain(value: object) -> str:
-        if isinstance(value, type):
-            return _name_of(value, names)
-        raise TypeError(f"{type(value).__name__} is not a number")
-
-    described = _describe(model, names, arrays, "")
+    check_is_fitted(model)
+    parts, arrays, words = dict(_parts(model)), {}, {}
     try:
-        text = json.dumps(described, default=plain, allow_nan=False)
-    except TypeError as error:
-        raise FprcError(
-            f"{type(model).__name__}: {error}; give random_state a number to save the model"
-        ) from error
-    except ValueError as error:
-        raise FprcError(
-            f"{type(model).__name__}: {error}; only finite numbers can be saved"
-        ) from error
-    _check(model)
-    Path(path).write_bytes(model_file(text, arrays))
+        for place, part in parts.items():
+            for key, value in vars(part).items():
+                if is_learned(key) and not _held(value):
+                    numbers = np.asarray(value)
+                    if numbers.dtype.kind in "biuf":
+                        arrays[place + key] = numbers
+                    else:
+                        words[place + key] = numbers.tolist()
+        text = json.dumps({"model": model, "words": words}, default=_plain, allow_nan=False)
+        content = packed(text, dict(sorted(arrays.items())))
+        for place, part in _parts(_restored(content, classes)):
+            if _common(part) != _common(parts[place]):
+                raise ValueError(f"{place}: its class and parameters are not those of make_...()")
+    except (FprcError, TypeError, ValueError) as error:
+        raise FprcError(f"{type(model).__name__}: cannot be saved: {error}") from error
+    Path(path).write_bytes(content)
 
 
 def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimator:
@@ -75,14 +89,9 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
         The file cannot be opened, is too large, was changed, or holds no model of this package:
         it names the file, and the part and attribute that is wrong.
     """
-    known = _known_classes(classes)
     content = read_given(path, most_bytes=MOST_BYTES)
     try:
-        described, arrays = read_model_file(content)
-        model = _restore(described, arrays, known, "")
-        if arrays:
-            raise FprcError(f"{', '.join(arrays)}: is no part of the model; train it again")
-        _check(model)
+        model = _restored(content, classes)
         if hasattr(model, "reset"):
             model.reset()
         return model
@@ -93,121 +102,140 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
         raise FprcError(f"{path}: holds no model of fprc ({why}); train it again") from error
 
 
+def packed(text: str, arrays: Mapping[str, np.ndarray]) -> bytes:
+    """Return the content of a file.
+
+    Raises
+    ------
+    FprcError
+        It is too large.
+    """
+    # in memory: HDF5 on a full disk crashes the process at exit
+    with h5py.File(_TEXT, "w", driver="core", backing_store=False) as file:
+        file.create_dataset(_TEXT, data=np.bytes_(text.encode()))
+        for name, values in arrays.items():
+            file.create_dataset(name, data=values)
+        file.flush()
+        image = file.id.get_file_image()
+    if _BLOCK + len(image) > MOST_BYTES:
+        raise FprcError(
+            f"takes {(_BLOCK + len(image)) / 1e6:.0f} MB, the limit is {MOST_BYTES / 1e6:.0f} MB, "
+            "train a smaller one"
+        )
+    return sealed(image)
+
+
+def sealed(image: bytes) -> bytes:
+    """Return an HDF5 file behind the block with its checksum."""
+    checksum = hashlib.sha256(image).hexdigest().encode()
+    return (_FORMAT + checksum + b"\n").ljust(_BLOCK, b"\0") + image
+
+
+def _unpacked(content: bytes) -> dict[str, Any]:
+    """Return the text and every array of a file by name."""
+    image = content[_BLOCK:]
+    if content != sealed(image):
+        if content.startswith(_HDF5) and b"time_s" in content:  # the name of a channel
+            raise FprcError("is a log, no model; give the model of `fprc train` here")
+        if not content.startswith(_FORMAT):
+            raise FprcError("holds no model of fprc, or one of another version; train it again")
+        raise FprcError(
+            "was changed after it was saved: its SHA-256 is not the one that it holds; restore the "
+            "file, or train the model again"
+        )
+    with h5py.File(h5py.h5f.open_file_image(image)) as file:
+        if sum(file[name].nbytes for name in file) > len(image):
+            raise FprcError("declares more numbers than it has bytes; train the model again")
+        return {name: file[name][()] for name in file}
+
+
+def _restored(content: bytes, classes: Collection[type]) -> Any:
+    values, known = _unpacked(content), _known_classes(classes)
+
+    def unfitted(described: dict[str, Any]) -> Any:
+        return _unfitted(described, known) if described.keys() == _KEYS else described
+
+    text = json.loads(values.pop(_TEXT), object_hook=unfitted)
+    for name, array in values.items():
+        if not np.isfinite(array).all():
+            raise FprcError(f"{name}: holds NaN or infinity; train the model again")
+    learned = {name: value if np.ndim(value) else value.item() for name, value in values.items()}
+    for name, value in text["words"].items():
+        learned[name] = np.array(value, dtype=object) if isinstance(value, list) else value
+    try:
+        model = restore(text["model"], learned)
+    except ValueError as error:
+        raise FprcError(f"{error}; train the model again") from error
+    if learned:
+        raise FprcError(f"{', '.join(learned)}: is no part of the model; train it again")
+    return model
+
+
 def _known_classes(classes: Collection[type]) -> dict[str, type]:
     """Return the models of this package, ``classes`` and the other estimators of their modules."""
     # not imported by name, so that a rule does not depend on the code of every model
     modules = "fprc.models", *(known_class.__module__ for known_class in classes)
     members = [member for module in modules for member in vars(sys.modules[module]).values()]
-    estimators = [
-        member
-        for member in members
+    return {
+        member.__name__: member
+        for member in (*members, *classes)
         if isinstance(member, type) and issubclass(member, BaseEstimator)
-    ]
-    known = {known_class.__name__: known_class for known_class in (*estimators, *classes)}
-    bases = BaseEstimator, SequenceModel
-    return {name: known_class for name, known_class in known.items() if known_class not in bases}
-
-
-def _name_of(cls: type, names: Mapping[type, str]) -> str:
-    if cls not in names:
-        known = ", ".join(names.values())
-        raise FprcError(
-            f"{cls.__name__} is not a model of fprc, which are {known}; give its class "
-            f"too: save_model(model, path, [{cls.__name__}])"
-        )
-    return names[cls]
-
-
-def _describe(
-    model: BaseEstimator, names: Mapping[type, str], arrays: Arrays, place: str
-) -> dict[str, Any]:
-    """Return class, parameters and learned attributes; add arrays by their place in the model."""
-    _name_of(type(model), names)
-    check_is_fitted(model)
-    learned = {
-        key: _describe_learned(value, names, arrays, f"{place}{key}")
-        for key, value in sorted(vars(model).items())
-        if is_learned(key)
     }
-    return {**describe(model), "learned": learned}
 
 
-def _describe_learned(value: Any, names: Mapping[type, str], arrays: Arrays, place: str) -> Any:
+#: Keys of an estimator in the text.
+_KEYS = {"class", "parameters"}
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON has it: an estimator as class and parameters, an array as a list."""
     if isinstance(value, BaseEstimator):
-        return _describe(value, names, arrays, f"{place}.")
-    if isinstance(value, list) and value and isinstance(value[0], BaseEstimator):
-        parts = enumerate(value)
-        return [_describe(part, names, arrays, f"{place}.{i}.") for i, part in parts]
-    values = np.asarray(value)
-    if values.dtype.kind not in "biuf":
-        if all(isinstance(element, str) for element in values.flat):
-            return values.tolist()
-        raise FprcError(
-            f"learned attribute {place} is {type(value).__name__}; only numbers, arrays of numbers "
-            "and text can be saved"
-        )
-    if values.ndim:
-        arrays[place] = values
-        return {"array": place}
-    return values.item()
-
-
-def _check(model: BaseEstimator) -> None:
-    try:
-        check_learned(model)
-    except ValueError as error:
-        raise FprcError(f"{error}; train the model again") from error
-
-
-def _restore(described: Any, arrays: Arrays, known: Mapping[str, type], place: str) -> Any:
-    """Return a fitted estimator; take its arrays out of ``arrays``."""
-    if not isinstance(described, dict) or described.keys() != {"class", "parameters", "learned"}:
-        raise FprcError(
-            f"{place.rstrip('.') or 'model'}: must be class, parameters and learned; train it again"
-        )
-    model = _unfitted(described, known)
-    for key, value in described["learned"].items():
-        if not is_learned(key):
-            raise FprcError(f"{place}{key}: is no name of a learned attribute; train it again")
-        setattr(model, key, _restore_learned(value, arrays, known, f"{place}{key}"))
-    return model
-
-
-def _restore_learned(value: Any, arrays: Arrays, known: Mapping[str, type], place: str) -> Any:
-    if isinstance(value, dict) and value.keys() == {"array"}:
-        if value["array"] != place or place not in arrays:
-            raise FprcError(f"{place}: is not in the file; train the model again")
-        return arrays.pop(place)
-    if isinstance(value, dict):
-        return _restore(value, arrays, known, f"{place}.")
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        parts = enumerate(value)
-        return [_restore(part, arrays, known, f"{place}.{i}.") for i, part in parts]
-    return np.array(value, dtype=object) if isinstance(value, list) else value
+        return {"class": type(value).__name__, "parameters": value.get_params(deep=False)}
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(
+        f"{type(value).__name__} is neither number nor text; give random_state a number"
+    )
 
 
 def _unfitted(described: Mapping[str, Any], known: Mapping[str, type]) -> Any:
-    """Return the estimator of ``describe``."""
+    """Return the estimator of ``_plain``."""
     name, parameters = described["class"], described["parameters"]
-    if not isinstance(name, str) or name not in known:
+    if name not in known:
         raise FprcError(
             f"class {name} is unknown: a class of your own must be given, by --config or as one of "
             "classes; else another version saved it, so train the model again"
         )
-    given = {key: _parameter(value, known) for key, value in parameters.items()}
     try:
-        model = known[name](**given)
+        model = known[name](**parameters)
     except TypeError as error:
         raise FprcError(f"{name}: {error}, so another version saved it; train it again") from error
-    if is_built_in(model) and (missing := model.get_params(deep=False).keys() - given.keys()):
+    missing = model.get_params(deep=False).keys() - parameters.keys()
+    if is_built_in(model) and missing:
         keys = ", ".join(sorted(missing))
         raise FprcError(f"{name}: has no {keys}, so another version saved it; train it again")
     return model
 
 
-def _parameter(value: Any, known: Mapping[str, type]) -> Any:
-    if isinstance(value, list):
-        return [_parameter(element, known) for element in value]
-    if isinstance(value, dict) and value.keys() == {"class", "parameters"}:
-        return _unfitted(value, known)
-    return value
+def _held(value: Any) -> dict[str, BaseEstimator]:
+    """Return the fitted parts in a learned attribute, by what is added to its name."""
+    listed = {f".{i}": part for i, part in enumerate(value)} if isinstance(value, list) else {}
+    return {
+        key: part for key, part in {"": value, **listed}.items() if isinstance(part, BaseEstimator)
+    }
+
+
+def _parts(model: BaseEstimator, place: str = "") -> Iterator[tuple[str, BaseEstimator]]:
+    """Yield a model and all of its fitted parts, each with its place, such as ``readout_.``."""
+    yield place, model
+    for key, value in vars(model).items():
+        if is_learned(key):
+            for more, part in _held(value).items():
+                yield from _parts(part, f"{place}{key}{more}.")
+
+
+def _common(part: BaseEstimator) -> tuple[type, str]:
+    """Return class and parameters; a cross-validation gives the readout of a fold another seed."""
+    parameters = part.get_params(deep=False)
+    parameters.pop("random_state", None)
+    return type(part), json.dumps(parameters, default=_plain)

@@ -13,7 +13,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend, fuzzy_regressors
-from fprc.models.limits import Allows, Limit, OneOf, Seed, Whole, check_limits
+from fprc.models.limits import Allows, Array, Limit, OneOf, Seed, Whole, check_limits
 from fprc.models.ridge import ridge_weights, with_bias
 
 
@@ -68,10 +68,10 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         "restarts": Whole(1, 10_000),
     }
 
-    def learned(self) -> Iterator[tuple[str, tuple[int, ...]]]:
+    def learned(self) -> Iterator[tuple[str, Array]]:
         """Yield the shapes of centres and weights, see ``fprc.models.learned``."""
-        yield "centers_", (self.n_c, self.n_features_in_)
-        yield "W_out_", (self.n_c, 1 + self.n_features_in_)
+        yield "centers_", Array((self.n_c, self.n_features_in_))
+        yield "W_out_", Array((self.n_c, 1 + self.n_features_in_))
 
     def fit(self, X: ArrayLike, y: ArrayLike, *, init: np.ndarray | None = None) -> Self:
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8).

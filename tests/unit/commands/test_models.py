@@ -12,7 +12,7 @@ from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.logs import read_columns
 from fprc.models import load_model
-from fprc.models.model_file import model_file
+from fprc.models.storage import packed
 from fprc.plan.arguments import judgement
 from fprc.registry import build
 from fprc.stages.judge import judge
@@ -139,7 +139,7 @@ def test_wrong_request_is_refused_and_leaves_no_file(
     words, problem, recorded_by_rule, prepared, inside, few, capsys
 ):
     (inside / "precious.h5").write_text("precious")
-    Path(few).with_name("model.h5").write_bytes(model_file("{}", {}))
+    Path(few).with_name("model.h5").write_bytes(packed("{}", {}))
     logs = {
         "LOG": recorded_by_rule["sweep"],
         "DATA": prepared[0],
