@@ -27,7 +27,7 @@ NAMED = {
     "models.echo_features.EchoStates": {"x(k+1)"},
     "models.features.TapFeatures": {"low-pass"},
     "models.features.lowpass": {"low-pass"},
-    "models.kernels.follow": {"low-pass"},
+    "models.kernels.advance": {"low-pass"},
     "models.lowpass_bank.LowpassBank": {"low-pass"},
     "models.fprc.FPRC": {PAPER[number] for number in range(6, 13)},
     "models.fprc.FuzzyLinear": {"P_ff of a rule", "output"},

@@ -61,7 +61,8 @@ static inline void ${name}_reset(${name}_state *state, const ${name}_real x[$n_i
 static inline ${name}_real ${name}_step(${name}_state *state, const ${name}_real x[$n_inputs])
 {
     /* of each feature: its input; 0 if it is the tap before it one sample later, 1 if it is a
-     * low-pass, 2 if it is a play; and the low-pass's epsilon, Eq. (6), or the play's half-width */
+     * low-pass, 2 if it is a play; and the low-pass's epsilon, Eq. (6), or the play's half-width,
+     * which is 0 if the feature is the input itself */
     static const int column[$n_row] = {$column};
     static const int kind[$n_row] = {$kind};
     static const ${name}_real number[$n_row] = {$number};
@@ -82,7 +83,7 @@ $tables
         if (kind[j] == 0) {
             *p = state->row[j - 1];
         } else if (kind[j] == 1) {
-            *p = r < 1 ? *p + r * (u - *p) : u;
+            *p += r * (u - *p);
         } else {
             *p = *p < u - r ? u - r : *p > u + r ? u + r : *p;
         }

@@ -7,8 +7,8 @@ import numpy as np
 from sklearn.utils import check_random_state
 
 from fprc.models.echo import echo_states, narrowed, update
-from fprc.models.features import FeatureMap, refuse_shorter, taps
-from fprc.models.kernels import shift
+from fprc.models.features import FeatureMap, refuse_shorter, table, tap_rows, taps
+from fprc.models.kernels import advance
 from fprc.models.learned import Learned
 from fprc.models.limits import Array, Limit, Seed, Whole
 
@@ -107,12 +107,11 @@ class EchoStates(FeatureMap):
         for _ in range(self.washout):
             self._update(x)
         self._row = np.concatenate([np.repeat(x, self.n_y), self._state])
-        self._first = np.arange(len(x)) * self.n_y
-        self._latest = x.copy()
+        self._table = table([row for i in range(len(x)) for row in tap_rows(i, self.n_y)])
 
     def _step(self, x: np.ndarray) -> np.ndarray:
         free = len(self._row) - len(self._state)
-        shift(self._row[:free], self._first, self._latest, x, len(x), 1.0)
+        advance(self._row[:free], x, *self._table)
         self._update(x)
         self._row[free:] = self._state
         return self._row

@@ -5,7 +5,7 @@ sample (``step``), with the same result. Before the log begins, the signals are
 assumed to equal its first sample.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Self
@@ -16,9 +16,12 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.models.kernels import shift
+from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
 from fprc.models.learned import Learned
 from fprc.models.limits import LARGEST, MOST_FEATURES, Allows, Limit, Whole, check_limits
+
+#: A feature: its column, its kind, and its number, see ``kernels.advance``.
+Row = tuple[int, int, float]
 
 
 def taps(x: np.ndarray, size: int) -> np.ndarray:
@@ -36,6 +39,11 @@ def taps(x: np.ndarray, size: int) -> np.ndarray:
     return np.lib.stride_tricks.sliding_window_view(padded, size)[:, ::-1]
 
 
+def tap_rows(column: int, size: int, newest: Row | None = None) -> list[Row]:
+    """Return the rows of taps of a column; the newest is by default the column itself."""
+    return [newest or (column, PLAY, 0.0)] + [(column, TAP, 0.0)] * (size - 1)
+
+
 def refuse_shorter(X: np.ndarray, size: int) -> None:
     """Raise a ValueError if a log has fewer samples than its taps."""
     if len(X) < size:
@@ -49,6 +57,12 @@ def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0) (Eq. 6)."""
     # not scipy.signal.lfilter: its import takes half a second, and pandas is imported anyway
     return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
+
+
+def table(rows: Sequence[Row] | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return columns, kinds and numbers of some features."""
+    columns, kinds, numbers = zip(*rows or (), strict=True)
+    return np.array(columns), np.array(kinds), np.array(numbers, dtype=float)
 
 
 def _is_sample(value: float) -> bool:
@@ -89,6 +103,10 @@ class FeatureMap(TransformerMixin, BaseEstimator):
 
     def count_features(self) -> int | None:
         """Return the number of features; None if it is unknown for a class."""
+        return None
+
+    def rows(self) -> list[Row] | None:
+        """Return all features of a fitted map; None if they are not taps, low-passes and plays."""
         return None
 
     def learned(self) -> Iterator[tuple[str, Learned]]:
@@ -154,6 +172,18 @@ class FeatureMap(TransformerMixin, BaseEstimator):
     def _prepare(self, X: np.ndarray) -> None:
         """Learn or draw what the map needs."""
 
+    def _transform(self, X: np.ndarray) -> np.ndarray:
+        # a copy: numba would compile again for another layout or a read-only array
+        return advance_log(np.array(X, order="C"), *table(self.rows()))
+
+    def _start(self, x: np.ndarray) -> None:
+        self._table = table(self.rows())
+        self._row = x[self._table[0]]
+
+    def _step(self, x: np.ndarray) -> np.ndarray:
+        advance(self._row, x, *self._table)
+        return self._row
+
 
 @dataclass(eq=False, repr=False)
 class TapFeatures(FeatureMap):
@@ -199,14 +229,18 @@ class TapFeatures(FeatureMap):
         """Return the number of leading columns that are references."""
         return self.n_features_in_ if self.n_references is None else self.n_references
 
-    def tap_sizes(self) -> list[int]:
-        """Return the number of taps of each column."""
-        split = self.count_references()
-        return [self.n_y] * split + [self.n_u] * (self.n_features_in_ - split)
-
     def count_features(self) -> int:
         """Return the number of taps of all columns."""
-        return sum(self.tap_sizes())
+        split = self.count_references()
+        return self.n_y * split + self.n_u * (self.n_features_in_ - split)
+
+    def rows(self) -> list[Row]:
+        """Return the taps of every column."""
+        split, rows = self.count_references(), list[Row]()
+        for i in range(self.n_features_in_):
+            filtered = i, LOWPASS, float(self.epsilon)
+            rows += tap_rows(i, self.n_y) if i < split else tap_rows(i, self.n_u, filtered)
+        return rows
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
         refuse_shorter(X, max(self.n_y, self.n_u))
@@ -214,14 +248,3 @@ class TapFeatures(FeatureMap):
         references = [taps(column, self.n_y) for column in X.T[:split]]
         readouts = [taps(lowpass(column, self.epsilon), self.n_u) for column in X.T[split:]]
         return np.hstack(references + readouts)
-
-    def _start(self, x: np.ndarray) -> None:
-        split, sizes = self.count_references(), self.tap_sizes()
-        self._row = np.repeat(x, sizes)
-        self._first = np.cumsum([0, *sizes[:-1]])
-        self._filtered = x.copy()
-        self._split = split
-
-    def _step(self, x: np.ndarray) -> np.ndarray:
-        shift(self._row, self._first, self._filtered, x, self._split, float(self.epsilon))
-        return self._row

@@ -14,90 +14,48 @@ from fprc.compiled import kernel, summing_kernel
 BLOCK = 512
 
 
+#: Kinds of features: see ``advance``.
+TAP, LOWPASS, PLAY = range(3)
+
+
 @kernel
-def shift(row, first, filtered, x, references, epsilon):
-    """Shift the taps in ``row`` by one and insert the sample ``x``, with low-passed readouts.
+def advance(row, x, columns, kinds, numbers):
+    """Move the features in ``row`` on by the sample ``x``, in place.
 
     Parameters
     ----------
     row : ndarray of shape (n_features,)
-        The taps of every column, changed in place.
-    first : ndarray of shape (n_inputs,)
-        Index of the newest tap of each column.
-    filtered : ndarray of shape (n_inputs,)
-        State of the filters, changed in place.
-    references : int
-        Leading columns, which are not filtered.
+    columns : ndarray of shape (n_features,)
+        Input u of each feature.
+    kinds : ndarray of shape (n_features,)
+        ``TAP``: what the feature before it was at the last sample. ``LOWPASS``: p + epsilon (u - p)
+        (Eq. 6). ``PLAY``: max(u - r, min(u + r, p)), which is u itself if r is 0.
+    numbers : ndarray of shape (n_features,)
+        epsilon of a low-pass, half-width r of a play.
     """
-    for j in range(row.size - 1, 0, -1):
-        row[j] = row[j - 1]
-    for j in range(x.size):
-        change = x[j] - filtered[j]
-        filtered[j] = x[j] if j < references else filtered[j] + epsilon * change
-        row[first[j]] = filtered[j]
+    for j in range(row.size - 1, -1, -1):
+        u, p, number = x[columns[j]], row[j], numbers[j]
+        if kinds[j] == TAP:
+            row[j] = row[j - 1]
+        elif kinds[j] == LOWPASS:
+            row[j] = p + number * (u - p)
+        else:
+            row[j] = max(u - number, min(u + number, p))
 
 
 @kernel
-def follow(states, x, epsilons):
-    """Low-pass the sample ``x`` with every factor (Eq. 6).
-
-    Parameters
-    ----------
-    states : ndarray of shape (n_inputs * n_epsilons,)
-        States of the filters, input after input, changed in place.
-    """
-    for i in range(x.size):
-        for j in range(epsilons.size):
-            at = i * epsilons.size + j
-            states[at] += epsilons[j] * (x[i] - states[at])
-
-
-@kernel
-def follow_log(X, epsilons):
-    """Return every sample of a log, low-passed with every factor, exactly as by ``follow``.
+def advance_log(X, columns, kinds, numbers):
+    """Return the features of every sample of a log, exactly as by ``advance``.
 
     Returns
     -------
-    ndarray of shape (n_samples, n_inputs * n_epsilons)
+    ndarray of shape (n_samples, n_features)
     """
-    states = np.repeat(X[0], epsilons.size)
-    rows = np.empty((len(X), states.size))
+    row = X[0][columns]
+    rows = np.empty((len(X), row.size))
     for k in range(len(X)):
-        follow(states, X[k], epsilons)
-        rows[k] = states
-    return rows
-
-
-@kernel
-def play(states, x, half_widths):
-    """Move every play p to max(x - r, min(x + r, p)).
-
-    Parameters
-    ----------
-    states : ndarray of shape (n_inputs * n_plays,)
-        Outputs of the plays, input after input, changed in place.
-    half_widths : ndarray of shape (n_inputs, n_plays)
-    """
-    n_plays = half_widths.shape[1]
-    for i in range(x.size):
-        for j in range(n_plays):
-            r, at = half_widths[i, j], i * n_plays + j
-            states[at] = max(x[i] - r, min(x[i] + r, states[at]))
-
-
-@kernel
-def play_log(X, half_widths):
-    """Return the plays of every sample of a log, which start at its first sample.
-
-    Returns
-    -------
-    ndarray of shape (n_samples, n_inputs * n_plays)
-    """
-    states = np.repeat(X[0], half_widths.shape[1])
-    rows = np.empty((len(X), states.size))
-    for k in range(len(X)):
-        play(states, X[k], half_widths)
-        rows[k] = states
+        advance(row, X[k], columns, kinds, numbers)
+        rows[k] = row
     return rows
 
 

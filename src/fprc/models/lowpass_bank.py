@@ -2,10 +2,8 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from fprc.models.features import FeatureMap
-from fprc.models.kernels import follow, follow_log
+from fprc.models.features import FeatureMap, Row
+from fprc.models.kernels import LOWPASS
 from fprc.models.limits import Each, Limit
 
 
@@ -35,18 +33,7 @@ class LowpassBank(FeatureMap):
         """Return the number of low-passes of all columns."""
         return self.n_features_in_ * len(self.epsilons)
 
-    def _factors(self) -> np.ndarray:
-        return np.array(self.epsilons, dtype=np.float64)
-
-    def _transform(self, X: np.ndarray) -> np.ndarray:
-        # not ``lowpass``: it rounds differently from ``step``, and a tree may split between.
-        # a copy: numba would compile again for another layout or a read-only array
-        return follow_log(np.array(X, order="C"), self._factors())
-
-    def _start(self, x: np.ndarray) -> None:
-        self._epsilons = self._factors()
-        self._row = np.repeat(x, len(self._epsilons))
-
-    def _step(self, x: np.ndarray) -> np.ndarray:
-        follow(self._row, x, self._epsilons)
-        return self._row
+    def rows(self) -> list[Row]:
+        """Return the low-passes of every column."""
+        columns = range(self.n_features_in_)
+        return [(i, LOWPASS, float(epsilon)) for i in columns for epsilon in self.epsilons]

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fprc.models.features import FeatureMap
-from fprc.models.kernels import play, play_log
+from fprc.models.features import FeatureMap, Row
+from fprc.models.kernels import PLAY
 from fprc.models.learned import Learned
 from fprc.models.limits import Array, Limit, Whole
 
@@ -55,13 +55,6 @@ class PlayOperators(FeatureMap):
         shares = np.arange(1, self.n_plays + 1) / (self.n_plays + 1)
         self.half_widths_ = np.outer(np.ptp(X, axis=0) / 2.0, shares)
 
-    def _transform(self, X: np.ndarray) -> np.ndarray:
-        # a copy: numba would compile again for another layout or a read-only array
-        return play_log(np.array(X, order="C"), self.half_widths_)
-
-    def _start(self, x: np.ndarray) -> None:
-        self._row = np.repeat(x, self.half_widths_.shape[1])
-
-    def _step(self, x: np.ndarray) -> np.ndarray:
-        play(self._row, x, self.half_widths_)
-        return self._row
+    def rows(self) -> list[Row]:
+        """Return the plays of every column."""
+        return [(i, PLAY, r) for i, widths in enumerate(self.half_widths_.tolist()) for r in widths]

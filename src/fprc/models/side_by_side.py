@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from sklearn.base import clone
 
-from fprc.models.features import FeatureMap
+from fprc.models.features import FeatureMap, Row
 from fprc.models.learned import Learned, LearnedPart, features_of
 
 #: Name, unfitted map, and its columns of the input; None is all of them.
@@ -116,17 +116,26 @@ class SideBySide(FeatureMap):
         every = range(self.n_features_in_)
         return [list(every if columns is None else columns) for _, _, columns in self.maps]
 
-    def parts(self) -> list[tuple[FeatureMap, list[int]]]:
+    def rows(self) -> list[Row] | None:
+        """Return the features of all maps; None if one of them has others."""
+        parts = [(part.rows(), columns) for part, columns in self._parts()]
+        if any(rows is None for rows, _ in parts):
+            return None
+        return [
+            (columns[i], kind, number) for rows, columns in parts for i, kind, number in rows or ()
+        ]
+
+    def _parts(self) -> list[tuple[FeatureMap, list[int]]]:
         """Return each fitted map and the numbers of its columns."""
         return list(zip(self.maps_, self._columns(), strict=True))
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
-        return np.hstack([part.transform(X[:, columns]) for part, columns in self.parts()])
+        return np.hstack([part.transform(X[:, columns]) for part, columns in self._parts()])
 
     def _start(self, x: np.ndarray) -> None:
-        self._parts = [(part, np.array(columns)) for part, columns in self.parts()]
-        for part, columns in self._parts:
+        self._each = [(part, np.array(columns)) for part, columns in self._parts()]
+        for part, columns in self._each:
             part.reset(x[columns])
 
     def _step(self, x: np.ndarray) -> np.ndarray:
-        return np.concatenate([part.advance(x[columns]) for part, columns in self._parts])
+        return np.concatenate([part.advance(x[columns]) for part, columns in self._each])
