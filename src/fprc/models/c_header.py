@@ -33,7 +33,7 @@ def c_header(
     """Return a C header that computes what ``model.step`` computes.
 
     It has the functions ``NAME_init(&state)``, ``NAME_reset(&state, x)`` and
-    ``NAME_step(&state, x)``. Only a fuzzy readout needs the C library, for ``exp``.
+    ``NAME_step(&state, x)``. It needs the C library only for ``exp``.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def c_header(
     rows = model.features_.rows()
     if single and online is not None:
         raise FprcError("a model learns in double only; export it without --float")
-    readout = _readout(model.readout_, name, len(rows or ()), single, online)
+    readout = _readout(model.readout_, single)
     if rows is None or readout is None:
         raise FprcError(
             f"{type(model).__name__} cannot be exported; C code exists only for taps, low-passes "
@@ -79,63 +79,60 @@ def c_header(
         )
     columns, kinds, numbers = zip(*rows, strict=True)
     parameters = ", ".join(f"{key}={value}" for key, value in model.get_params(deep=False).items())
+    texts = readout | {
+        "name": name,
+        "n_row": str(len(rows)),
+        "exp": "expf" if single else "exp",
+        "use": f"p_ff = {name}_step(&state, x);",
+        **dict.fromkeys(c_templates.LEARNING, ""),
+        "finish": c_templates.FINISH,
+    }
+    if online is not None:
+        texts |= _learning(online)
+        texts |= {key: part.substitute(texts) for key, part in c_templates.LEARNING.items()}
+        texts["use"] = "{0}_learn(&state, error, theta); {1} {0}_sent(&state, p_fb);".format(
+            name, texts["use"]
+        )
     return c_templates.HEADER.substitute(
-        readout,
+        texts,
         generated=GENERATED,
         model=_comment(f"{type(model).__name__}({parameters})"),
         origin=f"\n * {_comment(origin)}" if origin else "",
         inputs="\n".join(_describe_inputs(model)),
         unit=_comment(getattr(model, "units_", ["kPa"])[0]),
         rate=f"at {model.sample_rate_hz_:.6g} Hz" if hasattr(model, "sample_rate_hz_") else _RATE,
-        name=name,
         guard=name.upper(),
         real="float" if single else "double",
         largest=f"{LARGEST!r}{'f' if single else ''}",
         n_inputs=model.n_features_in_,
-        n_row=len(rows),
         column=", ".join(map(str, columns)),
         kind=", ".join(map(str, kinds)),
         number=_literals(np.array(numbers), "features", single),
     )
 
 
-def _readout(
-    readout: BaseEstimator, name: str, n_row: int, single: bool, online: Online | None
-) -> dict[str, str] | None:
-    """Return the parts of the template for a readout; None if there is no C code for it."""
+def _readout(readout: BaseEstimator, single: bool) -> dict[str, str] | None:
+    """Return the numbers of a readout as C literals; None if there is no C code for it.
+
+    A ridge is a fuzzy readout of one rule.
+    """
     if isinstance(readout, RidgeReadout):
-        equation, include = "P_ff(k) = w_out [1, x(k)], paper, Eq. (4)", ""
-        parts, base = c_templates.RIDGE, "output"
-        numbers = {"bias": readout.w_out_[:1], "weights": readout.w_out_[1:]}
+        equation = "P_ff(k) = w_out [1, x(k)], paper, Eq. (4)"
+        weights, sigma = readout.w_out_[None], 1.0
+        centers = np.zeros((1, readout.n_features_in_))
     elif isinstance(readout, TakagiSugenoReadout):
         equation = "P_ff(k) = beta_bar(k) W_out [1, x(k)], paper, Eq. (12)"
-        include = "#include <math.h>\n\n"
-        parts, base = c_templates.FUZZY, "blended / total"
-        bias, weights = readout.W_out_[:, 0], readout.W_out_[:, 1:]
-        numbers = {
-            "centers": readout.centers_,
-            "weights": weights,
-            "at_center": bias + np.sum(weights * readout.centers_, axis=1),
-            "half_over_sigma2": np.array(0.5 / readout.sigma**2),
-        }
+        weights, centers, sigma = readout.W_out_, readout.centers_, readout.sigma
     else:
         return None
+    numbers = {
+        "centers": centers,
+        "weights": weights[:, 1:],
+        "at_center": weights[:, 0] + np.sum(weights[:, 1:] * centers, axis=1),
+        "half_over_sigma2": np.array(0.5 / sigma**2),
+    }
     texts = {key: _literals(values, key, single) for key, values in numbers.items()}
-    texts |= {"name": name, "n_row": str(n_row), "exp": "expf" if single else "exp"}
-    if "centers" in numbers:
-        texts["n_c"] = str(len(numbers["centers"]))
-    texts |= {"base": base, "finish": f"return {base};", "keep": ""}
-    use = f"p_ff = {name}_step(&state, x);"
-    if online is not None:
-        texts |= _learning(online)
-        texts["fill"] = parts["fill"].substitute(texts)
-        texts["finish"] = c_templates.FINISH.substitute(texts)
-        texts["keep"] = "\n        rule[i] = beta;"
-        use = f"{name}_learn(&state, error, theta); {use} {name}_sent(&state, p_fb);"
-    filled = {key: parts[key].substitute(texts) for key in ("tables", "output")}
-    for key, part in c_templates.LEARNING.items():
-        filled[key] = "" if online is None else part.substitute(texts)
-    return filled | {"equation": equation, "include": include, "use": use}
+    return texts | {"equation": equation, "n_c": str(len(centers))}
 
 
 def _learning(online: Online) -> dict[str, str]:

@@ -20,7 +20,9 @@ $inputs
 #ifndef ${guard}_H
 #define ${guard}_H
 
-$include#define ${guard}_INPUTS $n_inputs
+#include <math.h>
+
+#define ${guard}_INPUTS $n_inputs
 
 typedef $real ${name}_real;
 
@@ -66,7 +68,16 @@ static inline ${name}_real ${name}_step(${name}_state *state, const ${name}_real
     static const int column[$n_row] = {$column};
     static const int kind[$n_row] = {$kind};
     static const ${name}_real number[$n_row] = {$number};
-$tables
+    static const ${name}_real centers[$n_c][$n_row] = {
+$centers
+    };
+    static const ${name}_real weights[$n_c][$n_row] = {
+$weights
+    };
+    static const ${name}_real at_center[$n_c] = { /* each rule's output at its centre, kPa */
+        $at_center
+    };
+    ${name}_real distance2[$n_c], rule[$n_c], nearest, away, beta, total = 0, blended = 0;
     int i, j;
 
     for (i = 0; i < $n_inputs; i++) {
@@ -88,25 +99,6 @@ $tables
             *p = *p < u - r ? u - r : *p > u + r ? u + r : *p;
         }
     }
-$output}
-$learn
-#endif
-""")
-
-#: What a readout has: its tables, how its output comes from them, and its regressors.
-FUZZY = {
-    "tables": Template("""\
-    static const ${name}_real centers[$n_c][$n_row] = {
-$centers
-    };
-    static const ${name}_real weights[$n_c][$n_row] = {
-$weights
-    };
-    static const ${name}_real at_center[$n_c] = { /* each rule's output at its centre, kPa */
-        $at_center
-    };
-    ${name}_real distance2[$n_c], rule[$n_c], nearest, away, beta, total = 0, blended = 0;"""),
-    "output": Template("""\
     for (i = 0; i < $n_c; i++) {
         distance2[i] = 0;
         rule[i] = at_center[i];
@@ -125,49 +117,13 @@ $weights
         total += beta;
         blended += beta * rule[i];$keep
     }
-    $finish
-"""),
-    "fill": Template("""\
-        for (i = 0; i < $n_c; i++) {
-            phi[i * ($n_row + 1)] = rule[i] / total;
-            for (j = 0; j < $n_row; j++) {
-                phi[i * ($n_row + 1) + 1 + j] = rule[i] / total * state->row[j];
-            }
-        }"""),
-}
+$finish}
+$learn
+#endif
+""")
 
-RIDGE = {
-    "tables": Template("""\
-    static const ${name}_real weights[$n_row] = {$weights};
-    ${name}_real output = $bias;"""),
-    "output": Template("""\
-    for (j = 0; j < $n_row; j++) {
-        output += weights[j] * state->row[j];
-    }
-    $finish
-"""),
-    "fill": Template("""\
-        phi[0] = 1;
-        for (j = 0; j < $n_row; j++) {
-            phi[1 + j] = state->row[j];
-        }"""),
-}
-
-#: How a step ends in a model that learns.
-FINISH = Template("""\
-{
-        const unsigned long at = state->k++ % $delay;
-        ${name}_real *phi = state->phi[at], p_learned = 0;
-$fill
-        for (i = 0; i < $n_w; i++) {
-            p_learned += state->learned[i] * phi[i];
-        }
-        p_learned = p_learned > $limit ? $limit : p_learned < -$limit ? -$limit : p_learned;
-        state->base[at] = $base;
-        state->p_ff[at] = state->base[at] + p_learned;
-        state->p_fb[at] = 0;
-        return state->p_ff[at];
-    }""")
+#: How a step ends in a model that does not learn.
+FINISH = "    return blended / total;\n"
 
 #: What a model that learns has in addition: parts of its state and functions, and more functions.
 LEARNING = {
@@ -193,6 +149,27 @@ $prior
                 state->covariance[i][j] = ${name}_prior[i][j];
             }
         }
+    }
+"""),
+    "keep": Template("\n        rule[i] = beta;"),
+    "finish": Template("""\
+    {
+        const unsigned long at = state->k++ % $delay;
+        ${name}_real *phi = state->phi[at], p_learned = 0;
+        for (i = 0; i < $n_c; i++) {
+            phi[i * ($n_row + 1)] = rule[i] / total;
+            for (j = 0; j < $n_row; j++) {
+                phi[i * ($n_row + 1) + 1 + j] = rule[i] / total * state->row[j];
+            }
+        }
+        for (i = 0; i < $n_w; i++) {
+            p_learned += state->learned[i] * phi[i];
+        }
+        p_learned = p_learned > $limit ? $limit : p_learned < -$limit ? -$limit : p_learned;
+        state->base[at] = blended / total;
+        state->p_ff[at] = state->base[at] + p_learned;
+        state->p_fb[at] = 0;
+        return state->p_ff[at];
     }
 """),
     "learn": Template("""\
