@@ -1,20 +1,21 @@
 """Several feature maps side by side."""
 
 from collections.abc import Iterator, Sequence
-from numbers import Integral
 from typing import Any, Self
 
 import numpy as np
 from sklearn.base import clone
+from sklearn.utils.metaestimators import _BaseComposition
 
 from fprc.models.features import FeatureMap, Row
 from fprc.models.learned import Learned, LearnedPart, features_of
+from fprc.models.limits import Whole
 
 #: Name, unfitted map, and its columns of the input; None is all of them.
 Part = tuple[str, FeatureMap, Sequence[int] | None]
 
 
-class SideBySide(FeatureMap):
+class SideBySide(FeatureMap, _BaseComposition):
     """Features of several maps, each of chosen columns, in one row.
 
     Like scikit-learn's ColumnTransformer, but the maps also run sample by sample. Parameters of
@@ -43,29 +44,23 @@ class SideBySide(FeatureMap):
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """Return the parameters; with ``deep`` also the maps and their parameters."""
-        parameters = super().get_params(deep=False)
-        if deep:
-            for name, part in self._named_maps().items():
-                parameters[name] = part
-                parameters |= {f"{name}__{key}": value for key, value in part.get_params().items()}
-        return parameters
+        return self._get_params("_named", deep=deep)
 
     def set_params(self, **parameters: Any) -> Self:
         """Set ``maps``, a map by its name, or a parameter of a map by ``NAME__PARAMETER``."""
-        if "maps" in parameters:
-            self.maps = parameters.pop("maps")
-        replaced = {name: parameters.pop(name) for name in self._named_maps() if name in parameters}
-        if replaced:
-            self.maps = [
-                (name, replaced.get(name, part), columns) for name, part, columns in self.maps
-            ]
-        return super().set_params(**parameters)
+        return self._set_params("_named", **parameters)
 
-    def _named_maps(self) -> dict[str, FeatureMap]:
+    @property
+    def _named(self) -> Any:
         try:
-            return {name: part for name, part, _ in self.maps if isinstance(part, FeatureMap)}
+            return [(name, part) for name, part, _ in self.maps]
         except (TypeError, ValueError):
-            return {}  # any value can be set; fit refuses a wrong one
+            return []  # any value can be set; fit refuses a wrong one
+
+    @_named.setter
+    def _named(self, named: Sequence[tuple[str, FeatureMap]]) -> None:
+        pairs = zip(named, self.maps, strict=True)
+        self.maps = [(name, part, columns) for (name, part), (_, _, columns) in pairs]
 
     def count_features(self) -> int | None:
         """Return the number of features of all maps; None if it is unknown for one of them."""
@@ -87,30 +82,21 @@ class SideBySide(FeatureMap):
 
     def _check_columns(self) -> None:
         try:
-            parts = [
-                (str(name), part, [] if columns is None else list(columns))
-                for name, part, columns in self.maps
-            ]
-        except (TypeError, ValueError) as error:
+            each = list(zip(self._named, self._columns(), strict=True))
+        except (TypeError, ValueError):
+            each = []
+        if not each:
             raise ValueError(
                 f"SideBySide: maps = {self.maps!r:.60}; must be a list of (name, map, columns)"
-            ) from error
-        names, last = [name for name, *_ in parts], self.n_features_in_ - 1
-        problems = [] if names else ["there are no maps"]
-        for name, part, columns in parts:
+            )
+        allowed = Whole(0, self.n_features_in_ - 1)
+        self._validate_names([str(name) for (name, _), _ in each])
+        for (name, part), columns in each:
             if not isinstance(part, FeatureMap):
-                problems.append(f"{name!r} is {type(part).__name__}; must be a FeatureMap")
-            if names.count(name) > 1:
-                problems.append(f"{name!r} is repeated")
-            if "__" in name or name == "maps":
-                problems.append(f"{name!r} must not contain __ or be 'maps'")
-            problems += [
-                f"{name!r} needs column {column}, but the columns are 0 to {last}"
-                for column in columns
-                if not (isinstance(column, Integral) and 0 <= column <= last)
-            ]
-        if problems:
-            raise ValueError("\n".join(f"SideBySide: maps: {problem}" for problem in problems))
+                raise ValueError(f"{name!r} is {type(part).__name__}; must be a FeatureMap")
+            for column in columns:
+                if not allowed.allows(column):
+                    raise ValueError(f"{name!r} needs column {column!r:.60}; must be {allowed}")
 
     def _columns(self) -> list[list[int]]:
         every = range(self.n_features_in_)
