@@ -51,7 +51,7 @@ MODELS = {
     "fuzzy_linear": Entry(
         "fprc.models.fprc.FuzzyLinear",
         (ANGLE,),
-        ("n_y", "alpha", "fprc.n_c", "fprc.sigma", "fprc.clustering", "fprc.restarts"),
+        ("n_y", "alpha", "fprc.n_c", "fprc.sigma", "fprc.restarts"),
         "Fuzzy-linear",
     ),
 }

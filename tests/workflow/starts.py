@@ -44,7 +44,6 @@ LIBRARIES = (
     "scipy.stats",
     "sklearn.cluster",
     "sklearn.model_selection",
-    "skfuzzy",
 )
 
 

@@ -28,9 +28,6 @@ class Fprc(Section):
     n_c: int = quantity(8, (1, 64), "number of fuzzy rules", "paper, Table I")
     n_u: int = quantity(3, (1, 100), "taps of the readout P_o", "paper, Table I", unit="samples")
     sigma: float = quantity(2.0, (1e-3, 1e3), "Gaussian membership scaling", "paper, Table I")
-    clustering: Literal["fprc", "scikit-fuzzy"] = Field(
-        "fprc", description="fuzzy c-means of this package, or that of scikit-fuzzy"
-    )
     restarts: int = quantity(
         1, (1, 1000), "starts of the clustering; that of the lowest objective is kept"
     )

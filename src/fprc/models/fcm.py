@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.distance import cdist
 from sklearn.cluster import kmeans_plusplus
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.utils import check_random_state
 
-from fprc.errors import FprcError
 from fprc.models.kernels import alternate
 
 #: A sample counts as lying on a centre if its distance is below this fraction of the
@@ -52,7 +50,6 @@ def fuzzy_c_means(
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
     coarse: int = 10,
-    clustering: str = "fprc",
     restarts: int = 1,
     init: np.ndarray | None = None,
 ) -> Clusters:
@@ -63,18 +60,13 @@ def fuzzy_c_means(
     extrapolates the earlier ones (Anderson 1965), which converges in tens of
     iterations where plain alternation takes hundreds. If an extrapolation raises
     the objective, a longer step and then the plain step replace it.
-    ``skfuzzy.cmeans`` alternates from the same starts without extrapolation.
 
     Parameters
     ----------
     X : ndarray of shape (n_samples, n_features)
         Finite numbers.
     tolerance : float
-        Stop when no membership changes by more than this. scikit-fuzzy knows only the root of the
-        sum of squared changes; it stops when that is below ``tolerance`` times the root of
-        ``n_samples``.
-    clustering : {"fprc", "scikit-fuzzy"}
-        Implementation.
+        Stop when no membership changes by more than this.
     restarts : int
         Number of starts; the clustering with the lowest objective is kept. Starts that lead to one
         optimum of the thinned rows are converged on all rows once.
@@ -85,8 +77,6 @@ def fuzzy_c_means(
     ------
     ValueError
         Fewer samples than clusters.
-    FprcError
-        scikit-fuzzy is not installed.
     """
     if not 1 <= n_clusters <= len(X):
         raise ValueError(
@@ -96,21 +86,20 @@ def fuzzy_c_means(
     thinned = X[::coarse]
     if len(thinned) < 10 * n_clusters:
         thinned = X
-    converge = {"fprc": _converge, "scikit-fuzzy": converge_skfuzzy}[clustering]
     if init is not None:
-        return converge(X, init, tolerance, max_iterations)
+        return _converge(X, init, tolerance, max_iterations)
     rng = check_random_state(random_state)
 
     found, optima = list[Clusters](), list[float]()
     for _ in range(restarts):
         centers, _ = kmeans_plusplus(thinned, n_clusters, random_state=rng)
         if thinned is not X:
-            coarsely = converge(thinned, centers, tolerance, max_iterations)
+            coarsely = _converge(thinned, centers, tolerance, max_iterations)
             if any(abs(coarsely.objective - optimum) < SAME * optimum for optimum in optima):
                 continue  # all rows, too, would lead to the optimum of that earlier start
             optima.append(coarsely.objective)
             centers = coarsely.centers
-        found.append(converge(X, centers, tolerance, max_iterations))
+        found.append(_converge(X, centers, tolerance, max_iterations))
     lowest = min(clusters.objective for clusters in found)
     return next(clusters for clusters in found if (1.0 - SAME) * clusters.objective <= lowest)
 
@@ -142,40 +131,12 @@ def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) 
         if len(past) > 1:
             tries = [_extrapolated(past), means + 2.0 * stretch * step, means]
     else:
-        _warn(tolerance, limit)
+        warnings.warn(
+            f"fuzzy c-means did not converge to {tolerance:g} in {limit} iterations",
+            ConvergenceWarning,
+            stacklevel=4,
+        )
     return best._replace(memberships=best.memberships.T)
-
-
-def converge_skfuzzy(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
-    """Return what scikit-fuzzy's fuzzy c-means reaches from these centres."""
-    try:
-        from skfuzzy import cmeans
-    except ImportError as error:
-        raise FprcError(
-            "clustering = scikit-fuzzy: scikit-fuzzy is not installed; install it with "
-            "`pip install scikit-fuzzy`, or use clustering = fprc"
-        ) from error
-    # cmeans starts from memberships, not from centres
-    closeness = 1.0 / np.maximum(cdist(centers, X), np.finfo(float).eps) ** 2
-    found, u, _, distance, _, iterations, _ = cmeans(
-        X.T,
-        len(centers),
-        m=2,
-        error=tolerance * len(X) ** 0.5,
-        maxiter=limit,
-        init=closeness / closeness.sum(axis=0),
-    )
-    if iterations == limit:
-        _warn(tolerance, limit)
-    return Clusters(found, u.T, float(np.sum((u * distance) ** 2)))
-
-
-def _warn(tolerance: float, limit: int) -> None:
-    warnings.warn(
-        f"fuzzy c-means did not converge to {tolerance:g} in {limit} iterations",
-        ConvergenceWarning,
-        stacklevel=5,
-    )
 
 
 def _extrapolated(past: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:

@@ -35,8 +35,6 @@ class FPRC(SequenceModel):
         Ridge parameter of every rule.
     random_state : int, RandomState or None, default=None
         Start of the clustering.
-    clustering : {"fprc", "scikit-fuzzy"}, default="fprc"
-        Fuzzy c-means of this package, or that of scikit-fuzzy, from the same starts.
     restarts : int, default=1
         Starts of the clustering, >= 1; the one with the lowest objective is kept.
 
@@ -57,7 +55,6 @@ class FPRC(SequenceModel):
     sigma: float = 2.0
     alpha: float = 1e-3
     random_state: int | np.random.RandomState | None = None
-    clustering: str = "fprc"
     restarts: int = 1
 
     def make_features(self) -> TapFeatures:
@@ -92,8 +89,6 @@ class FuzzyLinear(SequenceModel):
         Ridge parameter of every rule.
     random_state : int, RandomState or None, default=None
         Start of the clustering.
-    clustering : {"fprc", "scikit-fuzzy"}, default="fprc"
-        Fuzzy c-means of this package, or that of scikit-fuzzy, from the same starts.
     restarts : int, default=1
         Starts of the clustering, >= 1; the one with the lowest objective is kept.
 
@@ -112,7 +107,6 @@ class FuzzyLinear(SequenceModel):
     sigma: float = 2.0
     alpha: float = 1e-3
     random_state: int | np.random.RandomState | None = None
-    clustering: str = "fprc"
     restarts: int = 1
 
     def make_features(self) -> TapFeatures:

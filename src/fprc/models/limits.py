@@ -64,19 +64,6 @@ class Whole(NamedTuple):
         return f"a whole number in [{self.low}, {self.high}]{none}"
 
 
-class OneOf(NamedTuple):
-    """Values that a parameter may have."""
-
-    values: tuple[str, ...]
-
-    def allows(self, value: Any) -> bool:
-        """Return whether ``value`` is one of them."""
-        return isinstance(value, str) and value in self.values
-
-    def __str__(self) -> str:  # noqa: D105
-        return f"one of {', '.join(self.values)}"
-
-
 class Each(NamedTuple):
     """Range of every number of a list, and its greatest length; it must not be empty."""
 
@@ -140,7 +127,7 @@ class Seed(NamedTuple):
 _INTEGER_SEED = Whole(0, 2**32 - 1, or_none=True)
 
 #: What tells whether a value of any type is allowed; as text, what it must be.
-Allows = Limit | Whole | OneOf | Each | Array | Words | Seed
+Allows = Limit | Whole | Each | Array | Words | Seed
 
 
 def _is(value: Any, kind: type) -> bool:

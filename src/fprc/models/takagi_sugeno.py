@@ -13,7 +13,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend, fuzzy_regressors
-from fprc.models.limits import Allows, Array, Limit, OneOf, Seed, Whole, check_limits
+from fprc.models.limits import Allows, Array, Limit, Seed, Whole, check_limits
 from fprc.models.ridge import ridge_weights, with_bias
 
 
@@ -35,8 +35,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         Ridge parameter of every rule, >= 0.
     random_state : int, RandomState or None, default=None
         Start of the clustering.
-    clustering : {"fprc", "scikit-fuzzy"}, default="fprc"
-        Fuzzy c-means of this package, or that of scikit-fuzzy, from the same starts.
     restarts : int, default=1
         Starts of the clustering, >= 1; the one with the lowest objective is kept.
 
@@ -56,7 +54,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     sigma: float = 2.0
     alpha: float = 1e-3
     random_state: int | np.random.RandomState | None = None
-    clustering: str = "fprc"
     restarts: int = 1
 
     LIMITS: ClassVar[Mapping[str, Allows]] = {
@@ -64,7 +61,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         "sigma": Limit(1e-9, 1e9),
         "alpha": Limit(0, 1e30),
         "random_state": Seed(),
-        "clustering": OneOf(("fprc", "scikit-fuzzy")),
         "restarts": Whole(1, 10_000),
     }
 
@@ -83,9 +79,8 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         rng = check_random_state(self.random_state)
         clusters = fuzzy_c_means(
-            rows, self.n_c, random_state=rng, clustering=self.clustering, restarts=self.restarts,
-            init=init,
-        )  # fmt: skip
+            rows, self.n_c, random_state=rng, restarts=self.restarts, init=init
+        )
         extended = with_bias(rows)
         self.centers_ = clusters.centers
         self.W_out_ = np.array(

@@ -17,7 +17,7 @@ MODELS = {
     "n_y": 2, "alpha": 1e-3, "others": {},
     "esn": {"r": 8, "f_input": 0.02, "gamma": 0.5, "rho": 0.4, "washout": 20},
     "fprc": {
-        "epsilon": 0.1, "n_c": 2, "n_u": 2, "sigma": 2.0, "clustering": "fprc", "restarts": 1
+        "epsilon": 0.1, "n_c": 2, "n_u": 2, "sigma": 2.0, "restarts": 1
     },
 }  # fmt: skip
 JUDGEMENT = Judgement(MODELS, folds=3, split="recordings", seed=1)

@@ -1,4 +1,3 @@
-import sys
 import warnings
 
 import numpy as np
@@ -12,7 +11,6 @@ from skfuzzy import cmeans
 from sklearn.cluster import kmeans_plusplus
 from sklearn.exceptions import ConvergenceWarning
 
-from fprc.errors import FprcError
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import BLOCK, alternate
 
@@ -139,42 +137,12 @@ def test_restarts_keep_the_start_with_the_lowest_objective(traps):
     assert np.array_equal(kept.memberships, first.memberships)
 
 
-@pytest.mark.parametrize(
-    ("restarts", "n_clusters", "seed", "init"),
-    [(1, 4, 0, None), (3, 6, 1, None), (1, 3, 0, hysteresis(600)[[5, 90, 300]])],
-)
-def test_scikit_fuzzy_agrees_from_equal_starts(restarts, n_clusters, seed, init):
+def test_scikit_fuzzy_agrees_from_equal_starts():
     X = hysteresis(600)
-    tight = {"tolerance": 1e-12, "max_iterations": 20_000, "restarts": restarts, "init": init}
-    ours, theirs = (
-        fuzzy_c_means(X, n_clusters, random_state=seed, clustering=clustering, **tight)
-        for clustering in ("fprc", "scikit-fuzzy")
-    )
-    assert_allclose(ours.centers, theirs.centers, atol=1e-8)
-    assert_allclose(ours.memberships, theirs.memberships, atol=1e-8)
-    assert ours.objective == pytest.approx(theirs.objective, rel=1e-8)
-
-
-def test_scikit_fuzzy_alternates_and_reports_that_it_did_not_converge(monkeypatch):
-    calls = []
-
-    def counted(*arguments, **options):
-        calls.append(options["init"].sum(axis=0))
-        return cmeans(*arguments, **options)
-
-    monkeypatch.setattr("skfuzzy.cmeans", counted)
-    state = np.random.get_state()[1].copy()  # noqa: NPY002 (skfuzzy draws from this generator)
-    with pytest.warns(ConvergenceWarning, match="in 2 iterations"):
-        clusters = fuzzy_c_means(
-            hysteresis(600), 4, random_state=0, max_iterations=2, clustering="scikit-fuzzy"
-        )
-    assert len(calls) == 2  # on every tenth row, then on all
-    assert_allclose(calls[0], 1.0)
-    assert clusters.memberships.shape == (600, 4)
-    assert np.array_equal(np.random.get_state()[1], state)  # noqa: NPY002
-
-
-def test_missing_scikit_fuzzy_is_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, "skfuzzy", None)
-    with pytest.raises(FprcError, match="pip install scikit-fuzzy"):
-        fuzzy_c_means(hysteresis(50), 2, random_state=0, clustering="scikit-fuzzy")
+    init = X[[5, 90, 300]]
+    ours = fuzzy_c_means(X, 3, tolerance=1e-12, max_iterations=20_000, init=init)
+    closeness = 1.0 / np.maximum(cdist(init, X, "sqeuclidean"), np.finfo(float).eps)
+    begin = closeness / closeness.sum(axis=0)
+    centers, memberships, *_ = cmeans(X.T, 3, m=2, error=1e-12, maxiter=20_000, init=begin)
+    assert_allclose(ours.centers, centers, atol=1e-8)
+    assert_allclose(ours.memberships, memberships.T, atol=1e-8)

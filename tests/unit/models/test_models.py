@@ -177,7 +177,7 @@ def test_defaults_are_those_of_the_paper():
     fprc_ = {"epsilon": 0.01, "n_c": 8, "n_u": 3, "sigma": 2.0}
     shared = {"n_y": 5, "alpha": 0.001, "random_state": None}
     assert ESN().get_params() == esn | shared
-    ours = {"clustering": "fprc", "restarts": 1}
+    ours = {"restarts": 1}
     assert FPRC().get_params() == fprc_ | ours | shared
     assert FuzzyLinear().get_params() == {"n_c": 8, "sigma": 2.0} | ours | shared
 
@@ -208,7 +208,6 @@ def test_defaults_are_those_of_the_paper():
         (RidgeReadout(alpha=-1e-9), "alpha"),
         (TakagiSugenoReadout(n_c=0), "n_c"),
         (TakagiSugenoReadout(n_c=2, sigma=0.0), "sigma"),
-        (TakagiSugenoReadout(n_c=2, clustering="kmeans"), "clustering"),
     ],
     ids=str,
 )

@@ -191,8 +191,7 @@ TEXTS = {
     "names": (FUZZY, put("words", "feature_names_in_", value=["a"]), "feature_names_in_"),
     **{
         f"{name} = {value}": (FUZZY, setting(name, value), rf"{name} = ")
-        for name, value in (("n_c", 10**9), ("n_c", "3"), ("sigma", True), ("alpha", -1.0),
-                            ("clustering", ["fprc"]))
+        for name, value in (("n_c", 10**9), ("n_c", "3"), ("sigma", True), ("alpha", -1.0))
     },
     "column of a map": (BANK, put("model", "parameters", "maps", 0, 2, value=[7]),
                         "'taps' needs column 7"),
