@@ -23,7 +23,8 @@ def main() -> None:
         model = build(name, models, 1, **changed).fit(X, y)
         model.predict(X)
         model.step(X[0])
-    fprc = build("fprc", models, 1).partial_fit(*data.pair("fprc"))
+    X, y = data.pair("fprc")
+    fprc = build("fprc", models, 1).fit(X, y).remember(X)
     for adapt in (False, True):
         feedforward = control["feedforward"] | {"adapt": adapt}
         bench = Track(settings["tracking"], control | {"feedforward": feedforward}, rig, 1)

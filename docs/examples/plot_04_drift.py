@@ -19,9 +19,9 @@ from fprc.models import FPRC, Learning, Online
 from fprc.signals import multisine
 
 # %%
-# ``partial_fit`` trains as ``fit`` does, and keeps what the model needs to go on learning.
+# ``remember`` keeps what the model needs to go on learning.
 train = load_hysteresis("sweep")
-fprc = FPRC(random_state=1).partial_fit(train.data, train.target)
+fprc = FPRC(random_state=1).fit(train.data, train.target).remember(train.data)
 settings = check({"rig": "paper", "control": {"feedforward": {"p_o_shift_kpa": 5.0}}}).model_dump()
 period_s = 0.005
 time_s = np.arange(12000) * period_s

@@ -61,7 +61,7 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
     log = acquire("sweep", signal, settings["control"], settings["rig"], seed=1)
     X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
     model = tmp_path / "fprc.h5"
-    save_model(FPRC(n_c=2, random_state=1).partial_fit(X, log["p_exp_command_kpa"]), model)
+    save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]).remember(X), model)
 
     live_by(make_bench(settings, run=TRACKING_RUNS["sine_0p5"]))
     raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd"

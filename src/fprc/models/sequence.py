@@ -14,7 +14,6 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from fprc.models.learned import Learned, LearnedPart, features_of
 from fprc.models.limits import Array
 from fprc.models.recordings import are_several, joined, transform_each
-from fprc.models.ridge import solve_ridge
 
 Part = TypeVar("Part", bound=BaseEstimator)
 
@@ -97,7 +96,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         return weights is not None and weights.size <= MOST_WEIGHTS
 
     def remember(self, X: Recordings) -> Self:
-        """Keep of the training data what ``partial_fit`` and ``Online`` need to go on from it.
+        """Keep of the training data what ``Online`` needs to go on from it.
 
         Sets ``information_``, the sum of the products of the readout's regressors.
 
@@ -116,39 +115,6 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         rows = validate_data(self, X, reset=False, dtype=np.float64)
         phi = self.readout_.regressors(transform_each(self.features_, rows, lengths))
         self.information_ = phi.T @ phi
-        return self
-
-    def partial_fit(self, X: Recordings, y: Recordings) -> Self:
-        """Continue to learn from more recordings; memberships and features stay as they are.
-
-        The weights become those of a ridge regression on these data and on all that the model
-        remembers, given the weights before. The first call trains as ``fit`` does, and remembers.
-        A fitted model that remembers no data gives its training the same weight as these data.
-
-        Parameters
-        ----------
-        X, y
-            As ``fit`` takes them.
-
-        Raises
-        ------
-        ValueError
-            As ``fit`` and ``remember``.
-        """
-        if not hasattr(self, "readout_"):
-            return self.fit(X, y).remember(X)
-        samples, y, lengths = joined(X, y)
-        rows, targets = validate_data(
-            self, samples, y, reset=False, y_numeric=True, dtype=np.float64
-        )
-        if not hasattr(self, "information_"):
-            self.remember(X)
-        phi = self.readout_.regressors(transform_each(self.features_, rows, lengths))
-        self.information_ = self.information_ + phi.T @ phi
-        missing = phi.T @ (targets - phi @ self.readout_.weights)
-        change = solve_ridge(self.information_, missing, self.readout_.alpha)
-        self.readout_ = deepcopy(self.readout_)  # other models may share it
-        self.readout_.weights[:] += change
         return self
 
     def __sklearn_is_fitted__(self) -> bool:

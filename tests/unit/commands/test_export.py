@@ -121,7 +121,7 @@ def test_model_that_learns_needs_its_training(tmp_path, monkeypatch, capsys):
     X = np.random.default_rng(1).normal(100.0, 10.0, (200, 2))
     for name, model in (
         ("old", FPRC(n_c=2, random_state=1).fit(X, X[:, 0])),
-        ("new", FPRC(n_c=2, random_state=1).partial_fit(X, X[:, 0])),
+        ("new", FPRC(n_c=2, random_state=1).fit(X, X[:, 0]).remember(X)),
     ):
         save_model(model, f"{name}.h5")
     (tmp_path / "mine.yaml").write_text("control: {feedforward: {kpa_per_deg: 3.25}}")
@@ -137,7 +137,7 @@ def test_model_that_learns_needs_its_training(tmp_path, monkeypatch, capsys):
 def test_model_of_another_rate_does_not_learn(header, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     X = np.random.default_rng(1).normal(100.0, 10.0, (200, 2))
-    model = FPRC(n_c=2, random_state=1).partial_fit(X, X[:, 0])
+    model = FPRC(n_c=2, random_state=1).fit(X, X[:, 0]).remember(X)
     model.sample_rate_hz_ = 100.0
     save_model(model, "slow.h5")
     assert main(["export", "slow.h5", "--c", str(header), "--learn"]) == 1

@@ -34,8 +34,10 @@ def models(recorded):
     inputs = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
     y = log["p_exp_command_kpa"]
     return {
-        "fprc": FPRC(n_c=3, random_state=1).partial_fit(inputs, y),
-        "fuzzy_linear": FuzzyLinear(n_c=3, random_state=1).partial_fit(inputs[:, :1], y),
+        "fprc": FPRC(n_c=3, random_state=1).fit(inputs, y).remember(inputs),
+        "fuzzy_linear": FuzzyLinear(n_c=3, random_state=1)
+        .fit(inputs[:, :1], y)
+        .remember(inputs[:, :1]),
     }
 
 
@@ -158,7 +160,7 @@ def test_an_hour_of_learning_with_a_leak_stays_bounded():
     bench = Track(settings["tracking"], settings["control"], settings["rig"], 7)
     log = acquire("sweep", settings["experiments"]["sweep"], bench.control, bench.rig, seed=7)
     X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
-    model = FPRC(random_state=1).partial_fit(X, log["p_exp_command_kpa"])
+    model = FPRC(random_state=1).fit(X, log["p_exp_command_kpa"]).remember(X)
     online, errors, largest, begin_s = bench.online(model), [], [], 0.0
     while begin_s < 3600.0:
         for reference in REFERENCES:

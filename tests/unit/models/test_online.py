@@ -56,40 +56,6 @@ def model(request):
     return clone(MODELS[request.param]).fit(X, y).remember(X), X
 
 
-# --- partial_fit ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["ridge", "bank"])
-def test_ridge_that_went_on_learning_is_the_ridge_of_all_data(name):
-    (X, y), (more, z) = log(), log(2000, seed=1)
-    whole = clone(MODELS[name]).fit([X, more], [y, z])
-    found = clone(MODELS[name]).partial_fit(X, y).partial_fit(more, z)
-    np.testing.assert_allclose(found.predict(more), whole.predict(more), rtol=1e-6)
-
-
-def test_fuzzy_weights_minimise_the_error_of_new_data_and_the_distance_from_the_old():
-    (X, y), (more, z) = log(), log(2000, seed=1)
-    before = FPRC(n_c=3, random_state=1).partial_fit(X, y)
-    old = before.readout_.weights.copy()
-    after = clone(before).partial_fit(X, y).partial_fit(more, z)
-    phi = after.readout_.regressors(after.features_.transform(more))
-    # gradient of |z - phi w|^2 + (w - old)^T (information + alpha) (w - old), both scaled
-    change = after.readout_.weights - old
-    gradient = phi.T @ (phi @ after.readout_.weights - z)
-    gradient += (before.information_ + before.alpha * np.eye(len(old))) @ change
-    assert np.abs(gradient).max() < 1e-6 * np.abs(phi.T @ z).max()
-    assert np.array_equal(before.readout_.weights, old)
-
-
-def test_models_that_share_a_readout_learn_apart():
-    X, y = log()
-    first = FPRC(n_c=3, random_state=1).fit(X, y)
-    other = first.assembled(first.features_, first.readout_)
-    before = first.predict(X)
-    other.remember(X).partial_fit(X, y + 100.0)
-    assert np.array_equal(first.predict(X), before)
-
-
 def test_model_that_remembers_nothing_or_has_too_many_weights_is_refused():
     X, y = log()
     with pytest.raises(ValueError, match="remembers no training data"):
@@ -103,7 +69,7 @@ def test_model_whose_training_failed_is_not_fitted():
     X, y = log(300)
     model = FPRC(n_c=1, n_y=400)
     with pytest.raises(ValueError, match="fewer taps"):
-        model.partial_fit(X, y)
+        model.fit(X, y)
     for use in (model.predict, lambda X: model.step(X[0]), model.remember):
         with pytest.raises(NotFittedError):
             use(X)
