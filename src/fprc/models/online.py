@@ -151,13 +151,6 @@ class Online:
         at = (self._k - 1) % self.delay
         self._sent[at] = self._sent[at][0], p_fb_kpa
 
-    def model(self) -> SequenceModel:
-        """Return a copy of the model with the weights as they are now, for ``save_model``."""
-        model = deepcopy(self._model)
-        model.readout_.weights[:] += self.learned
-        model.reset()
-        return model
-
     def _learn(self, then: int, error_deg: float, theta_deg: float) -> None:
         phi, settings = self._phi[then], self.settings
         base_kpa = float(self._readout.weights @ phi)
