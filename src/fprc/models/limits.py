@@ -29,39 +29,31 @@ class Limit(NamedTuple):
     high: float
     low_open: bool = False
     high_open: bool = False
+    kind: Any = Real  #: Integral for a whole number
+    or_none: bool = False
 
     def allows(self, value: Any) -> bool:
         """Return whether ``value`` is a number within."""
-        if not _is(value, Real):
+        if value is None:
+            return self.or_none
+        if not isinstance(value, self.kind) or isinstance(value, bool):
             return False
         above = value > self.low if self.low_open else value >= self.low
         return above and (value < self.high if self.high_open else value <= self.high)
 
     def __str__(self) -> str:  # noqa: D105
-        return f"a number in {self.interval()}"
+        number = "a whole number" if self.kind is Integral else "a number"
+        return f"{number} in {self.interval()}{' or None' if self.or_none else ''}"
 
     def interval(self) -> str:
         """Return the range as text."""
         left, right = "(" if self.low_open else "[", ")" if self.high_open else "]"
-        return f"{left}{self.low:g}, {self.high:g}{right}"
+        return f"{left}{self.low:.10g}, {self.high:.10g}{right}"
 
 
-class Whole(NamedTuple):
-    """Range of a whole number, ends included."""
-
-    low: int
-    high: int
-    or_none: bool = False
-
-    def allows(self, value: Any) -> bool:
-        """Return whether ``value`` is a whole number within."""
-        if value is None:
-            return self.or_none
-        return _is(value, Integral) and self.low <= value <= self.high
-
-    def __str__(self) -> str:  # noqa: D105
-        none = " or None" if self.or_none else ""
-        return f"a whole number in [{self.low}, {self.high}]{none}"
+def Whole(low: int, high: int, or_none: bool = False) -> Limit:  # noqa: N802
+    """Return the range of a whole number, ends included."""
+    return Limit(low, high, kind=Integral, or_none=or_none)
 
 
 class Each(NamedTuple):
@@ -127,11 +119,7 @@ class Seed(NamedTuple):
 _INTEGER_SEED = Whole(0, 2**32 - 1, or_none=True)
 
 #: What tells whether a value of any type is allowed; as text, what it must be.
-Allows = Limit | Whole | Each | Array | Words | Seed
-
-
-def _is(value: Any, kind: type) -> bool:
-    return isinstance(value, kind) and not isinstance(value, bool)
+Allows = Limit | Each | Array | Words | Seed
 
 
 def shown(value: Any) -> str:
