@@ -9,6 +9,7 @@ from sklearn.utils.validation import check_is_fitted
 from fprc.errors import FprcError
 from fprc.models import c_templates
 from fprc.models.features import TapFeatures
+from fprc.models.learned import rows_of
 from fprc.models.limits import LARGEST
 from fprc.models.online import Online
 from fprc.models.ridge_readout import RidgeReadout
@@ -68,7 +69,7 @@ def c_header(
     check_is_fitted(model)
     if not isinstance(model, SequenceModel):
         raise FprcError(f"{type(model).__name__} is a part of a model; export the whole model")
-    rows = model.features_.rows()
+    rows = rows_of(model.features_)
     if single and online is not None:
         raise FprcError("a model learns in double only; export it without --float")
     readout = _readout(model.readout_, single)

@@ -52,6 +52,14 @@ def features_of(features: Any) -> int | None:
     return features.count_features() if is_built_in(features) else None
 
 
+def rows_of(features: Any) -> Any:
+    """Return the rows of a fitted map, see ``FeatureMap.rows``; None if its class is from outside.
+
+    Such a class may compute anything from the rows of the class that it is derived from.
+    """
+    return features.rows() if is_built_in(features) else None
+
+
 def restore(
     unfitted: BaseEstimator, values: dict[str, Any], place: str = "", columns: int | None = None
 ) -> Any:

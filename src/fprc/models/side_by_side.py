@@ -8,7 +8,7 @@ from sklearn.base import clone
 from sklearn.utils.metaestimators import _BaseComposition
 
 from fprc.models.features import FeatureMap, Row
-from fprc.models.learned import Learned, LearnedPart, features_of
+from fprc.models.learned import Learned, LearnedPart, features_of, rows_of
 from fprc.models.limits import Whole
 
 #: Name, unfitted map, and its columns of the input; None is all of them.
@@ -104,12 +104,10 @@ class SideBySide(FeatureMap, _BaseComposition):
 
     def rows(self) -> list[Row] | None:
         """Return the features of all maps; None if one of them has others."""
-        parts = [(part.rows(), columns) for part, columns in self._parts()]
+        parts = [(rows_of(part), columns) for part, columns in self._parts()]
         if any(rows is None for rows, _ in parts):
             return None
-        return [
-            (columns[i], kind, number) for rows, columns in parts for i, kind, number in rows or ()
-        ]
+        return [(columns[i], kind, number) for rows, columns in parts for i, kind, number in rows]
 
     def _parts(self) -> list[tuple[FeatureMap, list[int]]]:
         """Return each fitted map and the numbers of its columns."""

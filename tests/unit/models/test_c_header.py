@@ -261,6 +261,16 @@ def test_comment_holds_the_parts_of_the_model_and_no_empty_line_of_its_origin(fi
     assert " \n" not in comment
 
 
+class Halved(TapFeatures):
+    """A map from outside the package, of which the header knows nothing."""
+
+    def _transform(self, X):
+        return super()._transform(X) / 2.0
+
+    def _step(self, x):
+        return super()._step(x) / 2.0
+
+
 def unexportable(features, readout=None):
     X = recording(100, 2)
     return FeatureModel(features, readout or RidgeReadout()).fit(X, X[:, 0])
@@ -272,10 +282,12 @@ def unexportable(features, readout=None):
         lambda: unexportable(EchoStates(r=50, random_state=1)),
         lambda: unexportable(NVAR(n_taps=2, spacing=3)),
         lambda: unexportable(SideBySide([("nvar", NVAR(n_taps=2, spacing=3), [0])])),
+        lambda: unexportable(Halved()),
+        lambda: unexportable(SideBySide([("halved", Halved(), None)])),
         lambda: unexportable(TapFeatures(), Ridge()),
         lambda: ESN(r=50, random_state=1).fit(recording(100, 1), np.ones(100)),
     ],
-    ids=["states", "map", "map in another", "readout", "esn"],
+    ids=["states", "map", "map in another", "outside", "outside in another", "readout", "esn"],
 )
 def test_other_maps_and_readouts_are_refused(build):
     with pytest.raises(FprcError, match="export"):
