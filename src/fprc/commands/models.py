@@ -12,8 +12,8 @@ from fprc.artifacts import refuse_output, replacing, write_text
 from fprc.config import from_files, local_files
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words, visible
-from fprc.evaluation import cross_validate, rmse
-from fprc.evaluation.crossval import refusals_of
+from fprc.evaluation import prepare, rmse
+from fprc.evaluation.crossval import MOST_BYTES, refusals_of
 from fprc.experiments.data import Data, join
 from fprc.experiments.settings import Judgement
 from fprc.experiments.trained import refuse_other_data, trained_on
@@ -78,11 +78,11 @@ def train(
         choice = in_words(entries(models), "or")
         raise ConfigError(f"--model {model}: there is no such model; use {choice}")
     data = _read(logs, settings, model)
-    X, y = data.pair(model, models)
     folds = Judgement(**judgement(settings, model)).split_rows(data)
     unfitted = build(model, models, settings["seed"])
     with threadpool_limits(1):  # like the workflow; more threads change the last digits
-        result = cross_validate(unfitted, X, y, folds, lengths=data.lengths)
+        prepared = prepare(unfitted, {"train": data.samples(model, models)}, MOST_BYTES)
+        result = prepared.cross_validated("train", folds)
     with replacing(out) as temporary:
         remembered = trained_on(result.model, data, model, models)
         save_model(remembered, temporary, outside_classes(models))

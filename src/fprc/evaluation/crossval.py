@@ -143,25 +143,6 @@ def prepare(
     return Prepared(model, features, rows, {name: log[1] for name, log in logs.items()})
 
 
-def cross_validate(
-    model: SequenceModel,
-    X: np.ndarray,
-    y: np.ndarray,
-    folds: Sequence[Fold],
-    lengths: Sequence[int] | None = None,
-) -> CrossValidated:
-    """Train ``model`` once per fold of one log and keep the best, see ``Prepared``.
-
-    Raises
-    ------
-    EvaluationError
-        The log does not suit the model (too short for its taps, fewer samples than rules, more
-        features than ``MOST_BYTES``), or an error is not finite.
-    """
-    prepared = prepare(model, {"train": (X, y, lengths)}, MOST_BYTES)
-    return prepared.cross_validated("train", folds)
-
-
 def evaluate(
     model: SequenceModel, folds: Sequence[Fold], train: Samples, test: Samples
 ) -> dict[str, Any]:
@@ -170,7 +151,8 @@ def evaluate(
     Raises
     ------
     EvaluationError
-        As ``cross_validate`` raises it.
+        A log does not suit the model (too short for its taps, fewer samples than rules, more
+        features than ``MOST_BYTES``), or an error is not finite.
     """
     prepared = prepare(model, {"train": train, "test": test}, MOST_BYTES)
     judged = prepared.cross_validated("train", folds)

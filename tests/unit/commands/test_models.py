@@ -7,7 +7,7 @@ import yaml
 from fprc.channels import needed_by
 from fprc.cli import main
 from fprc.config import from_files
-from fprc.evaluation import cross_validate
+from fprc.evaluation import prepare
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.logs import read_columns
@@ -115,10 +115,9 @@ def test_logs_of_the_same_name_train_together(
     recordings = {str(path): 2400 for path in raw}
     both = Data({"time_s": np.arange(4800) / 200.0}, {"recordings": recordings})
     y = np.concatenate([log["p_exp_command_kpa"] for log in logs])
-    best = cross_validate(
-        build("fprc", settings["models"], 7), np.concatenate(X), y, how.split_rows(both),
-        lengths=both.lengths,
-    )  # fmt: skip
+    samples = np.concatenate(X), y, both.lengths
+    prepared = prepare(build("fprc", settings["models"], 7), {"train": samples})
+    best = prepared.cross_validated("train", how.split_rows(both))
     mine = load_model("mine.h5")
     np.testing.assert_array_equal(mine.predict(X[1]), best.model.predict(X[1]))
 

@@ -5,8 +5,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.pipeline import make_pipeline
 
 from fprc.errors import EvaluationError
-from fprc.evaluation import cross_validate, rmse, split_rows
-from fprc.evaluation.crossval import evaluate, prepare
+from fprc.evaluation import crossval, evaluate, prepare, rmse, split_rows
 from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, TakagiSugenoReadout, TapFeatures
 
 MODELS = [
@@ -14,6 +13,11 @@ MODELS = [
     FPRC(n_c=2, random_state=1),
     FuzzyLinear(n_c=2, random_state=1),
 ]
+
+
+def cross_validate(model, X, y, folds, lengths=None):
+    prepared = prepare(model, {"train": (X, y, lengths)}, crossval.MOST_BYTES)
+    return prepared.cross_validated("train", folds)
 
 
 class Echo(RegressorMixin, BaseEstimator):
