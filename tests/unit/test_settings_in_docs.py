@@ -34,7 +34,8 @@ def quoted():
     times = f"{settings.control.sample_rate_hz:g} Hz"
     filter_s = 1 / settings.models.fprc.epsilon / settings.control.sample_rate_hz
     block_s = competitors.PURGES * settings.evaluation.purge_s
-    states = competitors._MOST_NUMBERS // settings.models.esn.r
+    columns = settings.models.esn.r + settings.models.n_y
+    states = competitors._MOST_BYTES // (8 * columns)
     return {
         "data/raw/README.md": [f"memory ({isolated._LIMIT_BYTES >> 30} GB)"],
         "docs/benchmark.md": [

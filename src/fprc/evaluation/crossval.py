@@ -121,7 +121,7 @@ def prepare(
     Parameters
     ----------
     most_bytes : float
-        Limit on the features of the first log.
+        Limit on the features of each log.
 
     Raises
     ------
@@ -132,10 +132,12 @@ def prepare(
     with refusals_of(model):
         features = model.make_features().fit(first)
         most = most_bytes // (8 * (features_of(features) or 1))
-        if len(first) > most:
+        longest = max(len(X) for X, *_ in logs.values())
+        if longest > most:
             raise ValueError(
-                f"{len(first):,} samples; training it holds the features of all samples in "
-                f"memory, so with its settings it takes at most {most:,}: use a shorter log"
+                f"{longest:,} samples; training it holds the features of all samples in "
+                f"memory, so with its settings it takes at most {most:,}: use a shorter log, or "
+                "fewer features"
             )
         rows = {
             name: transform_each(features, X, *lengths) for name, (X, _, *lengths) in logs.items()

@@ -102,9 +102,9 @@ def test_settings_of_a_competitor_alone_fit_the_rate(
     assert given == [changed]
 
 
-def test_network_at_too_many_samples_is_refused(seen, judgement):
-    large = {**MODELS, "esn": {**MODELS["esn"], "r": 20_000}}
-    how = replace(judgement, models=large)
+def test_network_at_too_many_samples_is_refused(seen, judgement, monkeypatch):
+    columns = MODELS["esn"]["r"] + MODELS["n_y"]
+    monkeypatch.setattr(competitors, "_MOST_BYTES", 8 * columns * 1234)
     train = data_of(seen["sweep"])
-    found = judge_competitor({"model": "esn"}, train=train, test=train, judgement=how)
-    assert found["reason"].endswith("at most 3000 samples, or set models.esn.r")
+    found = judge_competitor({"model": "esn"}, train=train, test=train, judgement=judgement)
+    assert "1,234" in found["reason"]
