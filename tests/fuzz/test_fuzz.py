@@ -11,6 +11,7 @@ import string
 import subprocess
 import sys
 import tempfile
+from copy import deepcopy
 from functools import cache
 from pathlib import Path
 
@@ -404,7 +405,8 @@ def change_description(file, draw):
     described = json.loads(file["model"][()])
     for _ in range(draw(st.integers(1, 2))):
         inner, key = draw(st.sampled_from(nodes(described)))
-        odd, way = draw(st.sampled_from(ODD_VALUES)), draw(st.integers(0, 5))
+        # a copy: a later change may be one of the value, and other examples draw it too
+        odd, way = deepcopy(draw(st.sampled_from(ODD_VALUES))), draw(st.integers(0, 5))
         if way == 0:
             inner.pop(key)
         elif way == 1 and isinstance(inner, dict):
