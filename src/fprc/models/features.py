@@ -70,7 +70,10 @@ def _is_sample(value: float) -> bool:
 
 
 class FeatureMap(TransformerMixin, BaseEstimator):
-    """Base of the sequential feature maps."""
+    """Base of the sequential feature maps.
+
+    A map has either ``rows``, or ``_transform``, ``_start`` and ``_step`` of its own.
+    """
 
     #: See ``fprc.models.limits``.
     LIMITS: Mapping[str, Allows] = {}
