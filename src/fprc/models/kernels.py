@@ -83,26 +83,6 @@ def blend(x, centers, W_out, sigma):
 
 
 @kernel
-def fuzzy_regressors(x, centers, sigma, out):
-    """Write beta_bar x [1, x] of one row of features to ``out``, rule by rule."""
-    size = 1 + x.size
-    nearest = math.inf
-    for i in range(len(centers)):
-        out[i * size] = _distance2(x, centers[i])
-        nearest = min(nearest, out[i * size])
-    total = 0.0
-    for i in range(len(centers)):
-        beta = math.exp((nearest - out[i * size]) / (2.0 * sigma * sigma))
-        out[i * size] = beta
-        total += beta
-    for i in range(len(centers)):
-        beta = out[i * size] / total
-        out[i * size] = beta
-        for j in range(x.size):
-            out[i * size + 1 + j] = beta * x[j]
-
-
-@kernel
 def _distance2(x, center):
     distance2 = 0.0
     for j in range(x.size):

@@ -110,9 +110,8 @@ class Online:
         self._gains = np.empty_like(self.learned)
         self._phi = np.zeros((self.delay, len(self.learned)))
         self.reset()
-        # both compile, before the first tick of a loop; from no command, nothing is learned
+        # it compiles, before the first tick of a loop; from no command, nothing is learned
         self._learn(0, 0.0, 0.0)
-        self._readout.regress(np.zeros(self._readout.n_features_in_), np.empty_like(self.learned))
 
     def __copy__(self) -> Self:
         """Return a deep copy: two models must not share what they learn."""
@@ -138,7 +137,7 @@ class Online:
         """Return P_ff of the next sample, kPa; see ``SequenceModel.step``."""
         row = self._features.advance(x)
         phi = self._phi[self._k % self.delay]
-        self._readout.regress(row, phi)
+        phi[:] = self._readout.regressors(row[None])[0]
         limit = self.settings.limit_kpa
         self.p_learned_kpa = control_laws.clamp(float(self.learned @ phi), -limit, limit)
         p_ff = float(self._readout.weights @ phi) + self.p_learned_kpa

@@ -84,10 +84,6 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         """Return what multiplies the weights ``w_out_``: [1, x]."""
         return with_bias(rows)
 
-    def regress(self, row: np.ndarray, out: np.ndarray) -> None:
-        """Write the regressors of one row to ``out``, without checks."""
-        out[0], out[1:] = 1.0, row
-
     @property
     def weights(self) -> np.ndarray:
         """The weights, bias first; a view, which may be written to."""

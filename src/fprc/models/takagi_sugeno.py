@@ -12,7 +12,7 @@ from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
-from fprc.models.kernels import blend, fuzzy_regressors
+from fprc.models.kernels import blend
 from fprc.models.limits import Allows, Array, Limit, Seed, Whole, check_limits
 from fprc.models.ridge import ridge_weights, with_bias
 
@@ -111,10 +111,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         """
         beta = gaussian_memberships(rows, self.centers_, self.sigma)
         return (beta[:, :, None] * with_bias(rows)[:, None, :]).reshape(len(rows), -1)
-
-    def regress(self, row: np.ndarray, out: np.ndarray) -> None:
-        """Write the regressors of one row to ``out``, without checks."""
-        fuzzy_regressors(row, self.centers_, float(self.sigma), out)
 
     @property
     def weights(self) -> np.ndarray:

@@ -21,6 +21,7 @@ from fprc.models import (
     load_model,
     save_model,
 )
+from fprc.models import online as module
 from fprc.models.online import prior_of
 
 PERIOD_S = 0.005
@@ -110,12 +111,9 @@ def test_settings_that_cannot_be_are_refused(model, wrong):
 
 
 def test_everything_is_compiled_before_the_first_step(model, monkeypatch):
-    found, called = model[0], []
-    regress = type(found.readout_).regress
-    monkeypatch.setattr(
-        type(found.readout_), "regress", lambda *given: called.append(regress(*given))
-    )
-    Online(found, Learning(), PERIOD_S)
+    called, learn_step = [], module._learn_step
+    monkeypatch.setattr(module, "_learn_step", lambda *given: called.append(learn_step(*given)))
+    Online(model[0], Learning(), PERIOD_S)
     assert called
 
 
