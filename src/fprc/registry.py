@@ -6,7 +6,6 @@ Classes are given by name and imported on demand: reading a title imports no num
 from collections.abc import Mapping
 from importlib import import_module
 from inspect import isabstract
-from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fprc.errors import ConfigError
@@ -258,8 +257,8 @@ def controllers(models: Settings) -> list[str]:
 
     They are the paper's, and each further model, alone and with PD.
     """
-    others = [[name, f"{name}_pd"] for name in models.get("others", {})]
-    return [*CONTROLLERS, *chain.from_iterable(others)]
+    others = models.get("others", {})
+    return [*CONTROLLERS, *(f"{name}{pd}" for name in others for pd in ("", "_pd"))]
 
 
 def feedforward_of(controller: str) -> str | None:
