@@ -28,7 +28,7 @@ NAMED = {
     "models.features.TapFeatures": {"low-pass"},
     "models.features.lowpass": {"low-pass"},
     "models.kernels.advance": {"low-pass"},
-    "models.lowpass_bank.LowpassBank": {"low-pass"},
+    "models.features.LowpassBank": {"low-pass"},
     "models.fprc.FPRC": {PAPER[number] for number in range(6, 13)},
     "models.fprc.FuzzyLinear": {"P_ff of a rule", "output"},
     "models.kernels.blend": {"beta", "beta_bar", "output"},

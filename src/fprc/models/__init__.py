@@ -3,9 +3,8 @@
 from fprc.models.echo_features import EchoStates
 from fprc.models.esn import ESN
 from fprc.models.feature_model import FeatureModel
-from fprc.models.features import TapFeatures, lowpass, taps
+from fprc.models.features import LowpassBank, TapFeatures, lowpass, taps
 from fprc.models.fprc import FPRC, FuzzyLinear
-from fprc.models.lowpass_bank import LowpassBank
 from fprc.models.nvar import NVAR
 from fprc.models.online import Learning, Online
 from fprc.models.plays import PlayOperators

@@ -10,8 +10,7 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
 from fprc.models.feature_model import FeatureModel
-from fprc.models.features import TapFeatures
-from fprc.models.lowpass_bank import LowpassBank
+from fprc.models.features import LowpassBank, TapFeatures
 from fprc.models.nvar import NVAR
 from fprc.models.plays import PlayOperators
 from fprc.models.ridge_readout import RidgeReadout

@@ -1,4 +1,4 @@
-"""Base of the sequential feature maps, and the map of taps.
+"""Base of the sequential feature maps, and the maps of taps and of low-passes.
 
 Each maps a log to a matrix of features in one go (``transform``) or sample by
 sample (``step``), with the same result. Before the log begins, the signals are
@@ -18,7 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
 from fprc.models.learned import Learned
-from fprc.models.limits import LARGEST, MOST_FEATURES, Allows, Limit, Whole, check_limits
+from fprc.models.limits import LARGEST, MOST_FEATURES, Allows, Each, Limit, Whole, check_limits
 
 #: A feature: its column, its kind, and its number, see ``kernels.advance``.
 Row = tuple[int, int, float]
@@ -251,3 +251,35 @@ class TapFeatures(FeatureMap):
         references = [taps(column, self.n_y) for column in X.T[:split]]
         readouts = [taps(lowpass(column, self.epsilon), self.n_u) for column in X.T[split:]]
         return np.hstack(references + readouts)
+
+
+class LowpassBank(FeatureMap):
+    """Every column, low-passed with several filter factors.
+
+    x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0)      (6)
+
+    The time constant is about 1 / epsilon samples.
+
+    Parameters
+    ----------
+    epsilons : sequence of float, default=(0.03, 0.01, 0.003)
+        Filter factors, in (0, 1]; 1 is the column itself.
+
+    References
+    ----------
+    Paper, Sec. III-B, Eq. (6), which has one factor.
+    """
+
+    def __init__(self, epsilons: Sequence[float] = (0.03, 0.01, 0.003)):
+        self.epsilons = epsilons
+
+    LIMITS = {"epsilons": Each(Limit(0, 1, low_open=True), most=1000)}
+
+    def count_features(self) -> int:
+        """Return the number of low-passes of all columns."""
+        return self.n_features_in_ * len(self.epsilons)
+
+    def rows(self) -> list[Row]:
+        """Return the low-passes of every column."""
+        columns = range(self.n_features_in_)
+        return [(i, LOWPASS, float(epsilon)) for i in columns for epsilon in self.epsilons]
