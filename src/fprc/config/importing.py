@@ -1,11 +1,19 @@
 """The map of an import: which column of a foreign file is which channel, in which unit."""
 
+import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, create_model
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    ValidationError,
+    create_model,
+    model_validator,
+)
 
 from fprc.channels import CHANNELS, CONVERTED, TARGETS, Channel, unit_of
 from fprc.config.problems import explained
@@ -38,6 +46,13 @@ class Column(Section):
     )
     offset: float = Field(0.0, description="added after the factor, in `unit`")
     note: str = Field("", description="remark for readers of the log")
+    unit: Text
+
+    @model_validator(mode="after")
+    def _names_another_quantity(self) -> Self:
+        if self.unit == "1" and not self.note:
+            raise ValueError("unit 1 stands for another quantity; name it and its unit in `note`")
+        return self
 
 
 def _column(channel: Channel) -> tuple[Any, Any]:
@@ -54,8 +69,18 @@ _FIELDS: dict[str, Any] = {
     for channel in CHANNELS
     if channel.kind not in ("time", "tracking")
 }
+
+
+class _WithTarget(Section):
+    @model_validator(mode="after")
+    def _has_a_target(self) -> Self:
+        if all(getattr(self, name) is None for name in TARGETS.values()):
+            raise ValueError("p_exp_kpa or p_exp_command_kpa is missing; the models predict it")
+        return self
+
+
 #: Channels of a raw log, see data/raw/README.md; omitted channels are not in the log.
-Channels = create_model("Channels", __base__=Section, __module__=__name__, **_FIELDS)
+Channels = create_model("Channels", __base__=_WithTarget, __module__=__name__, **_FIELDS)
 
 
 #: Words in the name of a column that identify its channel; the first channel that fits is used.
@@ -129,6 +154,16 @@ class Time(Section):
     unordered: Literal["sort"] | None = Field(None, description="sort samples by their times")
     rate_hz: float | None = Field(None, gt=0, le=1e6, description="rate instead of a column")
 
+    @model_validator(mode="after")
+    def _one_clock(self) -> Self:
+        if (self.column is None) == (self.rate_hz is None):
+            raise ValueError("give either column (with its unit) or rate_hz")
+        of_column = self.model_dump(include={"unit", "repeated", "unordered"}, exclude_unset=True)
+        for key, value in of_column.items():
+            if self.rate_hz is not None and value is not None:
+                raise ValueError(f"{key} belongs to a column; remove it beside rate_hz")
+        return self
+
 
 class Csv(Section):
     """Format of a text file; give only keys whose automatic detection is wrong."""
@@ -159,6 +194,23 @@ class ImportMap(Section):
     channels: Channels
     csv: Csv = Csv()
 
+    @model_validator(mode="after")
+    def _parts_are_not_empty(self) -> Self:
+        if (self.experiment is None) == (self.test_from_s is None):
+            raise ValueError(
+                "give either experiment, for the one log that `fprc import` writes, or "
+                "test_from_s, for the two parts of `fprc readout`"
+            )
+        end_s = math.inf if self.end_s is None else self.end_s
+        if end_s <= self.start_s:
+            raise ValueError(f"end_s = {end_s:g}; must be above start_s = {self.start_s:g}")
+        if self.test_from_s is not None and not self.start_s < self.test_from_s < end_s:
+            raise ValueError(
+                f"test_from_s = {self.test_from_s:g}; must lie between start_s = "
+                f"{self.start_s:g} and end_s = {end_s:g}"
+            )
+        return self
+
     @property
     def rate_hz(self) -> float:
         """Sample rate of the raw log, Hz."""
@@ -185,17 +237,13 @@ def read_map(path: Path | str) -> ImportMap:
     ------
     ConfigError
         The file is not YAML with keys and values; or lists every unknown key with the
-        nearest valid one, every missing key, every wrong value, and every contradiction.
+        nearest valid one, every missing key, every wrong value, and, of sections without these,
+        every contradiction.
     """
-    loaded = read_yaml(path)
-    problems = list(_contradictions(loaded))
     try:
-        mapping = ImportMap.model_validate(loaded)
+        return ImportMap.model_validate(read_yaml(path))
     except ValidationError as error:
-        problems = [*map(_explained, error.errors()), *problems]
-    if problems:
-        raise ConfigError.listing(problems, "map", file=path)
-    return mapping
+        raise ConfigError.listing([*map(_explained, error.errors())], "map", file=path) from error
 
 
 def read_csv(path: Path | str) -> Csv:
@@ -213,70 +261,8 @@ def read_csv(path: Path | str) -> Csv:
         raise ConfigError.listing([*map(_explained, items)], "map", file=path) from error
 
 
-def _contradictions(loaded: Mapping[str, Any]) -> Iterator[str]:
-    """Yield contradictions between keys, even if single values are wrong too.
-
-    A key is not reported as missing if an unknown key may be its misspelling.
-    """
-    given = {key for key, value in loaded.items() if value is not None}
-    if {"experiment", "test_from_s"} <= given or (
-        not {"experiment", "test_from_s"} & given and given <= set(ImportMap.model_fields)
-    ):
-        yield (
-            "give either experiment, for the one log that `fprc import` writes, or test_from_s, "
-            "for the two parts of `fprc readout`"
-        )
-    start_s, end_s, test_from_s = (
-        _number(loaded.get(key)) for key in ("start_s", "end_s", "test_from_s")
-    )
-    start_s, end_s = start_s or 0.0, float("inf") if end_s is None else end_s
-    if end_s <= start_s:
-        yield f"end_s = {end_s:g}; must be above start_s = {start_s:g}"
-    elif test_from_s is not None and not start_s < test_from_s < end_s:
-        yield (
-            f"test_from_s = {test_from_s:g}; must lie between start_s = {start_s:g} and end_s = "
-            f"{end_s:g}"
-        )
-    yield from _contradictions_of_time(loaded.get("time"))
-    yield from _contradictions_of_channels(loaded.get("channels"))
-
-
-def _contradictions_of_time(time: Any) -> Iterator[str]:
-    if not isinstance(time, dict):
-        return
-    given = {key for key, value in time.items() if value is not None}
-    clocks = {"column", "rate_hz"} & given
-    if len(clocks) == 2 or (not clocks and given <= set(Time.model_fields)):
-        yield "time: give either column (with its unit) or rate_hz"
-    elif clocks == {"rate_hz"}:
-        for key in ("unit", "repeated", "unordered"):
-            if key in given:
-                yield f"time: {key} belongs to a column; remove it beside rate_hz"
-
-
-def _contradictions_of_channels(channels: Any) -> Iterator[str]:
-    if not isinstance(channels, dict):
-        return
-    targets = [channels.get(name) for name in TARGETS.values()]
-    if targets == [None, None] and set(channels) <= set(Channels.model_fields):
-        yield "channels: p_exp_kpa or p_exp_command_kpa is missing; the models predict it"
-    for name, spec in channels.items():
-        if isinstance(spec, dict) and _as_text(spec.get("unit")) == "1" and not spec.get("note"):
-            yield (
-                f"channels.{name}: unit 1 stands for another quantity; name it and its unit in "
-                "`note`"
-            )
-
-
-def _number(value: Any) -> float | None:
-    try:
-        return None if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        return None
-
-
 def _explained(item: Mapping[str, Any]) -> str:
-    *above, last = map(str, item["loc"])
+    *above, last = map(str, item["loc"] or [""])
     likely = likely_channel(last) if above == ["channels"] else None
     if item["type"] == "extra_forbidden" and likely:
         return f"channels.{last}: unknown key; did you mean channels.{likely}?"
