@@ -246,8 +246,8 @@ def import_map(**more):
 
 
 def check_import(bench, name, sound):
-    """List and import a recording; what is imported is whole and finite."""
-    bench.run("import", name, "--list", names=[name])
+    """Draft a map of a recording, and import it; what is imported is whole and finite."""
+    bench.run("import", name, "--draft", names=[name])
     outputs = ("out.h5", "out.diagnosis.json", "out.diagnosis.png")
     command = ("import", name, "--map", "map.yaml", "--out", "out.h5")
     if bench.run(*command, names=[name, "map.yaml"], writes=outputs) is None:

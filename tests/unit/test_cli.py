@@ -140,7 +140,7 @@ def test_interrupt_ends_the_command_however_libraries_treat_it(monkeypatch, caps
         ("config defaults", "exec {} >&-", {}, 0, ""),
         ("config defaults", "exec {} >/dev/full", {}, 1, "error: the output .*: No space left"),
         ("config check ü.yaml", "exec {}", {"PYTHONIOENCODING": "ascii"}, 1, r"\\xfc.yaml: cannot"),
-        ("import arm.csv --list", "exec {}", {"MPLBACKEND": "nonsense"}, 0, ""),
+        ("import arm.csv --draft", "exec {}", {"MPLBACKEND": "nonsense"}, 0, ""),
     ],
 )
 def test_output_of_any_kind_is_no_reason_for_a_traceback(

@@ -42,10 +42,9 @@ _OFF_LINE = 0.01
 _INTEGER_TOLERANCE = 5e-4
 
 
-def import_or_list(
+def import_or_draft(
     source: str,
     *,
-    list_: bool = False,
     draft: bool = False,
     map_: str | None = None,
     out: str | None = None,
@@ -58,10 +57,9 @@ def import_or_list(
     ----------
     source : SOURCE
         Recording: CSV, HDF5 or MATLAB file.
-    list_ : bool
-        Print the file's columns and exit.
     draft : bool
-        Print a map with channels, units and clock guessed from the file, and exit.
+        Print a map with channels, units and clock guessed from the file, and all its columns, and
+        exit.
     map_ : MAP.yaml
         Columns, units, clock and sample rate.
     out : FILE.h5
@@ -69,22 +67,21 @@ def import_or_list(
 
     Examples
     --------
-    fprc import arm.csv --list
     fprc import arm.csv --draft > arm.yaml
     fprc import arm.csv --map arm.yaml --out sweep.h5
 
     Raises
     ------
     ConfigError
-        The map is wrong; lists all errors. Or neither ``list_`` nor ``draft`` nor both of ``map_``
-        and ``out`` are given.
+        The map is wrong; lists all errors. Or neither ``draft`` nor both of ``map_`` and ``out`` are
+        given.
     LogError, OutputError
         See ``import_mapped``.
     """
-    if list_ or draft:
+    if draft:
         # a map that is not complete may already say how the text is to be read
-        content = read_source(source, **(read_csv(map_).model_dump() if map_ else {}))
-        print(list_columns(content) if list_ else draft_map(content))
+        layout = read_csv(map_).model_dump() if map_ else {}
+        print(draft_map(read_source(source, **layout)))
     elif map_ and out:
         mapping = read_map(map_)
         if mapping.experiment is None:
@@ -94,7 +91,7 @@ def import_or_list(
             )
         import_mapped(mapping, source, out)
     else:
-        raise ConfigError("give --list, --draft, or both --map and --out")
+        raise ConfigError("give --draft, or both --map and --out")
 
 
 def own_rate(mapping: ImportMap, source: str) -> tuple[float, float]:
@@ -227,37 +224,11 @@ def _is_imported(old: Path) -> bool:
     return not isinstance(log, LogError) and log.attributes.get("source") == "import"
 
 
-def list_columns(content: Source) -> str:
-    """Describe the columns of a foreign file: samples, range, share of new values, guessed rate."""
-    columns = {visible(name): v for name, v in content.columns.items()}
-    width = max(map(len, [*columns, "column"]))
-    lines = [
-        visible(f"{content.path}: {content.kind}, {len(columns)} columns"),
-        f"  {'column':{width}}  {'samples':>8}  {'lowest':>10}  {'highest':>10}  remark",
-    ]
-    guesses = [_guess_clock(name, values) for name, values in columns.items()]
-    for (name, values), guess in zip(columns.items(), guesses, strict=True):
-        finite = values[np.isfinite(values)]
-        low, high = (f"{v:.4g}" for v in (finite.min(), finite.max())) if finite.size else "--"
-        remark = _remark(values, len(finite), guess)
-        lines.append(f"  {name:{width}}  {len(values):8}  {low:>10}  {high:>10}  {remark}".rstrip())
-    lines += [
-        visible(f"  {name}: cannot be a channel: {why}") for name, why in content.others.items()
-    ]
-    lines += [visible(f"  {note}") for note in content.notes]
-    if not any(guesses):
-        lines.append(
-            "no column looks like a clock; name the column with the times in the map, or, if the "
-            "file has none, give time.rate_hz"
-        )
-    return "\n".join(lines)
-
-
 def draft_map(content: Source) -> str:
     """Return a map of a foreign file in YAML, its channels, units and clock guessed.
 
     A channel that the workflow needs and no column's name identifies has the column ``?``, and
-    a unit that no name gives is marked: the user completes them.
+    a unit that no name gives is marked: the user completes them. Comments describe each column.
     """
     columns = content.columns
     guesses = {name: _guess_clock(name, values) for name, values in columns.items()}
@@ -268,9 +239,10 @@ def draft_map(content: Source) -> str:
     for name in columns:
         if name != clock and (likely := likely_channel(name)):
             found.setdefault(likely, name)
+    file = visible(f"{content.path.name}, {content.kind}")
     lines = [
-        f"# Drafted from the names in {visible(content.path.name)}; check each line; complete "
-        "those with a ?, or delete them where the recording has no such channel",
+        f"# Drafted from the names in {file}; check each "
+        "line; complete those with a ?, or delete them where the recording has no such channel",
         "experiment: sweep  # or complex; instead, for fprc readout: test_from_s, in seconds",
     ]
     if guess := guesses.get(clock or ""):
@@ -296,20 +268,24 @@ def draft_map(content: Source) -> str:
             column = found[channel.name]
             unit = likely_unit(column, channel.name)
             spec = f"{{column: {_quoted(column)}, unit: {unit or channel.unit}}}"
-            doubt = "" if unit else "  # unit?"
+            doubt = "" if unit else "; unit?"
             if channel.unit == "kPa" and is_absolute(column):
-                doubt += "  # absolute? then offset: minus the air's, -101.325 kPa"
-            lines.append(f"  {channel.name}: {spec}{doubt}")
+                doubt += "; absolute? then offset: minus the air's, -101.325 kPa"
+            lines.append(f"  {channel.name}: {spec}  # {_in_words(columns[column])}{doubt}")
         elif channel.name in _DRAFTED and not (
             channel.name == TARGETS["measured"] and TARGETS["command"] in found
         ):
             spec = f'{{column: "?", unit: {channel.unit}}}'
             lines.append(f"  {channel.name}: {spec}  # {channel.meaning}")
-    left = [_quoted(name) for name in columns if name not in (clock, *found.values())]
-    lines += ["# columns left: " + ", ".join(left)] if left else []
+    lines += [
+        f"# column left: {_quoted(name)}  # {_in_words(values)}"
+        for name, values in columns.items()
+        if name not in (clock, *found.values())
+    ]
     lines += [
         visible(f"# {name}: cannot be a channel: {why}") for name, why in content.others.items()
     ]
+    lines += [f"# {note}" for note in content.notes]
     return "\n".join(lines)
 
 
@@ -318,13 +294,14 @@ def _quoted(name: str) -> str:
     return visible(json.dumps(name, ensure_ascii=False))
 
 
-def _remark(values: np.ndarray, finite: int, guess: tuple[float, str] | None) -> str:
-    if finite < len(values):
-        return f"{len(values) - finite} values are not finite"
-    if guess:
-        return f"a clock? {guess[0]:.4g} Hz if in {guess[1]}"
-    fresh = np.count_nonzero(values[1:] != values[:-1]) / max(len(values) - 1, 1)
-    return "constant" if fresh == 0.0 else f"{fresh:.0%} new values" if fresh < 0.9 else ""
+def _in_words(values: np.ndarray) -> str:
+    """Describe a column: its samples, their range, and how many are not finite."""
+    finite = values[np.isfinite(values)]
+    words = f"{len(values)} samples"
+    if finite.size:
+        words += f", {finite.min():.4g} to {finite.max():.4g}"
+    missing = len(values) - len(finite)
+    return f"{words}, {missing} not finite" if missing else words
 
 
 def _guess_clock(name: str, values: np.ndarray) -> tuple[float, str] | None:

@@ -31,7 +31,7 @@ COMMANDS = {
     "train": "models.train",
     "predict": "models.predict",
     "export": "export.export_c",
-    "import": "import_recording.import_or_list",
+    "import": "import_recording.import_or_draft",
     "log check": "logs.check",
     "log repair": "logs.repair",
     "readout": "readout.report_readout",

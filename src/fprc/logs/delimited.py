@@ -86,7 +86,7 @@ def read_text(
             f"{_SEPARATORS.get(delimiter, delimiter)}, line {numbers[unfit[0]]} has "
             f"{len(rows[unfit[0]])}; lines that do not match in all: {len(unfit)}; repair them, or "
             "say in a map where the table begins, as `csv: {header_line: 4, data_line: 6}`, or "
-            "csv.separator; --list and --draft take that map too (--map)"
+            "csv.separator; --draft takes that map too (--map)"
         )
     table = [fields for fields in fitted if fields is not None]
     if header_line is None and all(_is_number(name) and not _is_missing(name) for name in names):

@@ -47,4 +47,4 @@ def pick(source: Source, name: str) -> np.ndarray:
     known = {column.lower(): column for column in [*source.columns, *source.others]}
     similar = [known[near] for near in difflib.get_close_matches(name.lower(), known)]
     near = "".join(f"did you mean {column}? " for column in [*of_matrix, *similar][:1])
-    raise LogError(f"{name}: no such column; {near}`fprc import {source.path} --list` shows all")
+    raise LogError(f"{name}: no such column; {near}`fprc import {source.path} --draft` shows all")

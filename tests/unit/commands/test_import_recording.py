@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
-from fprc.commands.import_recording import _quoted, import_or_list
+from fprc.commands.import_recording import _quoted, import_or_draft
 from fprc.config import Settings
 from fprc.errors import ConfigError, LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
@@ -37,7 +37,7 @@ def bring(recorded, tmp_path, undrawn):
         mapping = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
         raw = tmp_path / "sweep.h5"
-        import_or_list(str(tmp_path / "log.csv"), map_=str(tmp_path / "map.yaml"), out=str(raw))
+        import_or_draft(str(tmp_path / "log.csv"), map_=str(tmp_path / "map.yaml"), out=str(raw))
         return raw
 
     return bring
@@ -170,17 +170,16 @@ def test_newtons_are_not_taken_for_kilopascals_and_not_mixed_with_them(bring, ca
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_words_of_the_listing_are_those_of_the_map(tmp_path, capsys, matlab_files):
+def test_words_of_the_draft_are_those_of_the_map(tmp_path, capsys, matlab_files):
     """Names of nested parts: tests/unit/logs/test_arrays.py."""
     count = np.arange(50.0)
     both, empty = np.column_stack([count, -count]), np.zeros((0, 0))
     content = {"run": {"t": 0.01 * count, "q": both}, "none": empty}
     matlab_files.write_matlab5(tmp_path / "log.mat", content)
-    assert main(["import", str(tmp_path / "log.mat"), "--list"]) == 0
-    printed = capsys.readouterr().out.splitlines()
-    names = [line[2:].split("  ")[0] for line in printed[2:] if "cannot be" not in line]
-    assert sorted(names) == ["run.q[:, 0]", "run.q[:, 1]", "run.t"]
-    assert "  none: cannot be a channel: empty" in printed
+    assert main(["import", str(tmp_path / "log.mat"), "--draft"]) == 0
+    printed = capsys.readouterr().out
+    assert set(re.findall(r'"(run\..*?)"', printed)) == {"run.q[:, 0]", "run.q[:, 1]", "run.t"}
+    assert "# none: cannot be a channel: empty" in printed.splitlines()
     theta, p_exp = (
         {"column": f"run.q[:, {k}]", "unit": unit} for k, unit in ((1, "deg"), (0, "kPa"))
     )
@@ -210,8 +209,8 @@ def jittery(jitter_s):
 def test_clock_is_found_however_unevenly_it_ticks(tmp_path, capsys, stamps, is_clock):
     rows = "".join(f"{stamp:.9f},1\n" for stamp in stamps)
     (tmp_path / "log.csv").write_text(f"t,x\n{rows}")
-    assert main(["import", str(tmp_path / "log.csv"), "--list"]) == 0
-    rates = re.findall(r"clock\? ([\d.]+) Hz", capsys.readouterr().out)
+    assert main(["import", str(tmp_path / "log.csv"), "--draft"]) == 0
+    rates = re.findall(r"# sample_rate_hz: ([\d.]+) ", capsys.readouterr().out)
     assert [round(float(rate), -2) for rate in rates] == [200.0] * is_clock
 
 

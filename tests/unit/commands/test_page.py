@@ -40,7 +40,7 @@ def test_commands_of_the_page_print_what_it_says(tmp_path, monkeypatch, capsys):
         page.split(f"```{kind}\n")[1].split("```")[0] for kind in ("python", "yaml")
     )
     exec(compile(program, "docs/own-data.md", "exec"), {})
-    assert main(["import", "arm_sweep.csv", "--list"]) == 0
+    assert main(["import", "arm_sweep.csv", "--draft"]) == 0
     assert f"```\n{capsys.readouterr().out}```" in page
     Path("sweep.yaml").write_text(mapping)
     assert main("import arm_sweep.csv --map sweep.yaml --out mylogs/sweep.h5".split()) == 0
