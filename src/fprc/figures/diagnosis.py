@@ -47,9 +47,7 @@ def draw_diagnosis(
         plot_channel(time_s, values, name, diagnosis, ax)
         ax.set_ylabel(units[name])
         style.letter(ax, escape.figure(shorten(titles[name], 52, placeholder=" ...")))
-        ax.set_title(
-            _remarks(diagnosis["channels"][name], diagnosis["clock"]), loc="right", color="0.3"
-        )
+        ax.set_title(_remarks(diagnosis["channels"][name]), loc="right", color="0.3")
         ax.sharex(left[0])
         ax.label_outer()
     left[0].set_xlim(time_s[0], time_s[-1])
@@ -95,14 +93,10 @@ def _axis(name: str, units: Mapping[str, str]) -> str:
     return f"{name} [{units[name]}]" if units[name] else f"{name}, not in its unit"
 
 
-def _remarks(channel: Mapping[str, Any], clock: Mapping[str, Any]) -> str:
+def _remarks(channel: Mapping[str, Any]) -> str:
     remarks = []
     if channel["lowest"] == channel["highest"]:
         remarks.append("constant")
-    if channel["held_samples"]:
-        remarks.append(f"held: {clock['median_hz'] / channel['held_samples']:.3g} Hz in fact")
-    if channel["step"]:
-        remarks.append(f"steps of {channel['step']:.2g}")
     if channel["frozen"] and not remarks:
         remarks.append("frozen")
     if channel["at_extreme"]:

@@ -41,12 +41,11 @@ def diagnose(
     -------
     dict
         ``samples``, ``duration_s``; ``clock``, with ``corrections``; ``channels``, each with its
-        range, the rate of new values, ``held_samples`` (None unless sample-and-hold),
-        ``step`` (None unless quantised), ``frozen`` and ``at_extreme``; ``identical`` pairs;
+        range, the rate of new values, ``frozen`` and ``at_extreme``; ``identical`` pairs;
         ``sealed``, leak and re-fills of ``p_o_kpa``, or None.
     """
     clock = {**_clock(time_s, quality["gap_periods"]), **corrections}
-    longest = quality["stuck_s"] * clock["median_hz"]
+    longest = max(quality["stuck_s"] * clock["median_hz"], 20.0)  # of a slow log too
     diagnoses = {name: _channel(time_s, values, longest) for name, values in channels.items()}
     pairs = [[a, b] for a, b in combinations(channels, 2) if (channels[a] == channels[b]).all()]
     return {
@@ -82,16 +81,12 @@ def _clock(time_s: np.ndarray, gap_periods: float) -> dict[str, Any]:
 
 def _channel(time_s: np.ndarray, values: np.ndarray, longest: float) -> dict[str, Any]:
     begins, lengths = runs(values)
-    step = _step(values)
-    held = None if step else _held(lengths)
-    frozen = np.flatnonzero(lengths > max(longest, 20.0 * (held or 1)))
-    extremes = (_at_extreme(values, begins, lengths, held or 1, side) for side in ("low", "high"))
+    frozen = np.flatnonzero(lengths > longest)
+    extremes = (_at_extreme(values, begins, lengths, side) for side in ("low", "high"))
     return {
         "lowest": float(values.min()),
         "highest": float(values.max()),
         "new_values_hz": float((len(begins) - 1) / (time_s[-1] - time_s[0])),
-        "held_samples": held,
-        "step": step,
         "frozen": [
             {
                 "from_s": float(time_s[begins[k]]),
@@ -103,32 +98,8 @@ def _channel(time_s: np.ndarray, values: np.ndarray, longest: float) -> dict[str
     }
 
 
-def _step(values: np.ndarray) -> float | None:
-    """Return the resolution of a quantised channel; None if it cannot be seen."""
-    changes = np.abs(np.diff(values))
-    changes = changes[changes > 1e-12 * np.ptp(values)]  # less is rounding
-    if len(changes) < 10 or len(changes) > 0.9 * (len(values) - 1):
-        return None  # constant, or nearly every sample is new: quantisation is negligible
-    smallest = np.median(changes[changes < 1.5 * changes.min()])
-    multiples = changes / smallest
-    whole = np.abs(multiples - np.round(multiples)) < 0.05
-    return float(smallest) if whole.mean() > 0.95 and (multiples < 2.5).mean() > 0.5 else None
-
-
-def _held(lengths: np.ndarray) -> int | None:
-    """Return the hold time of a sample-and-hold channel in samples; None if it is irregular."""
-    inner = lengths[1:-1]
-    if len(inner) < 5:
-        return None
-    typical = int(np.median(inner))
-    # a new value may equal the last one, and the slower clock has jitter
-    multiples = inner / typical
-    regular = (np.abs(inner - typical) <= typical // 4) | (multiples == np.round(multiples))
-    return typical if typical >= 2 and regular.mean() >= 0.8 else None
-
-
 def _at_extreme(
-    values: np.ndarray, begins: np.ndarray, lengths: np.ndarray, held: int, side: str
+    values: np.ndarray, begins: np.ndarray, lengths: np.ndarray, side: str
 ) -> dict[str, Any] | None:
     """Return where a channel is clipped at its lowest or highest value; None if it is not.
 
@@ -139,7 +110,7 @@ def _at_extreme(
     if len(levels) < 5:
         return None
     k, beside = (0, slice(1, 11)) if side == "low" else (-1, slice(-11, -1))
-    here = np.flatnonzero((values[begins] == levels[k]) & (lengths >= 3 * held))
+    here = np.flatnonzero((values[begins] == levels[k]) & (lengths >= 3))
     if counts[k] < CLIPPED_RATIO * counts[beside].mean() or not here.size:
         return None
     return {
@@ -168,7 +139,7 @@ def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str
     ]
     lines += [f"clock: {text}" for text in _describe_clock(clock)]
     for name, channel in diagnosis["channels"].items():
-        lines += [f"{name}: {text}" for text in _describe_channel(channel, units[name], clock)]
+        lines += [f"{name}: {text}" for text in _describe_channel(channel, units[name])]
     lines += [f"{a} and {b}: identical, sample by sample" for a, b in diagnosis["identical"]]
     if diagnosis["sealed"]:
         lines += [f"p_o_kpa: {text}" for text in _describe_leak(diagnosis, units["p_o_kpa"])]
@@ -198,20 +169,11 @@ def _longest(stretches: Sequence[Mapping[str, float]]) -> str:
     return f"from {longest['from_s']:.4g} to {longest['to_s']:.4g} s"
 
 
-def _describe_channel(
-    channel: Mapping[str, Any], unit: str, clock: Mapping[str, Any]
-) -> Iterator[str]:
+def _describe_channel(channel: Mapping[str, Any], unit: str) -> Iterator[str]:
     yield (
         f"{channel['lowest']:.4g} to {channel['highest']:.4g}{unit}, "
         f"{channel['new_values_hz']:.4g} new values a second"
     )
-    if channel["held_samples"]:
-        yield (
-            f"sample-and-hold: a new value every {channel['held_samples']} samples, effectively "
-            f"{clock['median_hz'] / channel['held_samples']:.4g} Hz"
-        )
-    if channel["step"]:
-        yield f"quantised in steps of {channel['step']:.4g}{unit}"
     if channel["frozen"]:
         yield (
             f"frozen or at rest: {len(channel['frozen'])} times, the longest "
