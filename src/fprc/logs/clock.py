@@ -17,17 +17,6 @@ LIKELY_HZ = (10.0, 20000.0)
 MOST_POINTS = 5_000_000
 
 
-class Clock(NamedTuple):
-    """Time stamps of a file's samples, sorted."""
-
-    begin_s: float  #: first time stamp, on the file's clock
-    since_s: np.ndarray  #: time stamps relative to ``begin_s``, not decreasing
-    samples: np.ndarray  #: indices of the file's samples that are used, in order of time
-    #: ``unordered_samples``, ``repeated_samples``: counts in the file; ``repeated``: how repeated
-    #: time stamps are merged, ``first`` or ``mean``
-    corrections: dict[str, Any]
-
-
 class Recording(NamedTuple):
     """Channels at their original time stamps, in the units of a raw log."""
 
@@ -35,11 +24,16 @@ class Recording(NamedTuple):
     channels: dict[str, np.ndarray]
     start_s: float  #: time stamp of the first sample kept, on the file's clock
     samples: np.ndarray  #: for each time stamp, the index of its first sample in the file
-    corrections: dict[str, Any]  #: see ``Clock``
+    #: ``unordered_samples``, ``repeated_samples``: counts in the file; ``repeated``: how repeated
+    #: time stamps are merged, ``first`` or ``mean``
+    corrections: dict[str, Any]
 
 
-def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> Clock:
-    """Return the clock of time stamps.
+def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> Recording:
+    """Return a recording without channels, its time stamps sorted.
+
+    A time stamp that is repeated, and not to be merged with ``first``, stands there for each of
+    its samples.
 
     Parameters
     ----------
@@ -80,7 +74,7 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> C
     with np.errstate(over="ignore"):  # ``refuse_length`` rejects the overflow
         # subtract before converting, or stamps counted from 1970 would lose digits
         since_s = (stamps[order] - ordered[0]) * factor
-        return Clock(float(ordered[0] * factor), since_s, order, corrections)
+        return Recording(since_s, {}, float(ordered[0] * factor), order, corrections)
 
 
 def _disorder(

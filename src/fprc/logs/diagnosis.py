@@ -33,7 +33,7 @@ def diagnose(
     channels : Mapping
         Arrays of the same length, in the units of their names.
     corrections : Mapping
-        Corrections made to the file's clock, see ``fprc.logs.clock.Clock``.
+        Corrections made to the file's clock, see ``fprc.logs.clock.Recording``.
     quality : Mapping
         ``gap_periods`` and ``stuck_s`` of the section ``quality`` of the configuration.
 

@@ -9,7 +9,7 @@ import numpy as np
 from fprc.channels import CONVERTED
 from fprc.errors import LogError
 from fprc.logs.arrays import read_arrays
-from fprc.logs.clock import Clock, Recording, read_clock
+from fprc.logs.clock import Recording, read_clock
 from fprc.logs.columns import LARGEST
 from fprc.logs.delimited import read_text
 from fprc.logs.isolated import isolated_each
@@ -107,13 +107,14 @@ def gather(
                 problems.append(str(error))
     if problems or clock is None:
         raise LogError("\n".join(problems))
-    since_s, first, counts = np.unique(clock.since_s, return_index=True, return_counts=True)
-    return Recording(
-        since_s - since_s[0],
-        {name: np.add.reduceat(values, first) / counts for name, values in converted.items()},
-        float(clock.begin_s + since_s[0]),
-        clock.samples[first],
-        clock.corrections,
+    time_s, first, counts = np.unique(clock.time_s, return_index=True, return_counts=True)
+    return clock._replace(
+        time_s=time_s - time_s[0],
+        channels={
+            name: np.add.reduceat(values, first) / counts for name, values in converted.items()
+        },
+        start_s=float(clock.start_s + time_s[0]),
+        samples=clock.samples[first],
     )
 
 
@@ -128,24 +129,22 @@ def _pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.n
     return picked, problems
 
 
-def _window(source: Source, clock: Clock, start_s: float, end_s: float | None) -> Clock:
+def _window(source: Source, clock: Recording, start_s: float, end_s: float | None) -> Recording:
     last = np.inf if end_s is None else end_s
     # 1e-9: the time stamps are rounded
-    begin = int(np.searchsorted(clock.since_s, start_s - 1e-9, side="left"))
-    end = int(np.searchsorted(clock.since_s, last + 1e-9, side="right"))
-    kept = slice(begin, end)
-    distinct = len(np.unique(clock.since_s[kept]))
+    kept = (clock.time_s >= start_s - 1e-9) & (clock.time_s <= last + 1e-9)
+    distinct = len(np.unique(clock.time_s[kept]))
     if distinct < 2:
         raise LogError(
             f"{source.path}: {distinct} distinct time stamps lie from {start_s:g} s to "
-            f"{'the end' if end_s is None else f'{last:g} s'}; the file has {len(clock.since_s)} "
-            f"samples, over {clock.since_s[-1]:g} s; correct start_s and end_s"
+            f"{'the end' if end_s is None else f'{last:g} s'}; the file has {len(clock.time_s)} "
+            f"samples, over {clock.time_s[-1]:g} s; correct start_s and end_s"
         )
-    return clock._replace(since_s=clock.since_s[kept], samples=clock.samples[kept])
+    return clock._replace(time_s=clock.time_s[kept], samples=clock.samples[kept])
 
 
 def _convert(
-    source: Source, where: str, values: np.ndarray, spec: Mapping[str, Any], clock: Clock
+    source: Source, where: str, values: np.ndarray, spec: Mapping[str, Any], clock: Recording
 ) -> np.ndarray:
     """Return the clock's samples of a column, converted to the unit of a raw log."""
     with np.errstate(over="ignore", invalid="ignore"):
