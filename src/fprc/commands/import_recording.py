@@ -151,7 +151,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
     quality = Settings().quality.model_dump()
     diagnosis = diagnose(
-        recording.time_s, recording.channels, recording.corrections, quality=quality
+        recording.time_s, recording.channels, recording.repeated_samples, quality=quality
     )
     lines = describe(diagnosis, units)
     if mapping.time.column and (hint := other_unit(recording.time_s, mapping.time.unit)):

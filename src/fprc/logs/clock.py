@@ -23,28 +23,23 @@ class Recording(NamedTuple):
     time_s: np.ndarray  #: time stamps, increasing, 0 at the first sample kept
     channels: dict[str, np.ndarray]
     start_s: float  #: time stamp of the first sample kept, on the file's clock
-    samples: np.ndarray  #: for each time stamp, the index of its first sample in the file
-    #: ``unordered_samples``, ``repeated_samples``: counts in the file; ``repeated``: how repeated
-    #: time stamps are merged, ``first`` or ``mean``
-    corrections: dict[str, Any]
+    samples: np.ndarray  #: for each time stamp, the index of its sample in the file
+    repeated_samples: int  #: samples that repeat an earlier time stamp, and are left out
 
 
 def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> Recording:
-    """Return a recording without channels, its time stamps sorted.
-
-    A time stamp that is repeated, and not to be merged with ``first``, stands there for each of
-    its samples.
+    """Return a recording without channels.
 
     Parameters
     ----------
     time : Mapping
-        ``column``, ``unit`` (by default s), and how to treat ``repeated`` time stamps (``first``,
-        ``mean``) and ``unordered`` ones (``sort``).
+        ``column``, ``unit`` (by default s); ``repeated``: ``first`` keeps the first sample of each
+        time stamp.
 
     Raises
     ------
     LogError
-        Time stamps are not finite, or are repeated or unordered and ``time`` does not say how
+        Time stamps are not finite or decrease, or some are repeated and ``time`` does not say how
         to treat them.
     """
     where = f"{source.path}: time: {time.get('column')}"
@@ -54,56 +49,31 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> R
             f"{where}: {source.sample(bad[0])} is {stamps[bad[0]]}; not finite in all: "
             f"{bad.size}; fill them in, delete those rows, or give time.rate_hz"
         )
-    latest = np.maximum.accumulate(stamps)
-    late = np.flatnonzero(stamps < latest)
-    order = np.argsort(stamps, kind="stable") if late.size else np.arange(len(stamps))
-    ordered = stamps[order]
-    fresh = np.append(True, ordered[1:] != ordered[:-1])
-    repeated = order[~fresh]
-    problems = _disorder(source, time, stamps, late, repeated)
+    late = 1 + np.flatnonzero(stamps[1:] < stamps[:-1])
+    repeated = 1 + np.flatnonzero(stamps[1:] == stamps[:-1])
+    problems = []
+    if late.size:
+        k = int(late[0])
+        problems.append(
+            f"{where}: goes back {late.size} times, first to {stamps[k]:.16g} at "
+            f"{source.sample(k)}, from {stamps[k - 1]:.16g}; repair the clock if it was set back "
+            "or restarted; sort the samples if they were only written out of order"
+        )
+    if repeated.size and not time.get("repeated"):
+        k = int(repeated[0])
+        problems.append(
+            f"{where}: {repeated.size} of {len(stamps)} samples repeat an earlier time stamp; the "
+            f"first is {source.sample(k)} at {stamps[k]:.16g}; set time.repeated: first to keep "
+            "the first sample of each time stamp, or give time.rate_hz"
+        )
     if problems:
-        raise LogError("\n".join(f"{where}: {problem}" for problem in problems))
-    corrections = {
-        "unordered_samples": int(late.size),
-        "repeated_samples": int(repeated.size),
-        "repeated": time["repeated"] if repeated.size else None,
-    }
-    if time.get("repeated") != "mean":
-        order = order[fresh]
+        raise LogError("\n".join(problems))
+    samples = np.delete(np.arange(len(stamps)), repeated)
     factor = SECONDS[time.get("unit", "s")]
     with np.errstate(over="ignore"):  # ``refuse_length`` rejects the overflow
         # subtract before converting, or stamps counted from 1970 would lose digits
-        since_s = (stamps[order] - ordered[0]) * factor
-        return Recording(since_s, {}, float(ordered[0] * factor), order, corrections)
-
-
-def _disorder(
-    source: Source,
-    time: Mapping[str, Any],
-    stamps: np.ndarray,
-    late: np.ndarray,
-    repeated: np.ndarray,
-) -> list[str]:
-    """Return an error text for unordered and for repeated samples that ``time`` does not allow."""
-    total, problems = len(stamps), []
-    if late.size and not time.get("unordered"):
-        k = int(late[0])
-        before = int(np.argmax(stamps[:k]))
-        problems.append(
-            f"{late.size} of {total} samples are out of order; the first is "
-            f"{source.sample(k)} at {stamps[k]:.16g}, after {source.sample(before)} at "
-            f"{stamps[before]:.16g}; set time.unordered: sort if the time stamps are right and "
-            "the samples were only written out of order; repair the clock if it was set back or "
-            "restarted"
-        )
-    if repeated.size and not time.get("repeated"):
-        k = int(repeated.min())
-        problems.append(
-            f"{repeated.size} of {total} samples repeat an earlier time stamp; the first is "
-            f"{source.sample(k)} at {stamps[k]:.16g}; set time.repeated: first to keep the "
-            "first sample of each time stamp, or mean to average them; or give time.rate_hz"
-        )
-    return problems
+        since_s = (stamps[samples] - stamps[0]) * factor
+        return Recording(since_s, {}, float(stamps[0] * factor), samples, int(repeated.size))
 
 
 def likely_rate(step: float) -> tuple[float, str] | None:

@@ -20,7 +20,7 @@ LEAK_KPA_PER_MIN = 2.0
 def diagnose(
     time_s: np.ndarray,
     channels: Mapping[str, np.ndarray],
-    corrections: Mapping[str, Any],
+    repeated_samples: int,
     *,
     quality: Mapping[str, Any],
 ) -> dict[str, Any]:
@@ -32,19 +32,19 @@ def diagnose(
         Time stamps, increasing.
     channels : Mapping
         Arrays of the same length, in the units of their names.
-    corrections : Mapping
-        Corrections made to the file's clock, see ``fprc.logs.clock.Recording``.
+    repeated_samples : int
+        Samples that were left out, see ``fprc.logs.clock.Recording``.
     quality : Mapping
         ``gap_periods`` and ``stuck_s`` of the section ``quality`` of the configuration.
 
     Returns
     -------
     dict
-        ``samples``, ``duration_s``; ``clock``, with ``corrections``; ``channels``, each with its
+        ``samples``, ``duration_s``; ``clock``; ``channels``, each with its
         range, the rate of new values, ``frozen`` and ``at_extreme``; ``identical`` pairs;
         ``sealed``, leak and re-fills of ``p_o_kpa``, or None.
     """
-    clock = {**_clock(time_s, quality["gap_periods"]), **corrections}
+    clock = {**_clock(time_s, quality["gap_periods"]), "repeated_samples": repeated_samples}
     longest = max(quality["stuck_s"] * clock["median_hz"], 20.0)  # of a slow log too
     diagnoses = {name: _channel(time_s, values, longest) for name, values in channels.items()}
     pairs = [[a, b] for a, b in combinations(channels, 2) if (channels[a] == channels[b]).all()]
@@ -151,11 +151,8 @@ def _describe_clock(clock: Mapping[str, Any]) -> Iterator[str]:
         f"steps of {1e3 / clock['median_hz']:.4g} ms, 98 % of them within "
         f"{max(100 * clock['jitter_s'] * clock['median_hz'], 0.001):.2g} % of that"
     )
-    if clock["unordered_samples"]:
-        yield f"samples out of order, sorted by time: {clock['unordered_samples']}"
     if clock["repeated_samples"]:
-        kept = {"first": "the first of each was kept", "mean": "averaged"}[clock["repeated"]]
-        yield f"samples that repeat an earlier time stamp, {kept}: {clock['repeated_samples']}"
+        yield f"samples that repeat an earlier time stamp, left out: {clock['repeated_samples']}"
     if clock["gaps"]:
         missing = sum(gap["missing_samples"] for gap in clock["gaps"])
         yield (

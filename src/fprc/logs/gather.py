@@ -107,14 +107,10 @@ def gather(
                 problems.append(str(error))
     if problems or clock is None:
         raise LogError("\n".join(problems))
-    time_s, first, counts = np.unique(clock.time_s, return_index=True, return_counts=True)
     return clock._replace(
-        time_s=time_s - time_s[0],
-        channels={
-            name: np.add.reduceat(values, first) / counts for name, values in converted.items()
-        },
-        start_s=float(clock.start_s + time_s[0]),
-        samples=clock.samples[first],
+        time_s=clock.time_s - clock.time_s[0],
+        channels=converted,
+        start_s=float(clock.start_s + clock.time_s[0]),
     )
 
 
@@ -133,10 +129,10 @@ def _window(source: Source, clock: Recording, start_s: float, end_s: float | Non
     last = np.inf if end_s is None else end_s
     # 1e-9: the time stamps are rounded
     kept = (clock.time_s >= start_s - 1e-9) & (clock.time_s <= last + 1e-9)
-    distinct = len(np.unique(clock.time_s[kept]))
-    if distinct < 2:
+    count = int(kept.sum())
+    if count < 2:
         raise LogError(
-            f"{source.path}: {distinct} distinct time stamps lie from {start_s:g} s to "
+            f"{source.path}: {count} distinct time stamps lie from {start_s:g} s to "
             f"{'the end' if end_s is None else f'{last:g} s'}; the file has {len(clock.time_s)} "
             f"samples, over {clock.time_s[-1]:g} s; correct start_s and end_s"
         )

@@ -153,7 +153,7 @@ def test_what_an_unknown_key_may_mean_is_not_called_missing(problems):
         (with_channel("phi_deg", column="P", unit="degrees"), "deg"),
         (SMALL | {"time": {"column": "t", "unit": "msec"}}, "ms"),
         (SMALL | {"time": {"column": "t", "repeated": "avg"}}, None),
-        (SMALL | {"time": {"column": "t", "repeated": "means"}}, "mean"),
+        (SMALL | {"time": {"column": "t", "repeated": "firs"}}, "first"),
         (SMALL | {"experiment": "swep"}, "sweep"),
     ],
 )

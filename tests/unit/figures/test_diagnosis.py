@@ -25,7 +25,7 @@ def faulty():
         "p_o_kpa": 150.0 + 30.0 * wave + 20.0 * (time_s > 20.0),
     }
     quality = {"gap_periods": 1.5, "stuck_s": 2.0}
-    return time_s, channels, diagnose(time_s, channels, {}, quality=quality)
+    return time_s, channels, diagnose(time_s, channels, 0, quality=quality)
 
 
 def drawn(faulty, name):
