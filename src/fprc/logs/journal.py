@@ -2,11 +2,10 @@
 
     header  samples  end mark
 
-Header and end mark are blocks: marker (8 bytes), length (uint32), JSON, CRC-32. Each is written
-twice, so that one damaged copy does no harm. A sample is its tick (uint64), one float64 per
-channel and a CRC-32, all little-endian. The checksums of samples and end mark start from the
-header's checksum, so that blocks of another journal are rejected (after a power cut a disk
-may return an old page).
+Header and end mark are a marker (8 bytes) and a line: CRC-32, blank, JSON. A sample is its tick
+(uint64), one float64 per channel and a CRC-32 (uint32), all little-endian. The checksums of
+samples and end mark start from the header's checksum, so that those of another journal are
+rejected (after a power cut a disk may return an old page).
 """
 
 import errno
@@ -25,11 +24,11 @@ import numpy as np
 from fprc.errors import LogError
 
 #: Marker of the header; the digit is the version of the format.
-MAGIC = b"\x89FPRCJ1\n"
+MAGIC = b"\x89FPRCJ2\n"
 #: Marker of the end mark, at the place where a sample has its tick.
-END = b"\x89FPRCE1\n"
+END = b"\x89FPRCE2\n"
 
-#: Encoding of a block's length, and of a CRC-32.
+#: Encoding of a sample's CRC-32.
 UINT32 = struct.Struct("<I")
 
 
@@ -79,10 +78,12 @@ class Journal:
         self.path = Path(path)
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         self.attributes = started | dict(attributes)
-        header = _block(MAGIC, self.attributes | {"names": list(names)})
+        line = _line(self.attributes | {"names": list(names)})
+        self._seed = int(line[:8], 16)
+        self._start = len(MAGIC + line)
         self._file = _open_new(self.path)
         try:
-            _write(self._file, header + header)
+            _write(self._file, MAGIC + line)
             os.fsync(self._file)
             _sync_folder(self.path.parent)
         except OSError as error:
@@ -93,7 +94,6 @@ class Journal:
                 "disk or choose another folder"
             ) from error
         self.samples = 0
-        self._start, self._seed = 2 * len(header), seed_of(header)
         self._record = struct.Struct(f"<Q{len(names)}d")
         self._buffer = bytearray(self._record.size + UINT32.size)
         self._checked = memoryview(self._buffer)[: self._record.size]
@@ -165,7 +165,7 @@ class Journal:
             # by the file size: an interrupt may have come between a write and its count
             size = os.fstat(self._file).st_size - self._start
             content["samples"] = size // len(self._buffer)
-            _write(self._file, 2 * _block(END, content, self._seed))
+            _write(self._file, END + _line(content, self._seed))
             os.fsync(self._file)
         except OSError as error:
             self._problem = self._problem or (
@@ -253,18 +253,16 @@ def _write(file: int, data: bytes | bytearray) -> None:
         written += os.write(file, memoryview(data)[written:])
 
 
-def _block(marker: bytes, content: Mapping[str, Any], seed: int = 0) -> bytes:
+def _line(content: Mapping[str, Any], seed: int = 0) -> bytes:
     def as_plain(value: Any) -> Any:  # no statistic may prevent the writing of the end mark
         return value.item() if isinstance(value, np.generic) else str(value)
 
     text = json.dumps(content, default=as_plain).encode("ascii")
-    block = marker + UINT32.pack(len(text)) + text
-    return block + UINT32.pack(zlib.crc32(block, seed))
+    return b"%08x %b\n" % (zlib.crc32(text, seed), text)
 
 
-def seed_of(header: bytes) -> int:
-    """Return the checksum of a header, the initial value of its journal's checksums.
-
-    Its own CRC field is excluded: a CRC-32 over data and its CRC is the same for all data.
-    """
-    return zlib.crc32(header[: -UINT32.size])
+def content_of(line: bytes, seed: int = 0) -> tuple[dict[str, Any], int] | None:
+    """Return the content of a line and its checksum; None if it was cut or damaged."""
+    crc, _, text = line.rstrip(b"\n").partition(b" ")
+    right = zlib.crc32(text, seed)
+    return (json.loads(text), right) if crc == b"%08x" % right else None

@@ -1,8 +1,5 @@
 """Read the journal of a run, however it ended, and convert it, or what it lost, to a raw log."""
 
-import json
-import re
-import struct
 import tempfile
 import zlib
 from collections.abc import Mapping
@@ -15,7 +12,7 @@ import numpy as np
 from fprc.artifacts import refuse_output
 from fprc.errors import FprcError, LogError
 from fprc.given import read_given
-from fprc.logs.journal import END, MAGIC, UINT32, Journal, seed_of
+from fprc.logs.journal import END, MAGIC, UINT32, Journal, content_of
 from fprc.logs.raw import write_raw
 
 #: Largest journal: 16 h of ten channels at 200 Hz.
@@ -49,29 +46,26 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     Raises
     ------
     LogError
-        The file cannot be opened, is not a journal, or both copies of its header are damaged.
+        The file cannot be opened, is not a journal, or its header is damaged.
     """
     path = Path(path)
     data = read_given(path, error=LogError, most_bytes=LARGEST_JOURNAL_BYTES)
-    header = _find_block(data, MAGIC, 0)
+    line, _, rest = data.removeprefix(MAGIC).partition(b"\n")
+    header = content_of(line) if data.startswith(MAGIC) else None
     if header is None:
         raise LogError(
-            f"{path}: not a journal of this version, or both copies of its header are damaged or "
-            "cut; give the file *.journal beside the raw log, restore it, or run again"
+            f"{path}: not a journal of this version, or its header is damaged or cut; give the "
+            "file *.journal beside the raw log, restore it, or run again"
         )
-    attributes, at, raw = header
+    attributes, seed = header
     names = attributes.pop("names")
-    # a header at byte 0 is the first copy, so the second one follows
-    start = at + (2 if at == 0 else 1) * len(raw)
-    seed = seed_of(raw)
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
-    end, *_ = _find_block(data, END, start, seed) or [None]
     # of an end mark that was not written whole, only its beginning may be there
-    marker = data.find(END, start)
-    stop = marker if marker >= 0 else len(data)
-    appended = end["samples"] if end else -(-(stop - start) // record.itemsize)
-    complete = max((stop - start) // record.itemsize, 0)
-    records = np.frombuffer(data, record, complete, start) if complete else np.empty(0, record)
+    samples, _, last = rest.partition(END)
+    end, _ = content_of(last, seed) or (None, 0)
+    appended = end["samples"] if end else -(-len(samples) // record.itemsize)
+    complete = len(samples) // record.itemsize
+    records = np.frombuffer(samples, record, complete)
     checked = records.view(np.uint8).reshape(complete, record.itemsize)[:, : -UINT32.size]
     right = np.flatnonzero([zlib.crc32(row, seed) for row in checked] == records["crc"])
     # a disk that returns a page twice, or in another place, loses nothing
@@ -80,25 +74,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     rows = records["row"][kept]
     channels = {name: rows[:, j].copy() for j, name in enumerate(names)}
     missed = int(np.ptp(ticks) - np.ptp(kept)) if kept.size else 0
-    return channels, attributes, _findings(channels["time_s"], max(appended, 0), missed, end)
-
-
-def _find_block(
-    data: bytes, marker: bytes, start: int, seed: int = 0
-) -> tuple[dict[str, Any], int, bytes] | None:
-    """Return content, place and bytes of the first block with this marker and a right checksum."""
-    for found in re.compile(re.escape(marker)).finditer(data, start):
-        at, text_at = found.start(), found.end() + UINT32.size
-        try:
-            crc_at = text_at + UINT32.unpack_from(data, found.end())[0]
-            if UINT32.unpack_from(data, crc_at)[0] != zlib.crc32(data[at:crc_at], seed):
-                continue
-            content = json.loads(data[text_at:crc_at])
-        except (struct.error, ValueError, RecursionError):  # cut short, or not JSON
-            continue
-        if isinstance(content, dict):
-            return content, at, data[at : crc_at + UINT32.size]
-    return None
+    return channels, attributes, _findings(channels["time_s"], appended, missed, end)
 
 
 def _findings(

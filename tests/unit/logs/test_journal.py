@@ -280,8 +280,7 @@ def test_any_damage_leaves_the_other_samples(closed, tmp_path_factory, cut, flip
             touched.add(at)
     path = tmp_path_factory.getbasetemp() / "run.journal"
     path.write_bytes(damaged)
-    heads = [range(start // 2), range(start // 2, start)]
-    if all(len(damaged) < head.stop or touched & set(head) for head in heads):
+    if len(damaged) < start or touched & set(range(start)):
         with pytest.raises(LogError, match="run.journal"):
             read_journal(path)
         return
@@ -295,9 +294,8 @@ def test_any_damage_leaves_the_other_samples(closed, tmp_path_factory, cut, flip
     if findings.closed:
         assert findings.lost == 20 - len(ticks)
         assert findings.complete is (ticks == list(range(20)))
-    if not touched:  # one of the two end marks is enough
-        end = start + 20 * SIZE
-        assert findings.closed is (len(damaged) >= end + (len(data) - end) // 2)
+    if not touched:  # of the end mark the line end is not needed
+        assert findings.closed is (len(damaged) >= len(data) - 1)
 
 
 def in_order(*order):
