@@ -79,7 +79,7 @@ def test_log_with_a_fault_is_reported_as_failed(write_log, recorded, capsys):
     assert lines[0].endswith("4000 samples at 200 Hz; 1 of 7 checks failed")
     (failed,) = [line for line in lines if "FAILED" in line]
     assert failed == (
-        "  plausible values      FAILED channel theta_deg: sample 10 is 500 deg, outside of -45 to "
+        "  range                 FAILED channel theta_deg: sample 10 is 500 deg, outside of -45 to "
         "120, in all 10"
     )
     assert lines[-2:] == [

@@ -17,17 +17,6 @@ from fprc.paper import SOURCES
 #: Exit codes of `log repair`; if nothing can be read, it is 1.
 COMPLETE, SOME_LOST = 0, 3
 
-#: Names of the checks of a quality record, for readers.
-_TITLES = {
-    "complete": "complete",
-    "rate": "sample rate",
-    "gaps": "gaps in time",
-    "not_finite": "finite numbers",
-    "range": "plausible values",
-    "stuck": "stuck sensor",
-    "leak": "leak of the reservoir",
-}
-
 
 def check(paths: Sequence[str], *, json_: bool = False) -> int:
     """Check raw logs and say what is wrong with them.
@@ -73,7 +62,7 @@ def _page(path: str, record: Mapping[str, Any]) -> list[str]:
     ]
     for name, check in checks.items():
         result = "ok" if check["passed"] else "FAILED"
-        lines.append(f"  {_TITLES[name]:21} {result:6} {finding(name, check)}".rstrip())
+        lines.append(f"  {name:21} {result:6} {finding(name, check)}".rstrip())
     if "no_checksum" in record:
         lines.append(f"  {'without checksum':28} {', '.join(record['no_checksum'])}")
     for channel, note in record.get("notes", {}).items():
