@@ -11,7 +11,7 @@ from fprc.escape import visible
 from fprc.logs import assess, read_raw
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import finding, warnings
-from fprc.logs.recovery import Findings, recover
+from fprc.logs.recovery import recover
 from fprc.paper import SOURCES
 
 #: Exit codes of `log repair`; if nothing can be read, it is 1.
@@ -109,25 +109,12 @@ def repair(source: str, *, out: str) -> int:
         ``out`` exists, does not end in ``.h5``, or cannot be written.
     """
     findings = recover(source, out)
-    messages = _losses(findings)
     whole = findings.closed and not findings.lost
     print(visible(f"{out}: {findings.samples} samples from {source}"))
-    for line in [*messages, "nothing is lost"] if whole else messages:
-        print(f"  {visible(line)}")
-    return COMPLETE if whole else SOME_LOST
-
-
-def _losses(findings: Findings) -> list[str]:
-    messages = []
-    if findings.lost:
-        messages.append(f"lost samples: {findings.lost}; `fprc log check` finds the gaps in time")
     if findings.missed_ticks:
-        messages.append(f"{findings.missed_ticks} ticks were missed by the loop; never acquired")
-    if not findings.closed:
-        messages.append(
-            f"the end mark is missing after {findings.last_s:.3f} s: the program was killed, or "
-            "the power failed and up to a second more is lost"
-        )
-    elif not findings.complete:
-        messages.append(f"incomplete: {findings.reason}")
-    return messages
+        print(f"  {findings.missed_ticks} ticks were missed by the loop; never acquired")
+    if findings.reason:
+        print(visible(f"  incomplete: {findings.reason}"))
+    if whole:
+        print("  nothing is lost")
+    return COMPLETE if whole else SOME_LOST

@@ -24,7 +24,6 @@ class Findings(NamedTuple):
 
     samples: int  #: number of readable samples
     lost: int  #: number of samples that were written but cannot be read
-    last_s: float | None  #: time of the last readable sample; None if there is none
     missed_ticks: int  #: ticks without a sample between the first and the last one
     closed: bool  #: whether the end mark exists
     complete: bool  #: whether the run reached its planned end and no sample is lost
@@ -74,24 +73,26 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     rows = records["row"][kept]
     channels = {name: rows[:, j].copy() for j, name in enumerate(names)}
     missed = int(np.ptp(ticks) - np.ptp(kept)) if kept.size else 0
-    return channels, attributes, _findings(channels["time_s"], appended, missed, end)
+    return channels, attributes, _findings(kept.size, appended, missed, end)
 
 
 def _findings(
-    times_s: np.ndarray, appended: int, missed_ticks: int, end: dict[str, Any] | None
+    samples: int, appended: int, missed_ticks: int, end: dict[str, Any] | None
 ) -> Findings:
-    lost = max(appended - len(times_s), 0)
+    lost = max(appended - samples, 0)
     reasons = []
     if end is None:
-        reasons.append("not closed: the program was killed or the power failed")
+        reasons.append(
+            "the end mark is missing: the program was killed, or the power failed and up to a "
+            "second more is lost"
+        )
     elif not end["complete"]:
         reasons.append(end["reason"] or "stopped early")
     if lost:
         reasons.append(f"{lost} of {appended} samples are lost")
     return Findings(
-        samples=len(times_s),
+        samples=samples,
         lost=lost,
-        last_s=float(times_s[-1]) if len(times_s) else None,
         missed_ticks=max(missed_ticks, 0),
         closed=end is not None,
         complete=not reasons,

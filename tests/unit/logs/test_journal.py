@@ -76,7 +76,6 @@ def test_closed_journal_comes_back_whole(path):
     assert (findings.complete, findings.closed, findings.lost) == (True, True, 0)
     assert (findings.reason, findings.missed_ticks) == ("", 0)
     assert findings.statistics == {"overruns": 3, "jitter_s": 1e-4}
-    assert findings.last_s == 19 / 200.0
     assert read_journal(path)[1]["started"].endswith("+00:00")
 
 
@@ -376,7 +375,7 @@ def test_recovered_log_says_that_it_is_incomplete_and_its_quality_too(closed, pa
     ("killed", "code", "said"),
     [
         (False, 0, "  nothing is lost\n"),
-        (True, 3, "  the end mark is missing after 0.095 s: the program was killed"),
+        (True, 3, "  incomplete: the end mark is missing"),
     ],
 )
 def test_repair_says_whether_it_copied_the_whole_journal(closed, path, capsys, killed, code, said):
