@@ -12,7 +12,6 @@ from fprc.config import Settings
 from fprc.devices import pneumatics
 from fprc.experiments import competitors
 from fprc.logs import (
-    arrays,
     clock,
     delimited,
     diagnosis,
@@ -67,7 +66,7 @@ def quoted():
             f"| any other file; a journal | {given.MOST_BYTES >> 30} GB; "
             f"{recovery.LARGEST_JOURNAL_BYTES >> 30} GB |",
             f"MATLAB or HDF5 file | {isolated._LIMIT_BYTES >> 30} GB |",
-            f"MATLAB 7.3 file | {arrays.MOST_ARRAYS:,};",
+            f"| {isolated._LIMIT_S:g} s, and 1 s for each {isolated._BYTES_PER_S / 1e6:g} MB",
             f"| {clock.MOST_POINTS / 1e6:g} million samples at the new rate",
             f"to {resample.PASS:g} of the new Nyquist frequency and at -{resample.STOP_DB:g} dB",
             f"a step longer than {settings.quality.gap_periods:g} median steps",

@@ -12,9 +12,6 @@ from fprc.given import open_given
 from fprc.logs.hdf5 import refuse_never_written
 from fprc.logs.source import Source
 
-#: Most arrays in a file; the libraries take 0.2 ms for each.
-MOST_ARRAYS = 10_000
-
 #: Name of an array in a file; and the array, its dataset, or why it cannot be a channel.
 _Part = tuple[str, np.ndarray | h5py.Dataset | str]
 
@@ -33,7 +30,7 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
     Raises
     ------
     LogError
-        The file cannot be opened, is damaged, cut short, empty, or has too many parts.
+        The file cannot be opened, is damaged, cut short or empty.
     """
     open_given(path, error=LogError).close()
     of_matlab = "MATLAB 7.3" if h5py.is_hdf5(path) else "MATLAB 5"
@@ -41,10 +38,8 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
     columns: dict[str, np.ndarray] = {}
     others = {}
     try:
-        parts = _parts_of_matlab(path, kind) if matlab else _parts_of_hdf5(path)
-        for count, (name, part) in enumerate(parts):
-            if count == MOST_ARRAYS and not matlab:
-                raise _too_many(path)
+        parts = _parts_of_matlab(path) if matlab else _parts_of_hdf5(path)
+        for name, part in parts:
             values = _numbers_of(part)
             if isinstance(values, str):
                 others[name] = values
@@ -70,13 +65,6 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
     return Source(path, kind, columns, others)
 
 
-def _too_many(path: Path) -> LogError:
-    return LogError(
-        f"{path}: more than {MOST_ARRAYS:,} arrays; save the columns as one matrix, or a struct "
-        "array as a struct of arrays"
-    )
-
-
 def _parts_of_hdf5(path: Path) -> Iterator[_Part]:
     def within(group: h5py.Group, prefix: str = "") -> Iterator[_Part]:
         for name in group:
@@ -93,13 +81,9 @@ def _parts_of_hdf5(path: Path) -> Iterator[_Part]:
         yield from within(file)
 
 
-def _parts_of_matlab(path: Path, kind: str) -> Iterator[_Part]:
+def _parts_of_matlab(path: Path) -> Iterator[_Part]:
     from matio import load_from_mat
 
-    if kind == "MATLAB 7.3":
-        with h5py.File(path, "r") as file:  # MATLAB's storage for the elements of arrays
-            if len(file.get("#refs#", ())) > MOST_ARRAYS:
-                raise _too_many(path)
     for name, value in load_from_mat(str(path)).items():
         if not name.startswith("__"):
             yield from _parts(name, value)

@@ -29,8 +29,6 @@ _LIMIT_BYTES = 4 << 30
 #: Option of Linux's prctl: the signal that a process gets when its parent ends.
 _PR_SET_PDEATHSIG = 1
 
-_DAMAGED = "the file is damaged: restore it, or record again"
-
 
 def isolated_each(
     function: Callable[..., Any], paths: Sequence[Path | str], **keywords: Any
@@ -131,10 +129,11 @@ def _ask(request: bytes, limit_s: float) -> tuple[bytes, str]:
         busy = "the computer is busy, or the disk does not answer: repeat the command"
         return expired.stdout or b"", f"not read within {wall_s:.3g} s; {busy}"
     if done.returncode == -getattr(signal, "SIGXCPU", 0):
-        return done.stdout, f"not read in {limit_s:.3g} s of processor time; {_DAMAGED}"
+        many = "it is damaged, or has very many arrays: restore it, or save one matrix"
+        return done.stdout, f"not read in {limit_s:.3g} s of processor time; {many}"
     errors = done.stderr.decode(errors="replace").strip().splitlines()
     why = errors[-1] if done.returncode > 0 and errors else "the library crashed"
-    return done.stdout, f"cannot be read ({why}); {_DAMAGED}"
+    return done.stdout, f"cannot be read ({why}); the file is damaged: restore it, or record again"
 
 
 def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:

@@ -8,7 +8,6 @@ import scipy.sparse
 from matio import save_to_mat
 
 from fprc.errors import LogError
-from fprc.logs import arrays
 from fprc.logs.arrays import read_arrays
 from fprc.logs.source import pick
 
@@ -236,13 +235,3 @@ def test_dataset_that_declares_too_much_or_was_never_written_is_not_read(written
     assert list(source.columns) == ["t"]
     assert f"declares {np.prod(declared['shape']):,} numbers" in source.others["x"]
     assert "declares 60 numbers, but not all were" in source.others["y"]
-
-
-def test_file_of_too_many_arrays_is_refused(written, tmp_path, matlab_files, monkeypatch):
-    monkeypatch.setattr(arrays, "MOST_ARRAYS", 9)
-    with pytest.raises(LogError, match="more than 9 "):
-        written(lambda file: [file.create_dataset(f"c{k}", data=np.zeros(5)) for k in range(10)])
-    cells = matlab_files.Cells((1, 10), [Y] * 10)
-    matlab_files.write_matlab73(tmp_path / "log.mat", {"c": cells})
-    with pytest.raises(LogError, match="more than 9 "):
-        read_arrays(tmp_path / "log.mat", matlab=True)
