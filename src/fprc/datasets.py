@@ -1,6 +1,6 @@
 """The hysteresis experiments as a dataset, in the form of scikit-learn's loaders."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,18 +16,12 @@ from fprc.experiments.data import select_channels
 from fprc.experiments.hysteresis import RUNS, acquire
 from fprc.logs import Columns, read_raw
 from fprc.logs.quality import noted_unit
-from fprc.paper import SOURCES
 
 _DESCRIPTION = """\
-Hysteresis of a soft bending actuator: {experiment}
+Hysteresis of a soft bending actuator
 
-Data: {source}.
-{samples} samples at {rate_hz:g} per second, in the order of time.
-
-Task: predict P_exp from the present and earlier samples of the inputs.
-Inputs (data): {inputs}
-Output (target): {target}
-Channels: {channels}
+Task: predict P_exp (target) from the present and earlier samples of theta and P_o (data), which are
+in the order of time.
 
 The models of the paper are trained on the sweep and tested on the complex signal, and the other
 way round, with the error RMSE.
@@ -84,7 +78,7 @@ def load_hysteresis(
         ``source`` : str
             ``sim``, ``rig`` or ``import``, as in the raw log.
         ``DESCR`` : str
-            Description.
+            Description of the task.
 
     Raises
     ------
@@ -109,17 +103,16 @@ def load_hysteresis(
     data = np.column_stack([log.channels[name] for name in inputs])
     if return_X_y:
         return data, log.channels[output]
-    units = {name: noted_unit(name, log.attributes) for name in log.channels}
     return Bunch(
         data=data,
         target=log.channels[output],
         feature_names=inputs,
         target_names=[output],
         channels=log.channels,
-        units=units,
+        units={name: noted_unit(name, log.attributes) for name in log.channels},
         sample_rate_hz=float(log.attributes["sample_rate_hz"]),
         source=log.attributes["source"],
-        DESCR=_describe(log, inputs, output, units),
+        DESCR=_DESCRIPTION,
     )
 
 
@@ -139,34 +132,7 @@ def _refuse(experiment: str, seed: Any, rig: Any, raw: Path | str | None, target
 
 def _simulate(experiment: str, seed: int, rig: str | Mapping[str, Any]) -> Columns:
     settings = from_files([], {"rig": rig}).model_dump(mode="json")
-    control, name = settings["control"], settings["fitted"]["name"]
-    signal = settings["experiments"][experiment]
+    control, signal = settings["control"], settings["experiments"][experiment]
     channels = acquire(experiment, signal, control, settings["rig"], seed)
-    attributes = {
-        "experiment": experiment,
-        "source": "sim",
-        "sample_rate_hz": control["sample_rate_hz"],
-        "seed": seed,
-        "rig_name": name,
-    }
-    return Columns(Path(f"{experiment} on the rig {name}"), channels, attributes)
-
-
-def _describe(log: Columns, inputs: Sequence[str], output: str, units: Mapping[str, str]) -> str:
-    def named(names: Sequence[str]) -> str:
-        return ", ".join(f"{name} [{units[name]}]" for name in names)
-
-    source = SOURCES[log.attributes["source"]]
-    if "rig_name" in log.attributes:
-        source += f" ({log.attributes['rig_name']}), seed {log.attributes['seed']}"
-    else:
-        source += f", {log.path.name}"
-    return _DESCRIPTION.format(
-        experiment=log.attributes["experiment"],
-        source=source,
-        samples=len(log.channels["time_s"]),
-        rate_hz=log.attributes["sample_rate_hz"],
-        inputs=named(inputs),
-        target=named([output]),
-        channels=named(list(log.channels)),
-    )
+    attributes = {"source": "sim", "sample_rate_hz": control["sample_rate_hz"]}
+    return Columns(Path(f"{experiment}, simulated"), channels, attributes)
