@@ -9,7 +9,7 @@ import numpy as np
 
 from fprc.errors import LogError
 from fprc.given import open_given
-from fprc.logs.hdf5 import refuse_never_written
+from fprc.logs.columns import refuse_never_written
 from fprc.logs.source import Source
 
 #: Name of an array in a file; and the array, its dataset, or why it cannot be a channel.
