@@ -108,31 +108,27 @@ def gather_columns(
         The file cannot be opened, or is cut short.
     """
     path = Path(path)
+    channels: dict[str, np.ndarray] = {}
+    problems = []
     with _opened(path) as file:
-        values, problems = read_attributes(file.attrs)
+        present = frozenset(file)  # `name in file` would follow a link
+        for name in (*names, *(name for name in optional if name in present)):
+            try:
+                channels[name], wrong = _read(file, name)
+            except LogError as error:
+                wrong = [str(error)]
+            problems += [f"channel {name}: {problem}" for problem in wrong]
+        problems += _wrong_lengths(channels)
+        values, wrong = read_attributes(file.attrs)
+        problems += wrong
         problems += [
             f"attribute {name}: missing; see data/raw/README.md"
             for name in attributes
             if name not in file.attrs
         ]
-        present = frozenset(file)  # `name in file` would follow a link
-        names = (*names, *(name for name in optional if name in present))
-        channels, more = _read_all(file, names)
         unchecked = tuple(name for name in channels if not file[name].fletcher32)
     columns = Columns(path, channels, values, unchecked, present)
-    return columns, [f"{path}: {problem}" for problem in (*more, *problems)]
-
-
-def _read_all(file: h5py.File, names: tuple[str, ...]) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Return the channels that can be read, and the problems."""
-    channels, problems = {}, []
-    for name in names:
-        try:
-            channels[name], wrong = _read(file, name)
-        except LogError as error:
-            wrong = [str(error)]
-        problems += [f"channel {name}: {problem}" for problem in wrong]
-    return channels, problems + _wrong_lengths(channels)
+    return columns, [f"{path}: {problem}" for problem in problems]
 
 
 def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:
