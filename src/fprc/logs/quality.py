@@ -38,7 +38,6 @@ def assess(
     """
     outside = _outside(log, ranges)
     plausible = [name for name, count in outside["samples"].items() if not count]
-    bad = sum(int((~np.isfinite(values)).sum()) for values in log.channels.values())
     record = {
         "log": log.path.name,
         "experiment": log.attributes["experiment"],
@@ -48,7 +47,6 @@ def assess(
             "complete": _complete(log),
             "rate": _rate(log, sample_rate_hz, rate_tolerance),
             "gaps": _gaps(log, gap_periods / sample_rate_hz),
-            "not_finite": {"passed": not bad, "count": bad},
             "range": outside,
             "stuck": _stuck(log, stuck_s * sample_rate_hz),
             "leak": _leak(log, leak_kpa_per_min, plausible),
@@ -123,8 +121,6 @@ def finding(name: str, check: Mapping[str, Any]) -> str:
         begin = f"{check['count']} gaps, the first before sample {check['first_sample']}; "
         longest = f"longest step {check['longest_s']:.4g} s, limit {check['limit_s']:.4g} s"
         return longest if check["passed"] else begin + longest
-    if name == "not_finite":
-        return "" if check["passed"] else f"{check['count']} numbers"
     if name == "range":
         return "; ".join(
             f"channel {channel}: sample {first['sample']} is {first['value']:g} "
@@ -192,7 +188,7 @@ def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, A
     counts, first = {}, {}
     for name, (low, high) in limits.items():
         values = log.channels[name]
-        outside = np.flatnonzero(np.isfinite(values) & ((values < low) | (values > high)))
+        outside = np.flatnonzero((values < low) | (values > high))
         counts[name] = int(outside.size)
         if outside.size:
             k = int(outside[0])
