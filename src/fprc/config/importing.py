@@ -40,7 +40,11 @@ def _not_zero(value: float) -> float:
 class Column(Section):
     """Where a channel comes from; its values are scale * column + offset, in ``unit``."""
 
-    column: Text = Field(min_length=1, description="CSV header, HDF5 path or MATLAB variable")
+    column: Text = Field(
+        min_length=1,
+        pattern="[^?]",  # ? stands in a draft for what it did not find
+        description="CSV header, HDF5 path or MATLAB variable",
+    )
     scale: Annotated[float, AfterValidator(_not_zero)] = Field(
         1.0, description="factor on the numbers of the file"
     )
@@ -266,5 +270,6 @@ def _explained(item: Mapping[str, Any]) -> str:
     if item["type"] == "extra_forbidden" and likely:
         return f"channels.{last}: unknown key; did you mean channels.{likely}?"
     if item["input"] == "?":
-        return f"{'.'.join([*above, last])} = ?: the draft did not find it; give it"
+        key = ".".join([*above, last])
+        return f"{key} = ?: the draft did not find it; give it, or delete the line"
     return explained(item, ImportMap, "docs/own-data.md")

@@ -38,11 +38,6 @@ def pick(source: Source, name: str) -> np.ndarray:
         return source.columns[name]
     if name in source.others:
         raise LogError(f"{name}: cannot be a channel: {source.others[name]}")
-    if name == "?":
-        raise LogError(
-            "? stands for a column that the draft did not find: name it, or delete the line if "
-            "the recording has no such channel"
-        )
     of_matrix = [column for column in source.columns if column.startswith(f"{name}[")]
     known = {column.lower(): column for column in [*source.columns, *source.others]}
     similar = [known[near] for near in difflib.get_close_matches(name.lower(), known)]

@@ -87,6 +87,7 @@ def test_quantity_that_is_something_else_needs_a_note(problems):
         (with_channel("p_o_kpa", column="P", unit="Pa", scale=float("inf")), "finite"),
         (with_channel("p_o_kpa", column=True, unit="Pa"), "must not be true or false"),
         (SMALL | {"time": {"rate_hz": "?"}}, "time.rate_hz = ?: the draft did not find it"),
+        (with_channel("p_o_kpa", column="?", unit="kPa"), "p_o_kpa.column = ?: the draft did"),
         (SMALL | {"experiment": "walk"}, "experiment = walk: must be 'sweep' or 'complex'"),
         (SMALL | {"time": {}}, "time: give either column (with its unit) or rate_hz"),
         (SMALL | {"time": {"column": "t", "rate_hz": 10}}, "time: give either column"),

@@ -97,15 +97,6 @@ def test_any_numbers_come_back_bit_for_bit(kind, values, writers, tmp_path_facto
     assert recording.time_s == pytest.approx(np.arange(len(values)) / 10.0)
 
 
-def test_column_that_the_draft_did_not_find_is_asked_for(source):
-    content, name = source
-    wrong = asked(name)
-    wrong["channels"]["theta_deg"]["column"] = "?"
-    found = problem(gather, content, **wrong)
-    assert "delete the line" in found
-    assert "did you mean" not in found
-
-
 def test_unknown_column_is_answered_by_the_nearest(source):
     content, name = source
     wrong = asked(name)
