@@ -77,33 +77,25 @@ def _read_attribute(holder: h5py.AttributeManager, name: str) -> Any:
     # an array may be too large for memory, or empty
     if holder.get_id(name).get_space().get_simple_extent_npoints() != 1:
         raise LogError("must be one value, not an array")
-    value = holder[name]
-    value = value.ravel()[0] if isinstance(value, np.ndarray) else value
-    value = value.item() if isinstance(value, np.generic) else value
+    value = np.asarray(holder[name]).item()
     if isinstance(value, bytes):
         value = value.decode("utf-8", "surrogateescape")
-    kind = KINDS.get(name)
-    if isinstance(value, str):
-        if not is_text(value):
-            raise LogError(f"= {reprlib.repr(value)}: is not UTF-8; write it again")
-        return _object(name, value) if kind is dict else _of_kind(value, kind or str)
-    if not isinstance(value, bool | int | float):
-        raise LogError("neither text nor a number")
-    return _of_kind(value, kind or type(value))
+    if isinstance(value, str) and not is_text(value):
+        raise LogError(f"= {reprlib.repr(value)}: is not UTF-8; write it again")
+    kind = KINDS.get(name, type(value))
+    if kind is dict and isinstance(value, str):
+        return _object(name, value)
+    # not isinstance, for which a bool is an int
+    accepted = type(value) in ((float, int) if kind is float else (kind,)) and kind in _WORDS
+    if not accepted or (isinstance(value, float) and not math.isfinite(value)):
+        must = _WORDS.get(kind, "text or a number")
+        raise LogError(f"= {reprlib.repr(value)}: must be {must}; see data/raw/README.md")
+    return value
 
 
 def is_text(text: str | bytes) -> bool:
     """Return whether a name or text is UTF-8; if not, h5py returns bytes or lone surrogates."""
     return isinstance(text, str) and text == text.encode("utf-8", "replace").decode("utf-8")
-
-
-def _of_kind(value: Any, kind: type) -> Any:
-    accepted = (float, int) if kind is float else kind
-    finite = not isinstance(value, float) or math.isfinite(value)
-    bool_where_due = isinstance(value, bool) == (kind is bool)  # to isinstance, a bool is an int
-    if not (isinstance(value, accepted) and finite and bool_where_due):
-        raise LogError(f"= {reprlib.repr(value)}: must be {_WORDS[kind]}; see data/raw/README.md")
-    return value
 
 
 def _object(name: str, text: str) -> dict[str, Any]:
