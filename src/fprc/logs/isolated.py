@@ -5,7 +5,6 @@ outside are therefore read in a child process.
 """
 
 import contextlib
-import ctypes
 import io
 import math
 import os
@@ -25,9 +24,6 @@ _LIMIT_S, _BYTES_PER_S = 5.0, 20e6
 _PATIENCE = 12.0
 #: Limit on the process's address space, bytes; libraries take about 0.5 GB of it.
 _LIMIT_BYTES = 4 << 30
-
-#: Option of Linux's prctl: the signal that a process gets when its parent ends.
-_PR_SET_PDEATHSIG = 1
 
 
 def isolated_each(
@@ -91,18 +87,11 @@ def time_limit_s(paths: Sequence[Path | str]) -> float:
     return _LIMIT_S + sum(sizes) / _BYTES_PER_S
 
 
-def _limit_process(limit_s: float, parent: int) -> None:
-    """Limit this process's memory and processor time, disable core dumps, and end with its parent.
+def _limit_process(limit_s: float) -> None:
+    """Limit this process's memory and processor time, and disable core dumps.
 
-    Parameters
-    ----------
-    parent : int
-        Number of the process that started this one.
+    If the process that started this one is killed, this one ends at its limit, or when it answers.
     """
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:  # it ended before
-            sys.exit(1)
     with contextlib.suppress(ImportError):  # Windows has no such limits
         import resource
 
@@ -114,7 +103,7 @@ def _limit_process(limit_s: float, parent: int) -> None:
 
 def _ask(request: bytes, limit_s: float) -> tuple[bytes, str]:
     """Send a request to a new process; return its answers, and why it ended early."""
-    code = f"from fprc.logs.isolated import answer; answer({limit_s}, {os.getpid()})"
+    code = f"from fprc.logs.isolated import answer; answer({limit_s})"
     wall_s = _PATIENCE * limit_s
     try:
         done = subprocess.run(
@@ -144,11 +133,11 @@ def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:
             yield pickle.load(file)
 
 
-def answer(limit_s: float, parent: int) -> None:
+def answer(limit_s: float) -> None:
     """Read a request from standard input and write the answers to standard output, one by one."""
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # keep library prints out of the answers
-    _limit_process(limit_s, parent)
+    _limit_process(limit_s)
     function, paths, keywords = pickle.load(sys.stdin.buffer)
     with output:
         for path in paths:

@@ -1,11 +1,3 @@
-import os
-import signal
-import subprocess
-import sys
-import time
-from contextlib import suppress
-from pathlib import Path
-
 import pytest
 
 from fprc.errors import LogError
@@ -13,8 +5,6 @@ from fprc.logs import isolated
 from fprc.logs.isolated import attempt_each, isolated_each, time_limit_s
 
 pytestmark = pytest.mark.slow
-
-MODULE = attempt_each.__module__
 
 
 def test_prints_do_not_enter_the_results_which_are_in_the_order_of_the_files():
@@ -64,35 +54,3 @@ def test_larger_files_have_more_time(tmp_path):
     with path.open("wb") as file:
         file.truncate(200_000_000)
     assert time_limit_s([path]) == pytest.approx(least + 10.0)
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs Linux's prctl")
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
-def test_child_ends_with_its_parent(tmp_path, number):
-    pid = tmp_path / "pid"
-    wait = f"(open({str(pid)!r}, 'w').write(str(os.getpid())), time.sleep(600))"
-    code = f"import os, time; {wait}"
-    call = f"attempt_each(exec, [{code!r}])"
-    parent = subprocess.Popen([sys.executable, "-c", f"from {MODULE} import attempt_each; {call}"])
-    try:
-        wait_for(lambda: pid.exists() and pid.read_text())
-        child = int(pid.read_text())
-        parent.send_signal(number)
-        parent.wait()
-        wait_for(lambda: has_ended(child))
-    finally:
-        parent.kill()
-        with suppress(NameError, ProcessLookupError):
-            os.kill(child, signal.SIGKILL)
-
-
-def has_ended(process):
-    status = Path(f"/proc/{process}/status")
-    return not status.exists() or "State:\tZ" in status.read_text()  # Z: nothing waits for it
-
-
-def wait_for(happened):
-    until_s = time.monotonic() + 60.0
-    while not happened():
-        assert time.monotonic() < until_s
-        time.sleep(0.05)
