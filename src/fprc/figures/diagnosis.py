@@ -11,9 +11,11 @@ from matplotlib.figure import Figure
 from fprc import escape
 from fprc.figures import style
 from fprc.figures.hysteresis import plot_loop
+from fprc.logs.diagnosis import MARKS
 
-#: Colours that mark the faults.
-_GAP, _FROZEN, _EXTREME, _STEP = "0.75", "#fff3b0", style.MARK, "#222222"
+#: Colours of gaps and steps, and of the stretches of a channel.
+_GAP, _STEP = "0.75", "#222222"
+_SHADES = {"frozen": "#fff3b0", "clipped": "#fbd0dd"}
 #: Limit on points that are drawn; more could not be seen.
 _POINTS = 20000
 
@@ -47,7 +49,6 @@ def draw_diagnosis(
         plot_channel(time_s, values, name, diagnosis, ax)
         ax.set_ylabel(units[name])
         style.letter(ax, escape.figure(shorten(titles[name], 52, placeholder=" ...")))
-        ax.set_title(_remarks(diagnosis["channels"][name]), loc="right", color="0.3")
         ax.sharex(left[0])
         ax.label_outer()
     left[0].set_xlim(time_s[0], time_s[-1])
@@ -69,20 +70,17 @@ def draw_diagnosis(
 def plot_channel(
     time_s: np.ndarray, values: np.ndarray, name: str, diagnosis: Mapping[str, Any], ax: Axes
 ) -> None:
-    """Draw one channel: gaps grey, frozen stretches yellow, extremes thick, steps as lines."""
+    """Draw one channel: gaps grey, its stretches in their shades, steps as lines."""
     quantity = name.rpartition("_")[0].removesuffix("_command")
     colour = style.SIGNALS.get(quantity, style.SIGNALS["valve"])  # grey: it has none of its own
     ax.plot(time_s, values, color=colour, linewidth=0.6)
     for gap in diagnosis["clock"]["gaps"]:
         ax.axvspan(gap["from_s"], gap["to_s"], color=_GAP, linewidth=0.5, zorder=0,
                    label="gap")  # fmt: skip
-    for stretch in diagnosis["channels"][name]["frozen"]:
-        ax.axvspan(stretch["from_s"], stretch["to_s"], color=_FROZEN, linewidth=0,
-                   zorder=0, label="frozen or at rest")  # fmt: skip
-    for extreme in diagnosis["channels"][name]["at_extreme"]:
-        for first, last in extreme["stretches"]:
-            ax.plot(time_s[[first, last]], [extreme["value"]] * 2, color=_EXTREME, linewidth=2.0,
-                    solid_capstyle="round", label="clipped or held there")  # fmt: skip
+    for kind, shade in _SHADES.items():
+        for stretch in diagnosis["channels"][name][kind]:
+            ax.axvspan(stretch["from_s"], stretch["to_s"], color=shade, linewidth=0,
+                       zorder=0, label=MARKS[kind])  # fmt: skip
     if name == "p_o_kpa" and diagnosis["sealed"]:
         for step in diagnosis["sealed"]["steps"]:
             ax.axvline(step["at_s"], color=_STEP, linewidth=0.6, linestyle=(0, (3, 2)),
@@ -91,14 +89,3 @@ def plot_channel(
 
 def _axis(name: str, units: Mapping[str, str]) -> str:
     return f"{name} [{units[name]}]" if units[name] else f"{name}, not in its unit"
-
-
-def _remarks(channel: Mapping[str, Any]) -> str:
-    remarks = []
-    if channel["lowest"] == channel["highest"]:
-        remarks.append("constant")
-    if channel["frozen"] and not remarks:
-        remarks.append("frozen")
-    if channel["at_extreme"]:
-        remarks.append("at " + escape.in_words(f"{e['side']}est" for e in channel["at_extreme"]))
-    return ", ".join(remarks)

@@ -10,6 +10,8 @@ from fprc.logs.quality import gaps_of, runs
 from fprc.logs.resample import rate_of
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
 
+#: What a stretch of a channel may be, in words.
+MARKS = {"frozen": "frozen or at rest", "clipped": "clipped or held at an extreme"}
 #: A channel is clipped if its extreme occurs this many times as often as the levels next to it.
 CLIPPED_RATIO = 12.0
 #: A sealed chamber leaks if its pressure falls faster, kPa/min. The fit can detect half of this.
@@ -41,7 +43,7 @@ def diagnose(
     -------
     dict
         ``samples``, ``duration_s``; ``clock``; ``channels``, each with its
-        range, the rate of new values, ``frozen`` and ``at_extreme``; ``identical`` pairs;
+        range, the rate of new values, and the stretches of each of ``MARKS``; ``identical`` pairs;
         ``sealed``, leak and re-fills of ``p_o_kpa``, or None.
     """
     clock = {**_clock(time_s, quality["gap_periods"]), "repeated_samples": repeated_samples}
@@ -81,44 +83,37 @@ def _clock(time_s: np.ndarray, gap_periods: float) -> dict[str, Any]:
 
 def _channel(time_s: np.ndarray, values: np.ndarray, longest: float) -> dict[str, Any]:
     begins, lengths = runs(values)
-    frozen = np.flatnonzero(lengths > longest)
-    extremes = (_at_extreme(values, begins, lengths, side) for side in ("low", "high"))
+    marked = {"frozen": lengths > longest, "clipped": _clipped(values, begins, lengths)}
+    stretches = {
+        kind: [
+            {"from_s": float(time_s[first]), "to_s": float(time_s[first + length - 1])}
+            for first, length in zip(begins[which], lengths[which], strict=True)
+        ]
+        for kind, which in marked.items()
+    }
     return {
         "lowest": float(values.min()),
         "highest": float(values.max()),
         "new_values_hz": float((len(begins) - 1) / (time_s[-1] - time_s[0])),
-        "frozen": [
-            {
-                "from_s": float(time_s[begins[k]]),
-                "to_s": float(time_s[begins[k] + lengths[k] - 1]),
-            }
-            for k in frozen
-        ],
-        "at_extreme": [extreme for extreme in extremes if extreme],
+        **stretches,
     }
 
 
-def _at_extreme(
-    values: np.ndarray, begins: np.ndarray, lengths: np.ndarray, side: str
-) -> dict[str, Any] | None:
-    """Return where a channel is clipped at its lowest or highest value; None if it is not.
+def _clipped(values: np.ndarray, begins: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Return which runs of equal values are at the lowest or highest one, if it clips the channel.
 
     A slow, quantised sine takes its highest level up to five times as often as the levels
     below it, hence the threshold of twelve.
     """
     levels, counts = np.unique(values, return_counts=True)
     if len(levels) < 5:
-        return None
-    k, beside = (0, slice(1, 11)) if side == "low" else (-1, slice(-11, -1))
-    here = np.flatnonzero((values[begins] == levels[k]) & (lengths >= 3))
-    if counts[k] < CLIPPED_RATIO * counts[beside].mean() or not here.size:
-        return None
-    return {
-        "side": side,
-        "value": float(levels[k]),
-        "share": float(counts[k] / len(values)),
-        "stretches": [[int(begins[i]), int(begins[i] + lengths[i] - 1)] for i in here],
-    }
+        return np.zeros(len(begins), bool)
+    clipping = [
+        levels[k]
+        for k, beside in ((0, slice(1, 11)), (-1, slice(-11, -1)))
+        if counts[k] >= CLIPPED_RATIO * counts[beside].mean()
+    ]
+    return np.isin(values[begins], clipping) & (lengths >= 3)
 
 
 def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str]:
@@ -171,16 +166,9 @@ def _describe_channel(channel: Mapping[str, Any], unit: str) -> Iterator[str]:
         f"{channel['lowest']:.4g} to {channel['highest']:.4g}{unit}, "
         f"{channel['new_values_hz']:.4g} new values a second"
     )
-    if channel["frozen"]:
-        yield (
-            f"frozen or at rest: {len(channel['frozen'])} times, the longest "
-            f"{_longest(channel['frozen'])}"
-        )
-    for extreme in channel["at_extreme"]:
-        yield (
-            f"clipped, or held there: {extreme['share']:.1%} of the samples are exactly the "
-            f"{extreme['side']}est value, {extreme['value']:.4g}{unit}"
-        )
+    for kind, words in MARKS.items():
+        if channel[kind]:
+            yield f"{words}: {len(channel[kind])} times, the longest {_longest(channel[kind])}"
 
 
 def _describe_leak(diagnosis: Mapping[str, Any], unit: str) -> Iterator[str]:

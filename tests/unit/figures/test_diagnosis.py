@@ -47,7 +47,7 @@ def test_gap_is_shaded_where_it_is(faulty):
 
 def test_each_fault_is_marked_on_its_own_channel(faulty):
     assert labels(drawn(faulty, "theta_deg")) == {"gap", "frozen or at rest"}
-    assert labels(drawn(faulty, "p_exp_kpa")) == {"gap", "clipped or held there"}
+    assert labels(drawn(faulty, "p_exp_kpa")) == {"gap", "clipped or held at an extreme"}
     ax = drawn(faulty, "p_o_kpa")
     assert labels(ax) == {"gap", "re-fill or sudden loss"}
     assert ax.lines[-1].get_xdata()[0] == pytest.approx(20.0, abs=0.2)
