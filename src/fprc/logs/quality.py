@@ -104,7 +104,7 @@ def noted_unit(name: str, attributes: Mapping[str, Any]) -> str:
 def warnings(record: Mapping[str, Any]) -> list[str]:
     """Return one line for each failed check of a quality record."""
     return [
-        _line(record["log"], name, check)
+        visible(f"{record['log']}: {name}: {finding(name, check)}")
         for name, check in record["checks"].items()
         if not check["passed"]
     ]
@@ -138,10 +138,6 @@ def finding(name: str, check: Mapping[str, Any]) -> str:
     if check["kpa_per_min"] is None:
         return f"not checked, {check['why']}"
     return f"{check['kpa_per_min']:.3g} kPa/min, limit {check['limit_kpa_per_min']:g} kPa/min"
-
-
-def _line(log: str, name: str, check: Mapping[str, Any]) -> str:
-    return visible(f"{log}: {name}: {finding(name, check)}")
 
 
 def _complete(log: Columns) -> dict[str, Any]:
