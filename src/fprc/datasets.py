@@ -37,7 +37,6 @@ def load_hysteresis(
     rig: str | Mapping[str, Any] | None = None,
     raw: Path | str | None = None,
     target: str = "command",
-    return_X_y: bool = False,  # noqa: N803 (scikit-learn's name)
 ) -> Any:
     """Load a hysteresis experiment: bending angle and reservoir pressure, to predict P_exp.
 
@@ -57,12 +56,10 @@ def load_hysteresis(
         Raw log of the experiment to read instead; ``seed`` and ``rig`` must then be left out.
     target : {"command", "measured"}, default="command"
         P_exp to predict: commanded or measured pressure.
-    return_X_y : bool, default=False
-        Return only ``(data, target)``.
 
     Returns
     -------
-    Bunch or tuple
+    Bunch
         ``data`` : ndarray of shape (n_samples, 2)
             theta in deg and P_o in kPa; of shape (n_samples, 1) if the log has no P_o.
         ``target`` : ndarray of shape (n_samples,)
@@ -101,8 +98,6 @@ def load_hysteresis(
     inputs = [name for name in ("theta_deg", "p_o_kpa") if name in log.channels]
     output = TARGETS[selected.attributes["target"]]
     data = np.column_stack([log.channels[name] for name in inputs])
-    if return_X_y:
-        return data, log.channels[output]
     return Bunch(
         data=data,
         target=log.channels[output],

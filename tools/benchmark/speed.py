@@ -198,7 +198,7 @@ def circumstances() -> str:
 
 def report() -> str:
     """Measure everything; return it in Markdown."""
-    X, _ = load_hysteresis("sweep", return_X_y=True)
+    X = load_hysteresis("sweep").data
     theta = X[:, :1]
     features = EchoStates(washout=0, random_state=1).fit(theta)
     fuzzy = FPRC(random_state=1)
