@@ -23,8 +23,8 @@ ROOT = Path(__file__).parents[1]
 #: What is measured, not computed.
 MEASURED = ("timing/times.json", "timing/times_over_n_c.json")
 
-#: Cores, time zone and locale of the builds. With four cores the long grids have two processes; in
-#: the second build text that names no encoding is ASCII.
+#: Cores, time zone and locale of the builds. In the second build text that names no
+#: encoding is ASCII.
 CIRCUMSTANCES = (
     ("4", {"TZ": "America/St_Johns", "LC_ALL": "C.UTF-8"}),
     (

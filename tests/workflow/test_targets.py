@@ -18,12 +18,6 @@ def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(pr
     assert profile["max-threads"] == profile["cores"] == 8
 
 
-@pytest.mark.parametrize(("given", "workers"), [(["64", "--max-threads", "8"], 5), (["8"], 4)])
-def test_pool_has_a_process_for_twenty_cells_within_its_limit(project, given, workers):
-    done = project.snakemake("--dry-run", "results/grids/taps.json", "--cores", *given)
-    assert f"Grid of taps, workers: {workers}" in done.stdout
-
-
 def test_studies_are_no_rules_of_the_paper(project):
     paper, every = (
         set(project.snakemake("--list-rules", *which).stdout.split()) for which in ((), STUDIES)

@@ -26,31 +26,10 @@ def code_of(name, *models):
     return fingerprint("fprc.stages.run", module_of(name), *modules)
 
 
-def stage(name, *models, key="code"):
-    """Return the params of a stage: its name, and the fingerprint of its code and its models.
-
-    ``key`` names the fingerprint: ``version`` if the stage's checkpoint depends on it.
-    """
+def stage(name, *models):
+    """Return the params of a stage: its name, and the fingerprint of its code and its models."""
     # a function, so that a job's process reads the sources of its own stage only
-    return {"stage": name, key: lambda wildcards: code_of(name, *models)}
-
-
-def workers_for(cells):
-    """Return the number of processes of a grid; starting one takes as long as 20 cells."""
-    # leave half of the cores to other jobs, unless --max-threads limits each job
-    limit = workflow.resource_settings.max_threads or workflow.cores // 2
-    return max(1, min(limit, cells // 20))
-
-
-def workers_of(wildcards):
-    """Return the number of processes of a grid of Figs. 10 and 11."""
-    sizes = [len(SETTINGS["grids"][name]) for name in GRID_SETTINGS[wildcards.grid]]
-    return workers_for(prod(sizes) * len(GRID_MODELS[wildcards.grid]))
-
-
-def memory_of(wildcards, threads):
-    """Return the MB of a pool of processes: each holds the logs and one model."""
-    return 1000 * (1 + threads)
+    return {"stage": name, "code": lambda wildcards: code_of(name, *models)}
 
 
 def result_spec(stem, kind, words, given, made, *, priority=0, threads=1, resources={}, **params):

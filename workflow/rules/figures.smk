@@ -1,12 +1,6 @@
 # The figures, drawn from result files only.
 
 
-def grids(*names):
-    """Return the grids that a figure shows: over further seeds, or of the one rig."""
-    over = PLAN.grids_over_seeds
-    return {"seeds": over} if over else {name: PATHS.grid(name) for name in names}
-
-
 #: The runs of Figs. 12 to 15 that have logs; they share the range of the errors.
 FOLLOWED = [
     run
@@ -64,17 +58,14 @@ PAPER_FIGURES = {
     },
     10: {
         "words": "epsilon and n_c",
-        "given": {
-            **grids("n_c", *(["epsilon"] if "fig10a" not in PLAN.unavailable else [])),
-            "times": PATHS.below("timing/times_over_n_c.json"),
-        },
+        "given": {"grids": PLAN.grids, "times": PATHS.below("timing/times_over_n_c.json")},
         **stage("draw.draw_settings"),
         "statistics": True,
         "priority": LONG,  # its execution times are measured last, and the report waits for it
     },
     11: {
         "words": "tap sizes",
-        "given": {**grids("taps"), "published": PUBLISHED},
+        "given": {"grids": PLAN.grids, "published": PUBLISHED},
         **stage("draw.draw_taps"),
         "statistics": True,
     },

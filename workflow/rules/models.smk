@@ -2,6 +2,8 @@
 # Result files are named after the training log; Table III trains on `complex`.
 
 TRAIN_AND_TEST = {"train": PATHS.data("sweep"), "test": PATHS.data("complex")}
+#: Values of the grids of Figs. 10 and 11.
+GRIDS = pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y")
 
 
 rule judge:
@@ -42,7 +44,7 @@ rule replicate:
         **stage("replicate.replicate", *PLAN.models),
         on_rig=on_rig(SETTINGS),
         judgement=lambda wildcards: judgement(SETTINGS, seed=int(wildcards.seed)),
-        values=pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y"),
+        values=GRIDS,
         tracking=SETTINGS["tracking"],
     message:
         "Tables, grids and closed loops again with seed {wildcards.seed}"
@@ -94,24 +96,18 @@ rule grid:
     input:
         **TRAIN_AND_TEST,
     output:
-        results=PATHS.grid("{grid}"),
+        cells=PATHS.below("grids.json"),
     log:
-        PATHS.messages("grid_{grid}"),
+        PATHS.messages("grid"),
     priority: LONG
-    threads: workers_of
     resources:
-        mem_mb=memory_of,
-        runtime=60,
+        mem_mb=2000,
     params:
-        stage="grid.judge_grid",
-        version=lambda wildcards: code_of("grid.judge_grid", *GRID_MODELS[wildcards.grid]),
-        grid="{grid}",
-        values=lambda wildcards: pick(SETTINGS["grids"], *GRID_SETTINGS[wildcards.grid]),
+        **stage("grid.judge", "fprc", "fuzzy_linear"),
+        values=GRIDS,
         judgement=judgement(SETTINGS, "fprc"),
-        workers=lambda wildcards, threads: threads,
-        checkpoint=with_prefix(PATHS.below("grids/{grid}.partial.jsonl")),
     message:
-        "Grid of {wildcards.grid}, workers: {threads}"
+        "Grids of epsilon, n_c and taps"
     script:
         "../scripts/stage.py"
 
@@ -124,18 +120,13 @@ rule measure_readout:
     log:
         PATHS.messages("measure_readout"),
     priority: LONG
-    # approximate number of cells: two splits and three readouts over each value
-    threads: workers_for(6 * sum(len(SETTINGS["grids"][key]) for key in ("epsilon", "readout_taps")))
     resources:
-        mem_mb=memory_of,
-        runtime=60,
+        mem_mb=2000,
     params:
-        **stage("readout.measure_readout", "fprc", "fuzzy_linear", key="version"),
+        **stage("readout.measure_readout", "fprc", "fuzzy_linear"),
         judgement=judgement(SETTINGS, "fprc", without="split"),
         epsilon=SETTINGS["grids"]["epsilon"],
         n_u=SETTINGS["grids"]["readout_taps"],
-        workers=lambda wildcards, threads: threads,
-        checkpoint=with_prefix(PATHS.below("readout/cells.partial.jsonl")),
     message:
         "FPRC with P_o, without it, and with substitutes for it"
     script:

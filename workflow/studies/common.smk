@@ -42,6 +42,11 @@ def family_named(name):
 STUDY_RESULTS, STUDY_TARGETS = {}, {}
 
 
+def memory_of(wildcards, threads):
+    """Return the MB of a pool of processes: each holds the logs and one model."""
+    return 1000 * (1 + threads)
+
+
 def judgement_spec(
     stem, words, judge, *models, given=None, runtime=120, priority=0, threads=None, **params
 ):
@@ -65,13 +70,15 @@ def judgement_spec(
         ``families``, ``units`` and ``how``, see ``fprc.studies.stages.judge``.
     """
     judged_by = f"fprc.studies.{judge.rpartition('.')[0]}"
-    of_stage = stage("studies.judge.judge_families", key="version")
+    of_stage = stage("studies.judge.judge_families")
 
+    # the checkpoint depends on it too
     def version(wildcards):
         own = fingerprint(judged_by, *map(class_module, models))
-        return f"{of_stage['version'](wildcards)}-{own}"
+        return f"{of_stage['code'](wildcards)}-{own}"
 
     params |= {
+        "stage": of_stage["stage"],
         "judge": judge,
         "workers": lambda wildcards, threads: threads,
         "checkpoint": with_prefix(PATHS.below(f"{stem}.partial.jsonl")),
@@ -85,7 +92,7 @@ def judgement_spec(
         priority=priority,
         threads=threads or workflow.cores,
         resources={"mem_mb": memory_of, "runtime": runtime},
-        **params | of_stage | {"version": version},
+        **params | {"version": version},
     )
 
 

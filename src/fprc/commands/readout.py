@@ -145,9 +145,8 @@ def report_readout(
             data[name] = _prepare(name, recordings, settings, folder)
         results_folder = folder / "readout"
         results_folder.mkdir(parents=True, exist_ok=True)
-        # the shorter task first: a run that is stopped during the longer one resumes there
         competitors = _compete(data, results_folder, scaled, count)
-        results = _judge(data, results_folder, scaled, count, roles)
+        results = _judge(data, results_folder, scaled, roles)
         results |= {"competitors": competitors, "rates": rates}
         page = folder / "report.md"
         write_text(page, report_page(parts, map_, mapping, settings, folder, results))
@@ -229,7 +228,6 @@ def _judge(
     data: Mapping[str, str],
     folder: Path,
     settings: Mapping[str, Any],
-    workers: int,
     parts: tuple[str, str],
 ) -> dict[str, Any]:
     """Judge FPRC with each readout, write table and figure, and return the errors."""
@@ -241,9 +239,6 @@ def _judge(
         judgement=judgement(settings, "fprc", without="split"),
         epsilon=settings["grids"]["epsilon"],
         n_u=settings["grids"]["readout_taps"],
-        workers=workers,
-        checkpoint=str(folder / "cells.partial.jsonl"),
-        version=fingerprint("fprc.stages.readout", *map(class_module, ("fprc", "fuzzy_linear"))),
     )
     files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex")}
     tabulate_readout(cells, quality_records(folder.parent), parts=parts, **files)

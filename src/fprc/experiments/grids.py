@@ -8,7 +8,7 @@ from typing import Any
 from fprc.evaluation import evaluate
 from fprc.evaluation.folds import Fold
 from fprc.evaluation.weights import normalised_weights
-from fprc.experiments.data import Data
+from fprc.experiments.data import Data, models_for
 from fprc.experiments.settings import Judgement
 from fprc.paper import GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build
@@ -48,16 +48,28 @@ def judge_cell(
 
 
 def judge_grids(
-    data: Mapping[str, Data], values: Mapping[str, Any], judgement: Judgement
+    data: Mapping[str, Data],
+    values: Mapping[str, Any],
+    judgement: Judgement,
+    *,
+    folds: int | None = None,
 ) -> dict[str, list[dict[str, Any]]]:
-    """Judge every cell of every grid on the first fold: enough for a mean over seeds."""
+    """Judge every cell of every grid, for the models whose inputs are in the data.
+
+    Parameters
+    ----------
+    folds : int, optional
+        Number of folds, the first ones; by default all. One is enough for a mean over seeds.
+    """
     train, test = data["sweep"], data["complex"]
-    folds = judgement.split_rows(train)[:1]
-    how: dict[str, Any] = {"train": train, "test": test, "judgement": judgement, "folds": folds}
+    models = models_for(judgement.models, train, test)
+    rows = judgement.split_rows(train)[:folds]
+    how: dict[str, Any] = {"train": train, "test": test, "judgement": judgement, "folds": rows}
     judged = {}
-    for grid in ("epsilon", "n_c", "taps"):
-        judged[grid] = [{**cell, **judge_cell(cell, **how)} for cell in cells_of(grid, values)]
-        log.info("judged grid %s: %d cells", grid, len(judged[grid]))
+    for grid in GRID_MODELS:
+        cells = [cell for cell in cells_of(grid, values) if cell["model"] in models]
+        judged[grid] = [{**cell, **judge_cell(cell, **how)} for cell in cells]
+        log.info("judged grid %s: %d cells", grid, len(cells))
     return judged
 
 

@@ -39,10 +39,6 @@ class Paths:
             "predictions": self.below(f"predictions/{experiment}_{model}_test.h5"),
         }
 
-    def grid(self, name: str) -> str:
-        """Return the cells of a grid."""
-        return self.below(f"grids/{name}.json")
-
     def replicate(self, part: str, seed: int | str) -> str:
         """Return the report of a further seed; part: models, grids or control."""
         return self.below(f"replicates/{part}_{seed}.json")

@@ -221,9 +221,10 @@ class Plan:
         return [self.paths.replicate(part, seed) for seed in seeds]
 
     @property
-    def grids_over_seeds(self) -> list[str]:
-        """Reports of further seeds that Figs. 10 and 11 show; without any, they show one rig."""
-        return self.replicates("grids") if self.on_simulated_rig else []
+    def grids(self) -> list[str]:
+        """Reports that Figs. 10 and 11 show: of further seeds, or of the logs of one rig."""
+        of_one_rig = [self.paths.below("grids.json")]
+        return self.replicates("grids") if self.on_simulated_rig else of_one_rig
 
     def logs_of(self, experiment: str) -> list[str]:
         """Return the raw logs of an experiment."""
@@ -243,8 +244,8 @@ class Plan:
             return self._data
         if name.startswith("judged/"):
             return self._judged(name.removeprefix("judged/"))
-        if name.startswith("grids/") and self.grids_over_seeds:
-            return []
+        if name == "grids":
+            return self.grids
         if name == "seeds":
             parts = ("models", "grids", "control") if self.on_simulated_rig else ()
             return [file for part in parts for file in self.replicates(part)]

@@ -15,7 +15,8 @@ class Result(NamedTuple):
     #: Files below the results folder that it is made of; ``data`` stands for the raw logs and the
     #: files of preprocessing, ``judged/sweep`` for every model that the sweep trained and its
     #: errors, ``loops`` for the closed-loop logs and their inputs, ``seeds`` for the reports of the
-    #: further seeds, of which there are none without a simulated rig.
+    #: further seeds, of which there are none without a simulated rig, ``grids`` for the reports of
+    #: the grids.
     made_of: tuple[str, ...] = ()
     logs: tuple[str, ...] = ()  #: raw logs that it needs
     channels: tuple[str, ...] = ()  #: channels that each of these logs must have
@@ -68,10 +69,9 @@ RESULTS = (
     _figure(7, "fprc_system"),
     _figure(8, "training", "data", "judged/sweep", **_BOTH_WITH_P_O),
     _figure(9, "weights", "data", "weights/fprc.json", channels=("p_o_kpa",), **_SWEEP),
-    _figure(10, "settings", "data", "grids/n_c.json", _OVER_N_C, "seeds", **_BOTH),
-    Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", made_of=("grids/epsilon.json",),
-           part_of="fig10", **_BOTH_WITH_P_O),
-    _figure(11, "taps", "data", "grids/taps.json", "seeds", **_BOTH_WITH_P_O),
+    _figure(10, "settings", "data", "grids", _OVER_N_C, "seeds", **_BOTH),
+    Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", part_of="fig10", **_BOTH_WITH_P_O),
+    _figure(11, "taps", "data", "grids", "seeds", **_BOTH_WITH_P_O),
     *(_figure(number, name, "loops", logs=(run_log(name, "fprc"), run_log(name, "fprc_pd")))
       for number, name in enumerate(REFERENCES, start=12)),
     _figure(16, "loops", "loops", logs=_LOOPS),

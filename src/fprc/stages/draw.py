@@ -25,8 +25,8 @@ from fprc.signals import loop_growth, swing_frequency, turning_points, width_at_
 from fprc.tables.figure_data import (
     fit_errors,
     grid_errors,
-    grid_over_seeds,
     grid_times,
+    joined_grid,
     panels,
     weight_shares,
 )
@@ -161,34 +161,22 @@ def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> 
     return style.save(fig, report, pdf, png)
 
 
-def _read_grid(one_rig: str, seeds: Sequence[str], grid: str) -> Mapping[str, Any]:
-    """Return a grid over further seeds; if there are none, that of one rig over folds, if any."""
-    if seeds:
-        return grid_over_seeds([read_json(path) for path in seeds], grid)
-    return read_json(one_rig) if one_rig else {}
-
-
 def draw_settings(
-    times: str,
-    csv: str,
-    pdf: str,
-    png: str,
-    n_c: str = "",
-    epsilon: str = "",
-    seeds: Sequence[str] = (),
+    grids: Sequence[str], times: str, csv: str, pdf: str, png: str
 ) -> Mapping[str, Any]:
     """Figure 10: errors over epsilon and n_c, execution times over n_c.
 
-    The errors are those of further ``seeds``, or of one rig: ``n_c`` and ``epsilon``. Without
-    errors over epsilon, when there is no FPRC, only (b) and (c) are drawn.
+    The errors are over further seeds, or over the folds of one report. Without errors over
+    epsilon, when there is no FPRC, only (b) and (c) are drawn.
     """
-    by_n_c, by_epsilon = _read_grid(n_c, seeds, "n_c"), _read_grid(epsilon, seeds, "epsilon")
+    reports = [read_json(path) for path in grids]
+    by_n_c, by_epsilon = (joined_grid(reports, name) for name in ("n_c", "epsilon"))
     tables = {"b": grid_errors(by_n_c, "n_c"), "c": grid_times(read_json(times), "n_c")}
-    if by_epsilon:
+    if by_epsilon["cells"]:
         tables = {"a": grid_errors(by_epsilon, "epsilon"), **tables}
     write_csv(csv, panels(tables))
-    fig, axes = style.figure(len(tables), 1, style.COLUMN_IN, 5.0 if by_epsilon else 3.6)
-    if by_epsilon:
+    fig, axes = style.figure(len(tables), 1, style.COLUMN_IN, 5.0 if "a" in tables else 3.6)
+    if "a" in tables:
         plot_errors_over(tables["a"], "epsilon", axes[0])
         axes[0].set_xscale("log")
         axes[0].set_xlabel(r"$\epsilon$")
@@ -204,16 +192,16 @@ def draw_settings(
         ax.xaxis.set_major_formatter("{x:g}")
     style.letter(errors, "(b) Errors")
     style.letter(seconds, "(c) Execution times, batch")
-    if not by_epsilon:
+    if "a" not in tables:
         style.share_legend(fig, errors)
     return style.save(fig, by_n_c, pdf, png)
 
 
 def draw_taps(
-    published: str, csv: str, pdf: str, png: str, taps: str = "", seeds: Sequence[str] = ()
+    grids: Sequence[str], published: str, csv: str, pdf: str, png: str
 ) -> Mapping[str, Any]:
-    """Figure 11: errors over the tap sizes, of further ``seeds`` or one rig; as wide as a page."""
-    report = _read_grid(taps, seeds, "taps")
+    """Figure 11: errors over the tap sizes; as wide as a page."""
+    report = joined_grid([read_json(path) for path in grids], "taps")
     printed = read_yaml(published)["table_1_configuration"]
     table = grid_errors(report, "n_u", "n_y")
     write_csv(csv, table)

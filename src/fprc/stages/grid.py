@@ -2,56 +2,38 @@
 
 import logging
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.evaluation.cells import judged_cells
-from fprc.experiments.data import judge_files, models_for, read_data
-from fprc.experiments.grids import cells_of, judge_cell, weight_shares
+from fprc.experiments.data import read_data
+from fprc.experiments.grids import judge_grids, weight_shares
 from fprc.experiments.settings import Judgement
 
 log = logging.getLogger(__name__)
 
 
-def judge_grid(
+def judge(
     train: str,
     test: str,
-    results: str,
+    cells: str,
     *,
-    grid: str,
     values: Mapping[str, Sequence[float]],
     judgement: Mapping[str, Any],
-    **run: Any,
 ) -> None:
-    """Cross-validate and test every cell of one grid.
+    """Cross-validate and test every cell of every grid, on logs that have no further seeds.
 
     Parameters
     ----------
     judgement : Mapping
         Arguments of ``fprc.experiments.settings.Judgement``.
-    **run
-        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
     """
-    data = read_data(train)
-    models = models_for(judgement["models"], data, read_data(test))
-    possible = [cell for cell in cells_of(grid, values) if cell["model"] in models]
+    data = {"sweep": read_data(train), "complex": read_data(test)}
     described = {
-        "grid": grid,
-        "source": data.attributes["source"],
+        "source": data["sweep"].attributes["source"],
         "seed": judgement["seed"],
-        "unit": data.unit,
+        "unit": data["sweep"].unit,
     }
-    with judged_cells(
-        partial(
-            judge_files, judge=judge_cell, train=train, test=test, judgement=Judgement(**judgement)
-        ),
-        possible,
-        settings=judgement,
-        files=[train, test],
-        **run,
-    ) as judged:
-        write_json(results, {**described, "cells": judged})
+    write_json(cells, described | judge_grids(data, values, Judgement(**judgement)))
 
 
 def weigh(train: str, weights: str, *, judgement: Mapping[str, Any]) -> None:

@@ -46,7 +46,7 @@ def replicate(
     described = {"seed": how.seed, "source": "sim"}
     starts, started = errors_over_starts(data, how, _STARTS)
     write_json(compared, described | comparison | {"fprc_rmse_over_starts": starts})
-    write_json(cells, described | judge_grids(data, values, how))
+    write_json(cells, described | judge_grids(data, values, how, folds=1))
     bench = Track(tracking, settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     loops = {"fprc": 0.0, "fprc_pd": 1.0}

@@ -120,14 +120,16 @@ def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd
     )
 
 
-def grid_over_seeds(reports: Sequence[Mapping[str, Any]], grid: str) -> dict[str, Any]:
-    """Join one grid of further seeds: in each cell, an error is a list with a value per seed.
+def joined_grid(reports: Sequence[Mapping[str, Any]], grid: str) -> dict[str, Any]:
+    """Join one grid of several reports: in each cell, an error is a list with those of each report.
 
     Parameters
     ----------
     reports : sequence of mapping
-        ``seed``, ``source`` and cells by grid, from ``fprc.stages.replicate``.
+        ``seed``, ``source`` and cells by grid: of further seeds, each with the errors of one fold,
+        or one report with those of all folds and their ``unit``.
     """
+    seeds = [report["seed"] for report in reports]
     errors = [f"{phase}_rmse_kpa" for phase in _PHASES]
     cells = zip(*(report[grid] for report in reports), strict=True)
     return {
@@ -135,9 +137,9 @@ def grid_over_seeds(reports: Sequence[Mapping[str, Any]], grid: str) -> dict[str
             {**of_seeds[0], **{key: [cell[key] for cell in of_seeds] for key in errors}}
             for of_seeds in cells
         ],
-        "unit": "kPa",
+        "unit": reports[0].get("unit", "kPa"),
         "source": reports[0]["source"],
-        "seeds": [report["seed"] for report in reports],
+        **({"seeds": seeds} if len(seeds) > 1 else {"seed": seeds[0]}),
     }
 
 

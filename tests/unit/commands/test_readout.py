@@ -91,7 +91,7 @@ def finished(tmp_path_factory):
     def stop(done, total):
         logged(done, total)
         seen.append((done, total))
-        if seen[-1] == (5, 26):
+        if seen[-1] == (5, 9):
             raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patch:
@@ -106,7 +106,7 @@ def finished(tmp_path_factory):
 
 def test_stopped_run_goes_on_where_it_was(finished):
     out, _, _, seen = finished
-    assert [done for done, total in seen if total == 26] == list(range(1, 27))
+    assert [done for done, total in seen if total == 9] == list(range(1, 10))
     assert len(read_json(out / "readout/cells.json")["cells"]) == 26
 
 
@@ -134,7 +134,6 @@ def test_one_command_goes_from_a_recording_to_a_report(finished):
     page = (out / "readout/competitors.md").read_text(encoding="utf-8")
     assert "4 blocks of 1.75 s of the training data" in page
     assert "cells" not in printed
-    assert "] 26 of 26 cells" in messages
     assert "] 9 of 9 cells" in messages
     assert all(f" ({claim}): undecided. " in printed for claim in ("B1", "B4", "R1"))
     assert printed.index("Not decided: ") < printed.index("(B1): ")

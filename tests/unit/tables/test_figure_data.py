@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.artifacts import read_json, write_json
+from fprc.artifacts import write_json
 from fprc.config.load import PUBLISHED
 from fprc.figures import style
 from fprc.logs import Columns, write_columns
@@ -26,16 +26,18 @@ def place(tmp_path):
     return lambda name: str(tmp_path / name)
 
 
-def sweep(setting, place):
-    cells = [
+def cells_over(setting):
+    return [
         {"model": model, setting: value, "train_rmse_kpa": folds, "test_rmse_kpa": folds[0],
          "validation_rmse_kpa": [2.0 * error for error in folds]}
         for model in (("fprc", "fuzzy_linear") if setting == "n_c" else ("fprc",))
         for value, folds in FOLDS.items()
     ]  # fmt: skip
-    path = place(f"{setting}.json")
-    write_json(path, {"source": "sim", "seed": 1, "unit": "kPa", "cells": cells})
-    return path
+
+
+def one_rig(place, **grids):
+    write_json(place("grids.json"), {"source": "sim", "seed": 1, "unit": "kPa", **grids})
+    return [place("grids.json")]
 
 
 def times(place):
@@ -56,11 +58,10 @@ def further_seeds(place):
     for seed in (101, 102):
         report = {"seed": seed, "source": "sim"}
         for name in ("n_c", "epsilon"):
-            cells = read_json(sweep(name, place))["cells"]
             report[name] = [
                 cell | {f"{phase}_rmse_kpa": np.ravel(cell[f"{phase}_rmse_kpa"])[0]
                         + 0.5 * (seed - 101) for phase in PHASES}
-                for cell in cells
+                for cell in cells_over(name)
             ]  # fmt: skip
         paths.append(place(f"grids_{seed}.json"))
         write_json(paths[-1], report)
@@ -69,9 +70,9 @@ def further_seeds(place):
 
 def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, place):
     csv = place("fig10.csv")
-    draw.draw_settings(
-        times(place), csv, *PICTURES, n_c=sweep("n_c", place), epsilon=sweep("epsilon", place),
-    )  # fmt: skip
+    grids = one_rig(place, **{name: cells_over(name) for name in ("n_c", "epsilon")})
+    data = draw.draw_settings(grids, times(place), csv, *PICTURES)
+    assert data["seed"] == 1
     table = pd.read_csv(csv)
     assert list(table["panel"].unique()) == ["a", "b", "c"]
     assert set(table["source"]) == {"sim"}
@@ -97,10 +98,8 @@ def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, plac
 
 
 def test_fig_10_of_further_seeds_shows_means_and_deviations_over_them(figures, place):
-    seeds = further_seeds(place)
-    draw.draw_settings(
-        times(place), place("t.csv"), *PICTURES, seeds=seeds,
-    )  # fmt: skip
+    data = draw.draw_settings(further_seeds(place), times(place), place("t.csv"), *PICTURES)
+    assert data["seeds"] == [101, 102]
     table = pd.read_csv(place("t.csv"))
     errors = table[table["panel"] != "c"]
     assert set(errors["values"]) == {2}
@@ -116,8 +115,7 @@ def test_fig_11_draws_the_means_of_its_table(figures, place):
         for n_u in (1, 2, 3)
         for n_y in (1, 2)
     ]  # fmt: skip
-    write_json(place("taps.json"), {"source": "sim", "seed": 1, "unit": "kPa", "cells": cells})
-    draw.draw_taps(str(PUBLISHED), place("t.csv"), *PICTURES, taps=place("taps.json"))
+    draw.draw_taps(one_rig(place, taps=cells), str(PUBLISHED), place("t.csv"), *PICTURES)
     table = pd.read_csv(place("t.csv"))
     for phase, ax in zip(("train", "validation", "test"), figures[0].axes, strict=False):
         (mesh,) = ax.collections[:1]
