@@ -71,7 +71,7 @@ rule measure_times:
         repeats=SETTINGS["evaluation"]["timing_repeats"],
         seed=SETTINGS["seed"],
     message:
-        "Execution times, and the cost of a control step (no other job runs meanwhile)"
+        "Execution times (no other job runs meanwhile)"
     script:
         "../scripts/stage.py"
 
