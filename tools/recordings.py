@@ -25,8 +25,6 @@ SIMULATED_SWEEP = "sweep of the simulated rig"
 #: Rates at which two recordings are evaluated again, with every second and every fourth sample.
 RATES_HZ = {SIMULATED_SWEEP: (200, 100, 50), "`byu_bellows_arm`": (100, 50, 25)}
 CLAIMS = ("B1", "B4", "R1")
-#: The grid over epsilon and taps, which the table does not show, as small as it can be.
-FEW = {"grids": {"epsilon": [0.01], "readout_taps": [3]}}
 SIMULATED = {
     "experiment": "complex",
     "time": {"column": "time_s"},
@@ -46,12 +44,9 @@ def in_mm(mapping: Mapping[str, Any]) -> dict[str, Any]:
 def readout(*asked: str, mapping: Mapping[str, Any]) -> dict[str, Any]:
     """Run `fprc readout` in an empty folder and return its report on the models."""
     with tempfile.TemporaryDirectory() as folder:
-        asked += ("--out", f"{folder}/out")
-        for option, content in (("--map", mapping), ("--config", FEW)):
-            path = Path(folder, f"{option[2:]}.yaml")
-            path.write_text(yaml.safe_dump(content), encoding="utf-8")
-            asked += (option, str(path))
-        if code := main(["readout", *asked]):
+        path = Path(folder, "map.yaml")
+        path.write_text(yaml.safe_dump(mapping), encoding="utf-8")
+        if code := main(["readout", *asked, "--out", f"{folder}/out", "--map", str(path)]):
             raise SystemExit(code)
         return read_json(f"{folder}/out/readout/competitors.json")
 

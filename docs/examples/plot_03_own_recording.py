@@ -29,8 +29,7 @@ pd.DataFrame(
 ).to_csv(folder / "arm.csv", sep=";", index=False)
 
 # %%
-# A map names the columns and their units, and where the test begins. The grid of settings is
-# smaller than by default, to save time.
+# A map names the columns and their units, and where the test begins.
 (folder / "map.yaml").write_text("""\
 test_from_s: 80
 time: {column: "t [ms]", unit: ms}
@@ -39,8 +38,7 @@ channels:
   p_exp_command_kpa: {column: "P set [bar]", unit: bar}
   p_o_kpa: {column: "PAM B [kPa abs]", unit: kPa, offset: -101.325, note: read as absolute}
 """)
-(folder / "few.yaml").write_text("grids: {epsilon: [0.01], readout_taps: [3]}\n")
-command = "readout arm.csv --map map.yaml --config few.yaml --out mine"
+command = "readout arm.csv --map map.yaml --out mine"
 fprc = [sys.executable, "-m", "fprc"]  # the same as `fprc`, wherever it is installed
 subprocess.run([*fprc, *command.split()], cwd=folder, capture_output=True, check=True)
 

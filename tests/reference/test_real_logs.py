@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-import yaml
 
 from fprc.artifacts import read_json
 from fprc.cli import main
@@ -16,10 +15,6 @@ PNEUSIM = DATASETS / "pneusim_antagonistic_pam" / "data.mat"
 BYU = DATASETS / "byu_bellows_arm" / "bellows_arm_whitened.mat"
 
 
-#: Settings that leave of the readout report what shows that it works.
-FEW = {"grids": {"epsilon": [0.01], "readout_taps": [1, 3]}}
-
-
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:fuzzy c-means did not converge")
 @pytest.mark.parametrize(("source", "unit"), [(PNEUSIM, "N"), (BYU, "% of its scale")])
@@ -27,16 +22,15 @@ def test_one_command_goes_from_the_file_to_a_report(source, unit, tmp_path):
     if not source.exists():
         pytest.skip(f"{source.parent.name} is not in a folder shared/datasets beside the project")
     map_file = ROOT / f"config/maps/{source.parent.name}.yaml"
-    (tmp_path / "few.yaml").write_text(yaml.safe_dump(FEW))
     asked = ["readout", str(source), "--map", str(map_file), "--out", str(tmp_path / "out")]
-    assert main([*asked, "--config", str(tmp_path / "few.yaml"), "--workers", "1"]) == 0
+    assert main([*asked, "--workers", "1"]) == 0
     table = pd.read_csv(tmp_path / "out/readout/readout.csv")
     assert set(table["unit"]) == {unit}
-    assert len(table) == 2 * (1 + 2 * 3)
+    assert len(table) == 2 * 4
     assert f"Test [{unit}]" in (tmp_path / "out/report.md").read_text()
     if source == PNEUSIM:
         # as much as a ridge by other hands: 26.3 N without, 23.1 N with p1
-        own = table[(table["split"] == "shuffled") & (table["n_u"] == 3)].set_index("readout")
+        own = table[table["split"] == "shuffled"].set_index("readout")
         assert own.loc[["none", "p_o"], "test_rmse"].between(20.0, 32.0).all()
     name, page = source.parent.name, (ROOT / "docs/chamber.md").read_text(encoding="utf-8")
     report = read_json(tmp_path / "out/readout/competitors.json")

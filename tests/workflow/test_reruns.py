@@ -41,7 +41,6 @@ MODELS = ESN | figures(*range(8, 18)) | {
     "weigh": 1,
     "measure_readout": 1,
     "readout_table": 1,
-    "draw_readout": 1,
     "track": 5,
     "tracking_table": 1,
 }  # fmt: skip

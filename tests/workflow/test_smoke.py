@@ -17,7 +17,6 @@ CONTRACT = [
     "timing/table2_timing.csv",
     "report.html",
     "readout/readout.csv",
-    "readout/readout.pdf",
     "claims.json",
     "claims.md",
 ]

@@ -47,7 +47,7 @@ PLANNED = [
     (
         ["timing", "fig1", "fig4", "fig5", "fig9", "fig11", "readout"],
         {"timing_table", "draw_fig1", "draw_fig4", "draw_fig5", "draw_fig9", "draw_fig11"}
-        | {"weigh", "readout_table", "draw_readout", "measure_readout"},
+        | {"weigh", "readout_table", "measure_readout"},
         {"judge", "track"},
     ),
     (["fig10"], {"draw_fig10", "replicate", "measure_times"}, {"grid", "track"}),

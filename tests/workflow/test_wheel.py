@@ -53,7 +53,7 @@ WRITTEN = {IMPORT: "sweep.h5", READOUT: "results/log/report.md", LIST: None}
 FEW = """
 experiments: {sweep: {duration_s: 20}, complex: {duration_s: 20}}
 models: {fprc: {n_c: 2}, n_y: 2, esn: {r: 5}}
-grids: {epsilon: [1, 0.1, 0.01], n_c: [1, 2, 4], readout_taps: [1, 2, 3]}
+grids: {epsilon: [1, 0.1, 0.01], n_c: [1, 2, 4]}
 evaluation: {folds: 2, purge_s: 0.2}
 """
 COLUMNS = {

@@ -109,10 +109,4 @@ FIGURES = {
         **stage("draw.draw_training"),
         statistics=True,
     ),
-    "draw_readout": figure_spec(
-        "readout/readout",
-        "Value of the readout: figure",
-        {"cells": PATHS.below("readout/cells.json")},
-        **stage("draw.draw_readout"),
-    ),
 }

@@ -2,8 +2,6 @@
 # Result files are named after the training log; Table III trains on `complex`.
 
 TRAIN_AND_TEST = {"train": PATHS.data("sweep"), "test": PATHS.data("complex")}
-#: Values of the grids of Figs. 10 and 11.
-GRIDS = pick(SETTINGS["grids"], "epsilon", "n_c", "n_u", "n_y")
 
 
 rule judge:
@@ -44,7 +42,7 @@ rule replicate:
         **stage("replicate.replicate", *PLAN.models),
         on_rig=on_rig(SETTINGS),
         judgement=lambda wildcards: judgement(SETTINGS, seed=int(wildcards.seed)),
-        values=GRIDS,
+        values=SETTINGS["grids"],
         tracking=SETTINGS["tracking"],
     message:
         "Tables, grids and closed loops again with seed {wildcards.seed}"
@@ -104,7 +102,7 @@ rule grid:
         mem_mb=2000,
     params:
         **stage("grid.judge", "fprc", "fuzzy_linear"),
-        values=GRIDS,
+        values=SETTINGS["grids"],
         judgement=judgement(SETTINGS, "fprc"),
     message:
         "Grids of epsilon, n_c and taps"
@@ -125,8 +123,6 @@ rule measure_readout:
     params:
         **stage("readout.measure_readout", "fprc", "fuzzy_linear"),
         judgement=judgement(SETTINGS, "fprc", without="split"),
-        epsilon=SETTINGS["grids"]["epsilon"],
-        n_u=SETTINGS["grids"]["readout_taps"],
     message:
         "FPRC with P_o, without it, and with substitutes for it"
     script:

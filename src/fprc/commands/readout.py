@@ -8,7 +8,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, write_text
+from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_text
 from fprc.claims.recording import answer, sentences
 from fprc.commands.import_recording import import_mapped, own_rate
 from fprc.commands.models import refuse_repeats
@@ -31,10 +31,9 @@ from fprc.experiments.rates import settings_at
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
 from fprc.plan.arguments import judgement, paper_models
-from fprc.provenance import describe, sha256
+from fprc.provenance import sha256
 from fprc.registry import class_module
 from fprc.stages.competitors import compare_competitors, tabulate_competitors
-from fprc.stages.draw import draw_readout
 from fprc.stages.preprocess import preprocess
 from fprc.stages.readout import measure_readout
 from fprc.stages.tabulate import tabulate_readout
@@ -66,7 +65,7 @@ def report_readout(
     the recording's own rate, at most 200 Hz; settings in samples are scaled to the same time.
     Repeat the command to continue a run that was stopped.
 
-    Writes ``report.md``, ``readout/`` (tables, figure, cells), ``raw/`` (the logs with their
+    Writes ``report.md``, ``readout/`` (tables, cells), ``raw/`` (the logs with their
     diagnoses), ``data/`` and ``quality/``, in the workflow's formats.
 
     Parameters
@@ -230,21 +229,16 @@ def _judge(
     settings: Mapping[str, Any],
     parts: tuple[str, str],
 ) -> dict[str, Any]:
-    """Judge FPRC with each readout, write table and figure, and return the errors."""
-    cells, png, pdf = (str(folder / name) for name in ("cells.json", "readout.png", "readout.pdf"))
+    """Judge FPRC with each readout, write their table, and return the errors."""
+    cells = str(folder / "cells.json")
     measure_readout(
         data["sweep"],
         data["complex"],
         cells,
         judgement=judgement(settings, "fprc", without="split"),
-        epsilon=settings["grids"]["epsilon"],
-        n_u=settings["grids"]["readout_taps"],
     )
     files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex")}
     tabulate_readout(cells, quality_records(folder.parent), parts=parts, **files)
-    attributes = draw_readout(cells, pdf, png)
-    origin = describe(attributes, inputs=[cells], outputs=[pdf, png], settings=settings)
-    write_json(folder / "readout.json", origin)
     return read_json(cells)
 
 

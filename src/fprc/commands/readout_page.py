@@ -46,7 +46,7 @@ def report_page(
     folder: Path,
     results: Mapping[str, Any],
 ) -> str:
-    """Return the report as Markdown, with links to the figures."""
+    """Return the report as Markdown, with links to the pictures of the recording."""
     table = readout.readout(results)
     ((source, _),) = parts["complex"]
     further = [path for path, _ in parts["sweep"] if path != source]
@@ -67,7 +67,7 @@ def report_page(
         "",
         "## Finding",
         "",
-        *(f"- {line}" for line in findings(table, results["own"], results["competitors"])),
+        *(f"- {line}" for line in findings(table, results["competitors"])),
         "",
         "Low-passed theta and P_o shifted in time are controls: P_o helps as a memory only if it "
         "beats both. One test does not show the spread of the test error; the verdicts under "
@@ -76,10 +76,6 @@ def report_page(
         "## Table",
         "",
         (folder / "readout/readout.md").read_text(encoding="utf-8"),
-        "Every setting: [readout/readout.csv](readout/readout.csv).",
-        "",
-        "![Errors over epsilon and taps](readout/readout.png)",
-        "",
         *_others(folder, results["competitors"]),
         "",
         "## The recording",
@@ -140,8 +136,8 @@ def rates_in_words(
     ]
     return (
         f"{line} Settings in samples were scaled from {reference_hz:g} Hz to the same time: "
-        f"{', '.join(changes)}; the grid of epsilon, the other low-passes and NVAR's spacing "
-        f"alike. Taps keep their number (n_y = {after['n_y']}, n_u = {after['fprc']['n_u']}), so "
+        f"{', '.join(changes)}; the other low-passes and NVAR's spacing alike. "
+        f"Taps keep their number (n_y = {after['n_y']}, n_u = {after['fprc']['n_u']}), so "
         f"they span {reference_hz / rate_hz:.3g} times the time."
     )
 
@@ -185,29 +181,23 @@ def cautions(folder: Path, settings: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def findings(
-    table: pd.DataFrame, settings: Mapping[str, float], competitors: Mapping[str, Any]
-) -> list[str]:
+def findings(table: pd.DataFrame, competitors: Mapping[str, Any]) -> list[str]:
     """Describe the effect of P_o on the error at the models' settings.
 
     Parameters
     ----------
     table : DataFrame
         As ``tables.readout.readout`` gives it.
-    settings : Mapping
-        ``epsilon`` and ``n_u`` of the models.
     competitors : Mapping
         Report on the models that are trained on the whole training part.
     """
     held_out = readout.held_out(table)
-    rows = table[table["split"] == held_out]
-    at_settings = rows[(rows["epsilon"] == settings["epsilon"]) & (rows["n_u"] == settings["n_u"])]
-    at_settings = at_settings.set_index("readout")
+    validated = table[table["split"] == held_out].set_index("readout")["validation_rmse"]
     folds = "On blocked folds" if held_out == "blocked" else "On recordings left out of training"
     tested = {cell["model"]: cell.get("test_rmse_kpa") for cell in competitors["cells"]}
     lines = []
     for what, ours, errors in (
-        (folds, "p_o", at_settings["validation_rmse"]),
+        (folds, "p_o", validated),
         ("On the test part", "fprc", tested),
     ):
         changes = ", ".join(

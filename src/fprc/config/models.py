@@ -120,7 +120,3 @@ class Grids(Section):
     n_y: Distinct[int] = quantity(
         tuple(range(1, 11)), (1, 100), "taps of theta_d", "paper, Fig. 11", unit="samples"
     )
-    readout_taps: NotEmpty[int] = quantity(
-        (1, 3, 5, 8, 10), (1, 100), "taps of P_o in the controls of the readout", "assumed",
-        unit="samples",
-    )  # fmt: skip

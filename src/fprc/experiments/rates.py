@@ -16,7 +16,7 @@ def scaled(parameters: Mapping[str, Any], ratio: float) -> dict[str, Any]:
     Parameters
     ----------
     parameters : Mapping
-        Parameters of a model, or the section ``grids``.
+        Parameters of a model.
     ratio : float
         The new sample rate over the one that the parameters are for.
     """
@@ -32,7 +32,7 @@ def scaled(parameters: Mapping[str, Any], ratio: float) -> dict[str, Any]:
 
 
 def settings_at(settings: Mapping[str, Any], rate_hz: float) -> dict[str, Any]:
-    """Return the configuration with models and grids for recordings at another sample rate.
+    """Return the configuration with models for recordings at another sample rate.
 
     The settings count samples at ``control.sample_rate_hz``.
     """
@@ -42,8 +42,7 @@ def settings_at(settings: Mapping[str, Any], rate_hz: float) -> dict[str, Any]:
         for name, section in settings["models"].items()
         if name in ("esn", "fprc")
     }
-    grids = settings["grids"] | scaled(settings["grids"], ratio)
-    return {**settings, "models": {**settings["models"], **models}, "grids": grids}
+    return {**settings, "models": {**settings["models"], **models}}
 
 
 def _lowpass_factor(epsilon: float, ratio: float) -> float:

@@ -1,6 +1,4 @@
-"""Figures 10 and 11, and the value of the readout: errors and times over settings of models."""
-
-from typing import Any
+"""Figures 10 and 11: errors and times over settings of models."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,7 +7,7 @@ from matplotlib.patches import Patch, Rectangle
 from pandas import DataFrame
 
 from fprc import escape
-from fprc.figures.style import MARK, MARK_PT, PHASES, SIGNALS, line_of
+from fprc.figures.style import MARK, MARK_PT, PHASES, line_of
 from fprc.registry import title_of
 
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
@@ -17,13 +15,6 @@ _PHASES = {"train": "training", "validation": "validation", "test": "test"}
 _CLIPPED = 0.9
 #: Colours of the frames of two cells, by what they frame.
 _FRAMES = {"lowest error": MARK, "setting of the paper": "white"}
-#: Label and look of each readout; its colour is that of the signal.
-_READOUTS: dict[str, tuple[str, dict[str, Any]]] = {
-    "none": ("none (Fuzzy-linear)", line_of("fuzzy_linear")),
-    "p_o": (r"$P_o$ (FPRC)", {"color": SIGNALS["p_o"]}),
-    "theta": (r"$\theta$: the filter alone", {"color": SIGNALS["theta"], "linestyle": "-."}),
-    "shifted": (r"$P_o$ shifted in time", {"color": SIGNALS["p_o"], "linestyle": ":"}),
-}
 
 
 def plot_errors_over(table: DataFrame, setting: str, ax: Axes) -> None:
@@ -111,22 +102,3 @@ def explain_frames(fig: Figure) -> None:
     frames = [Patch(fill=False, edgecolor=colour, linewidth=1.2) for colour in _FRAMES.values()]
     fig.legend(frames, _FRAMES, loc="outside upper right", ncols=2, frameon=True, facecolor="0.75",
                edgecolor="none", handlelength=0.9, handleheight=0.9)  # fmt: skip
-
-
-def plot_readouts(table: DataFrame, setting: str, error: str, ax: Axes) -> None:
-    """Draw one error over a setting, one line per readout; no readout is a horizontal line.
-
-    Parameters
-    ----------
-    table : DataFrame
-        ``readout``, the setting, the error, and its ``unit``.
-    """
-    for readout, (label, look) in _READOUTS.items():
-        rows = table[table["readout"] == readout].sort_values(setting)
-        if readout == "none":
-            ax.axhline(rows[error].iloc[0], **look, label=label)
-        else:
-            ax.plot(rows[setting], rows[error], **look, marker="d", markersize=3.0, label=label)
-    ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
-    ax.margins(y=0.1)
-    ax.set_ylim(bottom=0)

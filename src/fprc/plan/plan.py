@@ -293,7 +293,7 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
         f"grids.{name} = {values}: give three or more values, each once; the claims ask for one "
         "between others"
         for name, values in settings["grids"].items()
-        if name != "readout_taps" and len(set(values)) < max(len(values), 3)
+        if len(set(values)) < max(len(values), 3)
     ]
     if small and settings["source"] == "sim":
         raise ConfigError("\n".join(small))

@@ -14,7 +14,6 @@ from fprc.figures.grids import (
     explain_frames,
     plot_errors_over,
     plot_grid,
-    plot_readouts,
     plot_times_over,
 )
 from fprc.figures.hysteresis import add_frequency_bar, plot_loop, plot_quarters
@@ -30,8 +29,6 @@ from fprc.tables.figure_data import (
     panels,
     weight_shares,
 )
-from fprc.tables.readout import held_out
-from fprc.tables.readout import readout as readout_errors
 from fprc.yaml_file import read_yaml
 
 _TITLES_OF_FITS = {"train": "(a) Training: first and last tenth", "test": "(b) Test"}
@@ -212,28 +209,4 @@ def draw_taps(
         ax.label_outer()
         style.letter(ax, f"({letter})")
     explain_frames(fig)
-    return style.save(fig, report, pdf, png)
-
-
-def draw_readout(cells: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw validation (folds apart in time) and test errors over epsilon and n_u."""
-    report = read_json(cells)
-    table, settings = readout_errors(report), report["own"]
-    table = table[table["split"] == held_out(table)]
-    over = {
-        "epsilon": table[table["n_u"] == settings["n_u"]],
-        "n_u": table[table["epsilon"] == settings["epsilon"]],
-    }
-    labels = {"epsilon": r"$\epsilon$", "n_u": "$n_u$"}
-    fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.8, sharey="row", sharex="col")
-    for row, phase in zip(axes, ("validation", "test"), strict=True):
-        for ax, setting in zip(row, over, strict=True):
-            plot_readouts(over[setting], setting, f"{phase}_rmse", ax)
-            if phase == "test":
-                ax.set_xlabel(labels[setting])
-            ax.label_outer()
-            style.letter(ax, f"{phase.capitalize()}, over {labels[setting]}")
-    axes[0, 0].set_xscale("log")
-    axes[0, 1].set_xticks(sorted(over["n_u"]["n_u"].unique()))
-    style.share_legend(fig, axes[0, 0])
     return style.save(fig, report, pdf, png)

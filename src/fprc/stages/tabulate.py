@@ -202,7 +202,7 @@ def tabulate_readout(
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
         f"tested on {parts[1]}. {_FOLDS[readout.held_out(table)]}{_failed(failed_checks(quality))}"
     )
-    write_table(table, readout.readout_page(table, settings), note, **files)
+    write_table(table, readout.readout_page(table), note, **files)
 
 
 def tabulate_times(

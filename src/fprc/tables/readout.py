@@ -23,7 +23,7 @@ def readout(report: Mapping[str, Any]) -> pd.DataFrame:
     """Errors of FPRC with each readout, tidy: mean and deviation over folds."""
     rows = []
     for cell in report["cells"]:
-        row = {key: cell[key] for key in ("split", "readout", "epsilon", "n_u")}
+        row = {"split": cell["split"], "readout": cell["readout"], **report["own"]}
         for phase in _PHASES:
             row[f"{phase}_rmse"], std = mean_and_std(cell[f"{phase}_rmse_kpa"])
             if phase != "test":
@@ -37,11 +37,8 @@ def held_out(table: pd.DataFrame) -> str:
     return "recordings" if "recordings" in set(table["split"]) else "blocked"
 
 
-def readout_page(table: pd.DataFrame, settings: Mapping[str, float]) -> pd.DataFrame:
-    """Return the readouts at the models' settings as a page."""
-    at_settings = table[
-        (table["epsilon"] == settings["epsilon"]) & (table["n_u"] == settings["n_u"])
-    ]
+def readout_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the readouts as a page."""
     return pd.DataFrame(
         {
             "Readout": READOUT_NAMES[row.readout],
@@ -50,5 +47,5 @@ def readout_page(table: pd.DataFrame, settings: Mapping[str, float]) -> pd.DataF
             f"Validation [{row.unit}]": spread(row.validation_rmse, row.validation_std),
             f"Test [{row.unit}]": spread(row.test_rmse, None),
         }
-        for row in at_settings.itertuples()
+        for row in table.itertuples()
     )

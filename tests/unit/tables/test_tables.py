@@ -272,7 +272,7 @@ def test_table_names_its_data_and_says_neither_nan_nor_none(tmp_path, tabulated,
 READOUT = {
     "source": "import", "seed": 1, "unit": "kPa", "own": {"epsilon": 0.01, "n_u": 3},
     "cells": [
-        {"split": "blocked", "readout": "p_o", "epsilon": 0.01, "n_u": 3,
+        {"split": "blocked", "readout": "p_o",
          "train_rmse_kpa": [1.0, 2.0], "validation_rmse_kpa": [1.0, 2.0], "test_rmse_kpa": [2.0]},
     ],
 }  # fmt: skip
