@@ -73,14 +73,6 @@ STUDY_RESULTS["stop_table"] = table_spec(
     **stage("studies.sensitivity.tabulate_stop"),
 )
 
-STUDY_RESULTS["channels_figure"] = figure_spec(
-    "calibration/channels",
-    "C18: loops over the commanded and over the measured pressure",
-    {"sweep": PATHS.log("sweep")},
-    statistics=True,
-    **stage("draw.draw_channels"),
-)
-
 
 STUDY_TARGETS |= {
     "sensitivity": [

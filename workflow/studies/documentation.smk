@@ -13,7 +13,6 @@ SHOWN_ON = {
         figures={
             "docs/images/families.png": PATHS.below("families/figure.png"),
             "docs/images/sensitivity.png": PATHS.below("calibration/sensitivity_figure.png"),
-            "docs/images/channels.png": PATHS.below("calibration/channels.png"),
         },
         targets=["families", "sensitivity"],
     ),

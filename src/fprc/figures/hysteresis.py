@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
@@ -33,20 +32,6 @@ def plot_loop(
     ax.autoscale_view()
     ax.set(xlabel=labels[0], ylabel=labels[1])
     return lines
-
-
-def plot_quarters(
-    time_s: np.ndarray, x: np.ndarray, y: np.ndarray, ax: Axes, labels: tuple[str, str]
-) -> None:
-    """Draw the loops of ``y`` over ``x`` in the first and in the last quarter of a sweep."""
-    end = time_s[-1]
-    for part, shade, name in (
-        (time_s > 0.75 * end, 0.875, "last quarter"),
-        (time_s < 0.25 * end, 0.125, "first quarter"),
-    ):
-        ax.plot(x[part], y[part], color=colormaps["viridis"](shade), linewidth=0.5, label=name,
-                rasterized=True)  # fmt: skip
-    ax.set(xlabel=labels[0], ylabel=labels[1])
 
 
 def add_frequency_bar(lines: LineCollection, axes: Sequence[Axes], panel: str) -> None:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
@@ -16,11 +15,11 @@ from fprc.figures.grids import (
     plot_grid,
     plot_times_over,
 )
-from fprc.figures.hysteresis import add_frequency_bar, plot_loop, plot_quarters
+from fprc.figures.hysteresis import add_frequency_bar, plot_loop
 from fprc.figures.tracking import plot_fit
 from fprc.figures.weights import plot_shares
-from fprc.logs import Columns, read_columns, read_raw
-from fprc.signals import loop_growth, swing_frequency, turning_points, width_at_middle
+from fprc.logs import Columns, read_columns
+from fprc.signals import swing_frequency, turning_points
 from fprc.tables.figure_data import (
     fit_errors,
     grid_errors,
@@ -83,28 +82,6 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
     lines = _plot_loops(logs, axes[:, 1], "p_target_kpa", "theta_deg")
     add_frequency_bar(lines, axes.ravel(), "(b)")
     return style.save(fig, logs[0].attributes, pdf, png)
-
-
-def draw_channels(sweep: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw the actuator's loops over the commanded and over the measured P_exp (C18)."""
-    log = read_raw(sweep, experiment="sweep", sample_rate_hz=None, rate_tolerance=0.01)
-    time_s, theta = log.channels["time_s"], log.channels["theta_deg"]
-    fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharey=True)
-    rows = []
-    for ax, name, letter, text in zip(
-        axes, ("p_exp_command_kpa", "p_exp_kpa"), "ab", ("commanded", "measured"), strict=True
-    ):
-        pressure = log.channels[name]
-        growth = loop_growth(time_s, theta, pressure)
-        width = width_at_middle(theta, pressure)
-        rows.append({"pressure": text, "width_kpa": width, "growth": growth})
-        labels = rf"$P_\mathrm{{exp}}$ {text} [kPa]", r"$\theta$ [deg]"
-        plot_quarters(time_s, pressure, theta, ax, labels)
-        style.letter(ax, f"({letter}) {width:.0f} kPa wide, growth {growth:.2f}")
-        ax.label_outer()
-    axes[0].legend(loc="lower right", handlelength=0.8, borderaxespad=0.1)
-    write_csv(csv, pd.DataFrame(rows).assign(source=log.attributes["source"]))
-    return style.save(fig, log.attributes, pdf, png)
 
 
 def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
