@@ -1,7 +1,6 @@
 """Result files, written whole or not at all, and checkpoints."""
 
 import errno
-import glob
 import json
 import logging
 import math
@@ -40,18 +39,14 @@ def replacing(path: Path | str) -> Iterator[Path]:
     """Yield a temporary path beside ``path``, and rename that file to ``path`` on success.
 
     On an exception the temporary file is removed and ``path`` is unchanged. The
-    suffix is kept, since some writers choose the format by it. Temporary files of
-    killed processes are removed too. A ``path`` that is itself a temporary path of
-    this process is yielded unchanged.
+    suffix is kept, since some writers choose the format by it. A process that is killed
+    leaves the temporary file, and the next that writes ``path`` replaces it.
 
     Raises
     ------
     OutputError
         The disk is full or the folder cannot be written to.
     """
-    if _owner(Path(path)) == os.getpid():
-        yield Path(path)
-        return
     with replacing_all(path) as (temporary,):
         yield temporary
 
@@ -60,14 +55,10 @@ def replacing(path: Path | str) -> Iterator[Path]:
 def replacing_all(*paths: Path | str) -> Iterator[list[Path]]:
     """Replace several files as ``replacing`` does: all, in the order given, or none."""
     targets = [Path(path) for path in paths]
-    temporaries = [
-        path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}") for path in targets
-    ]
+    temporaries = [path.with_name(f".{path.stem}.part{path.suffix}") for path in targets]
     with explaining(targets[-1]):
         for path in targets:
             path.parent.mkdir(parents=True, exist_ok=True)
-            for leftover in leftovers(path):
-                leftover.unlink(missing_ok=True)
         try:
             yield temporaries
             for temporary in temporaries:
@@ -198,29 +189,6 @@ def _entry(line: bytes) -> Any:
     """Return the entry of a checkpoint's line; None if the line was cut or damaged."""
     match = re.fullmatch(rb"\[(\d{1,10}), (.+)\]\n", line)
     return json.loads(match[2]) if match and int(match[1]) == crc32(match[2]) else None
-
-
-def leftovers(path: Path) -> list[Path]:
-    """Return temporary files that ended processes left beside a file."""
-    pattern = f".{glob.escape(path.stem)}.*.part{glob.escape(path.suffix)}"
-    owners = {beside: _owner(beside) for beside in path.parent.glob(pattern)}
-    return sorted(beside for beside, owner in owners.items() if owner and not _is_running(owner))
-
-
-def _owner(path: Path) -> int | None:
-    """Return the process number in a temporary name; None for other names."""
-    number = re.search(r"\.(\d+)\.part(\.\w+)?$", path.name)
-    return int(number[1]) if number else None
-
-
-def _is_running(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        pass
-    return True
 
 
 def refuse_unwritable(folders: Sequence[Path | str]) -> None:
