@@ -237,28 +237,21 @@ def refuse_output(
 
 def _obstacle(folder: Path) -> str:
     """Return why a folder, which need not exist yet, cannot be written to; empty if it can."""
-    made = []
-    nearest = Path(os.path.abspath(folder))
-    while not os.path.lexists(nearest):
-        made.append(nearest.name)
-        nearest = nearest.parent
-    if not os.path.isdir(nearest):
-        return f"{nearest} is no folder; move it away"
-    for path in (folder, *(nearest / name for name in made)):
-        try:
-            os.lstat(path)
-        except FileNotFoundError:
-            continue
-        except OSError as error:
-            return f"the path cannot be used ({error.strerror}); choose another folder"
+    path = Path(os.path.abspath(folder))
     try:
+        nearest = next(place for place in (path, *path.parents) if _is_there(place))
         tempfile.TemporaryFile(dir=nearest).close()
     except OSError as error:
-        return (
-            f"{nearest} cannot be written to ({error.strerror}); make it writable or choose "
-            "another folder"
-        )
+        return f"cannot be written to ({error.strerror}); choose another folder"
     return ""
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        os.lstat(path)
+    except FileNotFoundError:
+        return False
+    return True
 
 
 def write_text(path: Path | str, text: str) -> None:

@@ -154,13 +154,14 @@ def test_full_disk_is_no_reason_to_repeat_a_run_or_to_give_an_option_of_snakemak
         ("", "'': must end in"),
         (".h5", "must end in"),
         ("x" * 218 + ".h5", "the name is too long; at most 220 bytes"),
-        ("x" * 256 + "/a.h5", "the path cannot be used .File name too long"),
-        ("a/" * 3000 + "a.h5", "the path cannot be used .File name too long"),
+        ("x" * 256 + "/a.h5", "File name too long"),
+        ("a/" * 3000 + "a.h5", "File name too long"),
         ("old.h5", "exists and is not overwritten; choose another name"),
         ("link.h5", "exists and"),
         ("folder.h5", "exists and"),
-        ("old.h5/a.h5", "old.h5 is no folder; move it away"),
-        ("/proc/none/a.h5", "/proc cannot be written to"),
+        ("old.h5/a.h5", "Not a directory"),
+        ("old.h5/none/a.h5", "Not a directory"),
+        ("/proc/none/a.h5", "cannot be written to"),
     ],
 )
 def test_output_that_cannot_be_written_is_refused_before(out, why, tmp_path, monkeypatch):

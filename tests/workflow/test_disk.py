@@ -22,7 +22,7 @@ def locked(project):
 def test_locked_results_are_refused_before_any_job(locked):
     done = locked.snakemake("table1")
     assert done.returncode != 0
-    assert "results cannot be written to" in done.stdout
+    assert "results: cannot be written to" in done.stdout
     assert "Traceback" not in done.stdout
     assert not locked.files("results")
     done = locked.snakemake(

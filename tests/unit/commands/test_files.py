@@ -94,7 +94,7 @@ def test_output_that_cannot_be_written_is_refused_before_any_file_is_read(
         asked.append(command.rpartition("X")[0] + "other.hdf5")
     for words in asked:
         output = refusal(words)
-        assert re.search(rf"{words.split()[-1]}'?: .*(exists and|must end in|no folder)", output)
+        assert re.search(rf"{words.split()[-1]}'?: .*(exists and|must end in|cannot be)", output)
         assert "none." not in output
     assert {path.read_bytes() for path in tmp_path.glob("foreign*")} == {b"mine \xff"}
 
