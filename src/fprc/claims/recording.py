@@ -26,12 +26,6 @@ from fprc.registry import title_of
 LEFT_OUT = 2
 
 
-#: Verdicts on an error, in words.
-_AGAINST = {
-    SUPERIOR: "lower than", INFERIOR: "higher than", EQUIVALENT: "within 5 % of that"
-}  # fmt: skip
-
-
 class Claim(NamedTuple):
     """FPRC against one competitor."""
 
@@ -104,22 +98,11 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> str:
                 "without it" if alone == against else "with low-passed theta, which costs nothing"
             )
             return f"**No**: with P_o the error is {words.format(other)}."
-    if alone == SUPERIOR:
-        helps = "P_o lowers the error, but so may low-passed theta"
-    elif turned := by_id["R1"]["turned"]:
-        helps = f"over the whole recording the error with P_o is {_AGAINST[turned]} without it"
-    elif lowpass == UNDECIDED:
-        helps = "with P_o the error may be higher or lower than without it"
-    else:
-        helps = "P_o beats low-passed theta, but not for certain the readout without P_o"
-    blocks = min(row["blocks"] for row in rows)
-    if blocks < LEAST_UNITS:
-        more = f"{blocks} blocks decide nothing: make a longer recording"
-    elif any(by_id[name]["turned"] for name in ("R1", "B1")):
-        more = f"its parts disagree: without {LEFT_OUT} of {blocks} blocks a verdict changes"
-    else:
-        more = "a longer recording of the same motion, or several, may decide it"
-    return f"**Not decided**: {helps}; {more}."
+    undecided = by_id["R1" if alone == UNDECIDED else "B1"]
+    return (
+        f"**Not decided**: whether {undecided['claim']}. {undecided['reason']} A longer recording "
+        "of the same motion, or several, may decide it."
+    )
 
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
