@@ -21,7 +21,7 @@ rule report_page:
         template=[file_of_workflow(f"../report/page.{kind}.j2") for kind in ("html", "css")],
         ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
         missing=PATHS.below("not_available.csv"),
-        tables=[page.replace(".md", kind) for page in PLAN.pages for kind in (".md", ".csv")],
+        tables=PLAN.pages,
         figures=[f"{stem}.{kind}" for stem in PLAN.figures for kind in ("png", "json")],
         captions=file_of_workflow("../report/captions.yaml"),
     output:

@@ -2,7 +2,6 @@
 
 import base64
 import logging
-import math
 import os
 import re
 from collections.abc import Container, Mapping, Sequence
@@ -22,7 +21,6 @@ from fprc.escape import in_words
 from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
-from fprc.tables.against_paper import against_paper
 from fprc.tables.text import read_markdown
 from fprc.yaml_file import read_yaml
 
@@ -51,7 +49,7 @@ def write_report(
     missing : str
         Results that the data do not allow, with reasons, CSV.
     tables : sequence of str
-        Of each table, the Markdown page and the CSV.
+        The tables, Markdown.
     figures : sequence of str
         Of each figure, PNG and sidecar.
     captions : str
@@ -63,8 +61,7 @@ def write_report(
     shown = [
         _figure(*files, texts, folder) for files in zip(figures[::2], figures[1::2], strict=True)
     ]
-    pages = {Path(page).stem: _page(page, fitted, folder) for page in tables[::2]}
-    frames = {Path(path).stem: pd.read_csv(path) for path in tables[1::2]}
+    pages = {Path(page).stem: _page(page, fitted, folder) for page in tables}
     # a table of one seed is folded up below the same one over seeds
     for name in [name for name in pages if f"{name}_seeds" in pages]:
         one = pages[name]
@@ -86,7 +83,6 @@ def write_report(
             pages=pages.values(),
             figures=shown,
             glossary=GLOSSARY,
-            deviations=_deviations(frames, fitted),
             settings=settings,
             changed=_changed(settings),
             yaml=yaml.safe_dump(dict(settings), sort_keys=False),
@@ -152,41 +148,8 @@ def _claims(ledger: Sequence[str], folder: Path, names: Container[str]) -> dict[
     }
 
 
-def _deviations(
-    frames: Mapping[str, pd.DataFrame], fitted: Mapping[str, Any]
-) -> dict[str, Any] | None:
-    """Return the rows of the plot of ours over the paper's, and its axis; positions in percent."""
-    chosen = [
-        next((name for name in (f"{table}_seeds", table) if name in frames), None)
-        for table in ("table2", "table3", "table4")
-    ]
-    numbers = against_paper({name: frames[name] for name in chosen if name})
-    if numbers.empty:
-        return None
-    first = math.log(min(0.5, 0.9 * numbers["ratio"].min()))
-    last = math.log(max(2.0, 1.1 * numbers["ratio"].max()))
-
-    def position(ratio: float) -> float:
-        share = (math.log(max(ratio, 1e-9)) - first) / (last - first)
-        return round(100 * min(max(share, 0.0), 1.0), 2)
-
-    rows = []
-    for row in numbers.to_dict("records"):
-        kinds = _kinds(row["table"].split("_")[0], fitted)
-        kind = kinds.get(row["what"], kinds["FPRC+PD" if row["closed_loop"] else "FPRC"])
-        ends = None if math.isnan(row["low"]) else (position(row["low"]), position(row["high"]))
-        rows.append(row | {"at": position(row["ratio"]), "ends": ends, "kind": kind})
-    off = (numbers["ratio"] - 1.0).abs().groupby(numbers["number"], sort=False).median()
-    ticks = [tick for tick in (0.25, 0.5, 1.0, 2.0, 4.0, 8.0) if first <= math.log(tick) <= last]
-    return {
-        "rows": rows,
-        "ticks": {f"{tick:g}": position(tick) for tick in ticks},
-        "medians": {number: f"{100 * median:.0f} %" for number, median in off.items()},
-    }
-
-
 def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
-    """Return whether the rig was fitted to a table's rows, and to numbers unlike their row."""
+    """Return whether the rig was fitted to a table's rows."""
     to, start = set(fitted["to"]), set(fitted.get("start", ()))
 
     def kind(term: str) -> str:
@@ -196,8 +159,7 @@ def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
         return dict.fromkeys(("FPRC", "FPRC+PD"), kind("tables"))
     if table == "table4":
         closed = {"closed_sweep", "closed_errors"} & (to | start)
-        kinds = {"FPRC": kind("open_loop"), "FPRC+PD": "half fitted" if closed else "predicted"}
-        return kinds | ({"FPRC+PD, Sweep": "fitted"} if "closed_sweep" in to else {})
+        return {"FPRC": kind("open_loop"), "FPRC+PD": "half fitted" if closed else "predicted"}
     return {}
 
 

@@ -1,6 +1,5 @@
 import base64
 import html
-import math
 import re
 from functools import cache
 from html.parser import HTMLParser
@@ -115,10 +114,10 @@ class Project:
         self.settings = SETTINGS
 
     def add_table(self, note, name=None, **columns):
-        path = self.folder / f"{name or len(self.tables) // 2}.md"
+        path = self.folder / f"{name or len(self.tables)}.md"
         path.write_text(markdown(pd.DataFrame(columns), note), encoding="utf-8")
         pd.DataFrame(columns).to_csv(path.with_suffix(".csv"), index=False)
-        self.tables += [str(path), str(path.with_suffix(".csv"))]
+        self.tables.append(str(path))
 
     def add_figure(self, number, caption="A caption.", source="sim", **origin):
         stem = self.folder / f"fig{number:02}_name"
@@ -294,8 +293,6 @@ def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(tmp_path, source
     expected = []
     for name, kinds in TABLES.items():
         project.add_table(f"Title {name}: a note.", name, Model=["ESN"], Value=["800"])
-        like = RATIOS["table4" if "table4" in name else "table2"]
-        pd.DataFrame(like).to_csv(tmp_path / f"{name}.csv", index=False)
         kind = kinds[number] if source == "sim" else ""
         if name.endswith("_seeds"):  # in the place of the table of one seed
             expected[-1] = f"Title {name.removesuffix('_seeds')}, over seeds {kind}".strip()
@@ -308,66 +305,21 @@ def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(tmp_path, source
     assert folded == [f"Title {name}" for name in ("table2", "table3", "table4")]
 
 
-RATIOS = {
-    "table2_seeds": {
-        "model": ["esn", "fprc"], "metric": ["test_rmse"] * 2, "unit": "kPa", "mean": [8.0, 12.0],
-        "low": [6.0, 11.0], "high": [10.0, 13.0], "published_mean": [16.0, float("nan")],
-    },
-    "table2": {
-        "model": ["esn"], "metric": ["test_rmse"], "unit": ["kPa"], "mean": [9.0],
-        "published_mean": [16.0],
-    },
-    "table4": {
-        "controller": ["fprc", "fprc_pd"], "reference": ["sweep"] * 2,
-        "rmse_deg": [2.0, 4.0], "published_rmse_deg": [1.0, 1.0],
-    },
-}  # fmt: skip
-
-
-def test_ours_is_shown_over_the_papers(project):
-    project.settings = SETTINGS | {"fitted": {"name": "one", "to": ["tables"]}}
-    for name, columns in RATIOS.items():
-        project.add_table(f"{name}: a note.", name, A=["1"])
-        pd.DataFrame(columns).to_csv(project.folder / f"{name}.csv", index=False)
-    page = project.page()
-    assert page.texts("table")[0] == page.texts("table", **{"class": "deviations"})[0]
-    # Table II over seeds in place of Table II; what the paper does not print is left out
-    signs = [image["aria-label"] for image in page.all("svg", role="img")]
-    assert signs == ["0.50, interval 0.38 to 0.62", "2.00", "4.00"]
-    rows = ["".join(row["text"].split()) for row in page.all("tr")]
-    assert "IV:FPRC,Sweep2.00" in rows
-    assert "IV:FPRC+PD,Sweep4.00" in rows
-    # the axis: from 0.9 x 0.5 to 1.1 x 4, logarithmic
-    for circle, ratio in zip(page.all("circle"), (0.5, 2.0, 4.0), strict=True):
-        at = 100 * math.log(ratio / 0.45) / math.log(4.4 / 0.45)
-        assert float(circle["cx"].rstrip("%")) == pytest.approx(at, abs=0.01)
-    (bar,) = page.all("line", **{"class": "ends"})
-    assert bar["x1"] == "0.0%"  # an interval beyond the axis ends there
-    assert "Median deviation: 50 % in Table II, 200 % in Table IV." in page.text()
-
-
 @pytest.mark.parametrize(
-    ("fitted", "kinds", "sweep"),
+    ("fitted", "kinds"),
     [
-        ({"to": ["open_loop"]}, ["fitted", "predicted", "predicted"], "predicted"),
-        ({"to": ["open_loop", "closed_sweep"]}, ["fitted", "half-fitted", "predicted"], "fitted"),
-        (
-            {"to": [], "start": ["closed_errors"]}, ["predicted", "half-fitted", "predicted"],
-            "half-fitted",
-        ),
+        ({"to": ["open_loop"]}, ["fitted", "predicted", "predicted"]),
+        ({"to": ["open_loop", "closed_sweep"]}, ["fitted", "half-fitted", "predicted"]),
+        ({"to": [], "start": ["closed_errors"]}, ["predicted", "half-fitted", "predicted"]),
     ],
-)  # fmt: skip
-def test_rows_of_a_half_fitted_table_say_what_was_fitted(project, fitted, kinds, sweep):
+)
+def test_rows_of_a_half_fitted_table_say_what_was_fitted(project, fitted, kinds):
     project.settings = SETTINGS | {"fitted": {"name": "one", **fitted}}
     rows = ["FPRC", "FPRC+PD", "PD"]
     project.add_table("Table IV. A note.", "table4", **{"RMSE [deg]": rows, "Whose": ["ours"] * 3})
-    pd.DataFrame(RATIOS["table4"]).to_csv(project.folder / "table4.csv", index=False)
     page = project.page()
     found = {row["text"].split("\n")[0]: row.get("class") for row in page.all("tr")}
     assert [kind for text, kind in found.items() if text.endswith("ours")] == kinds
-    # so have the points of the plot, without feedback and with it; the sweep may be a target itself
-    points = [row.get("class") for row in page.all("tr") if row["text"].startswith("IV:")]
-    assert points == [kinds[0], sweep]
     assert page.texts("small") == ["half fitted"]
 
 

@@ -5,7 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.tables.against_paper import in_one
+from fprc.paper import ERRORS, REFERENCE_NAMES
+from fprc.registry import controller_title, title_of
 from fprc.tables.models import over_seeds
 from fprc.tables.text import format_mean, spread, within
 from fprc.tables.tracking import tracking_over_seeds
@@ -36,19 +37,20 @@ def rig_errors(
     Among the columns are ``number``, ``table``, ``controller``, ``published``, ``mean``, ``low``,
     ``high``, and ``deviation``, which is ours / print - 1.
     """
-    table = in_one(
-        {
-            "table2": over_seeds(models, published, "sweep"),
-            "table3": over_seeds(models, published, "complex"),
-            "table4": tracking_over_seeds(controls, published),
-        }
+    tables = []
+    for number, log in (("II", "sweep"), ("III", "complex")):
+        errors = over_seeds(models, published, log).rename(columns={"published_mean": "published"})
+        what = errors["model"].map(title_of) + ", " + errors["metric"].map(ERRORS)
+        tables.append(errors.assign(table=number, what=what))
+    loops = tracking_over_seeds(controls, published).rename(
+        columns={"rmse_deg": "mean", "published_rmse_deg": "published"}
     )
-    table = table[table["published"].notna()].reset_index(drop=True)
+    of_loops = loops["controller"].map(controller_title), loops["reference"].map(REFERENCE_NAMES)
+    tables.append(loops.assign(table="IV", unit="deg", what=of_loops[0] + ", " + of_loops[1]))
+    table = pd.concat(tables).dropna(subset="published").reset_index(drop=True)
     return table.assign(
-        table=table["number"],
-        number="Table " + table["number"] + ", " + table["what"] + " [" + table["unit"] + "]",
-        mean=table["ours"],
-        deviation=table["ours"] / table["published"] - 1.0,
+        number="Table " + table["table"] + ", " + table["what"] + " [" + table["unit"] + "]",
+        deviation=table["mean"] / table["published"] - 1.0,
     )
 
 
