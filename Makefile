@@ -17,7 +17,7 @@ paper: .venv/.ready  ## every table and figure of the paper, into results/
 	snakemake --cores $(CORES) all
 
 smoke: .venv/.ready  ## the same rules with small settings, into results/smoke
-	snakemake --cores $(CORES) smoke
+	snakemake --cores $(CORES) --workflow-profile smoke all
 
 quick: .venv/.ready  ## style, types and the paper's fast unit tests, side by side, while you work
 	@$(MAKE) --no-print-directory --jobs 2 style fast

@@ -1,5 +1,3 @@
-import shlex
-
 import h5py
 import numpy as np
 import pytest
@@ -29,15 +27,6 @@ def test_repeated_key_of_a_json_configuration_is_refused(project):
     assert done.returncode != 0
     assert str(caught.value) in done.stdout
     assert "Traceback" not in done.stdout
-
-
-@pytest.mark.slow
-def test_name_of_a_folder_is_no_command(project):
-    folder = "it's; touch owned"
-    settings = ["--config", f'folders={{results: "{folder}"}}']
-    dry_run = project.snakemake("--dry-run", "--printshellcmds", "smoke", *settings)
-    assert dry_run.returncode == 0, dry_run.stdout
-    assert f"> {shlex.quote(folder + '/logs/smoke.log')} 2>&1" in dry_run.stdout
 
 
 def spoil_sample(path):

@@ -58,8 +58,8 @@ PLANNED = [
     ),
     (["report"], {"report_page", "ledger", "draw_fig11"}, {"judge_family"}),
     (
-        [*STUDIES, "families", "smoke"],
-        {"judge_family", "families_figure", "replicate", "smoke"},
+        [*STUDIES, "families"],
+        {"judge_family", "families_figure", "replicate"},
         {"judge"},
     ),
     ([*STUDIES, "readme"], {"readme", "timing_table", "ledger", "readout_table"}, {"judge_family"}),

@@ -32,17 +32,3 @@ rule logs:
     localrule: True
     message:
         "Target logs"
-
-
-rule smoke:
-    log:
-        PATHS.messages("smoke"),
-    localrule: True
-    threads: workflow.cores
-    params:
-        snakefile=file_of_workflow("../../Snakefile"),
-    message:
-        "The whole workflow on small settings, into results/smoke"
-    shell:
-        "snakemake --cores {threads} --nolock --snakefile {params.snakefile:q}"
-        " --workflow-profile smoke all > {log:q} 2>&1"
