@@ -213,17 +213,15 @@ def _readable(name: str) -> str:
     return re.sub(r"\b(esn|fprc)\b", lambda match: match[0].upper(), words)
 
 
+#: Targets by their files, without folder and suffix.
+_TARGETS = {Path(file).stem: name for name, result in BY_NAME.items() for file in result.files}
+
+
 def _origin(path: str, folder: Path, kinds: Sequence[str]) -> dict[str, Any]:
     """Return the target that makes a result, and links to its files from the page's folder."""
-    stem = Path(path).with_suffix("")
-    targets = (
-        name
-        for name, result in BY_NAME.items()
-        if any(str(stem).endswith(str(Path(file).with_suffix(""))) for file in result.files)
-    )
-    files = (stem.with_name(stem.name + kind) for kind in kinds)
+    files = map(Path(path).with_suffix, kinds)
     return {
-        "target": next(targets, "report"),
+        "target": _TARGETS.get(Path(path).stem, "report"),
         "files": {
             file.suffix[1:].upper(): quote(os.path.relpath(file, folder))
             for file in files
