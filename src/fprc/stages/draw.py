@@ -24,7 +24,6 @@ from fprc.tables.figure_data import (
     fit_errors,
     grid_errors,
     grid_times,
-    joined_grid,
     panels,
     weight_shares,
 )
@@ -135,6 +134,13 @@ def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> 
     return style.save(fig, report, pdf, png)
 
 
+def _seeds_of(reports: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
+    """Return source and seeds of reports of grids."""
+    seeds = [report["seed"] for report in reports]
+    named = {"seeds": seeds} if len(seeds) > 1 else {"seed": seeds[0]}
+    return {"source": reports[0]["source"], **named}
+
+
 def draw_settings(
     grids: Sequence[str], times: str, csv: str, pdf: str, png: str
 ) -> Mapping[str, Any]:
@@ -144,10 +150,10 @@ def draw_settings(
     epsilon, when there is no FPRC, only (b) and (c) are drawn.
     """
     reports = [read_json(path) for path in grids]
-    by_n_c, by_epsilon = (joined_grid(reports, name) for name in ("n_c", "epsilon"))
-    tables = {"b": grid_errors(by_n_c, "n_c"), "c": grid_times(read_json(times), "n_c")}
-    if by_epsilon["cells"]:
-        tables = {"a": grid_errors(by_epsilon, "epsilon"), **tables}
+    tables = {"b": grid_errors(reports, "n_c"), "c": grid_times(read_json(times), "n_c")}
+    by_epsilon = grid_errors(reports, "epsilon")
+    if len(by_epsilon):
+        tables = {"a": by_epsilon, **tables}
     write_csv(csv, panels(tables))
     fig, axes = style.figure(len(tables), 1, style.COLUMN_IN, 5.0 if "a" in tables else 3.6)
     if "a" in tables:
@@ -168,16 +174,16 @@ def draw_settings(
     style.letter(seconds, "(c) Execution times, batch")
     if "a" not in tables:
         style.share_legend(fig, errors)
-    return style.save(fig, by_n_c, pdf, png)
+    return style.save(fig, _seeds_of(reports), pdf, png)
 
 
 def draw_taps(
     grids: Sequence[str], published: str, csv: str, pdf: str, png: str
 ) -> Mapping[str, Any]:
     """Figure 11: errors over the tap sizes; as wide as a page."""
-    report = joined_grid([read_json(path) for path in grids], "taps")
+    reports = [read_json(path) for path in grids]
     printed = read_yaml(published)["table_1_configuration"]
-    table = grid_errors(report, "n_u", "n_y")
+    table = grid_errors(reports, "taps")
     write_csv(csv, table)
     fig, axes = style.figure(1, 3, style.PAGE_IN, 2.7, sharey=True)
     papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
@@ -186,4 +192,4 @@ def draw_taps(
         ax.label_outer()
         style.letter(ax, f"({letter})")
     explain_frames(fig)
-    return style.save(fig, report, pdf, png)
+    return style.save(fig, _seeds_of(reports), pdf, png)

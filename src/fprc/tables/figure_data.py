@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from fprc.paper import GRID_SETTINGS
 from fprc.signals import mean_and_std, rms, settled
 
 _PHASES = ("train", "validation", "test")
@@ -120,36 +121,14 @@ def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd
     )
 
 
-def joined_grid(reports: Sequence[Mapping[str, Any]], grid: str) -> dict[str, Any]:
-    """Join one grid of several reports: in each cell, an error is a list with those of each report.
-
-    Parameters
-    ----------
-    reports : sequence of mapping
-        ``seed``, ``source`` and cells by grid: of further seeds, each with the errors of one fold,
-        or one report with those of all folds and their ``unit``.
-    """
-    seeds = [report["seed"] for report in reports]
-    errors = [f"{phase}_rmse_kpa" for phase in _PHASES]
-    cells = zip(*(report[grid] for report in reports), strict=True)
-    return {
-        "cells": [
-            {**of_seeds[0], **{key: [cell[key] for cell in of_seeds] for key in errors}}
-            for of_seeds in cells
-        ],
-        "unit": reports[0].get("unit", "kPa"),
-        "source": reports[0]["source"],
-        **({"seeds": seeds} if len(seeds) > 1 else {"seed": seeds[0]}),
-    }
-
-
-def grid_errors(report: Mapping[str, Any], *settings: str) -> pd.DataFrame:
+def grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> pd.DataFrame:
     """Mean and standard deviation of each phase's RMSE, over folds or seeds (Figs. 10a, 10b, 11).
 
     Parameters
     ----------
-    settings : str
-        Keys of the settings that differ between cells.
+    reports : sequence of mapping
+        ``source`` and cells by grid: of further seeds, each with the errors of one fold, or one
+        report with those of all folds and their ``unit``.
 
     Returns
     -------
@@ -157,19 +136,18 @@ def grid_errors(report: Mapping[str, Any], *settings: str) -> pd.DataFrame:
         ``model``, the settings, ``phase``, ``mean``, ``std`` (sample; NaN for a single value),
         ``values`` (their number), ``unit``, ``source``.
     """
-    rows = [
+    return pd.DataFrame(
         {
-            "model": cell["model"],
-            **{name: cell[name] for name in settings},
+            "model": cells[0]["model"],
+            **{name: cells[0][name] for name in GRID_SETTINGS[grid]},
             "phase": phase,
-            **_spread(cell[f"{phase}_rmse_kpa"]),
-            "unit": report["unit"],
-            "source": report["source"],
+            **_spread([cell[f"{phase}_rmse_kpa"] for cell in cells]),
+            "unit": reports[0].get("unit", "kPa"),
+            "source": reports[0]["source"],
         }
-        for cell in report["cells"]
+        for cells in zip(*(report[grid] for report in reports), strict=True)
         for phase in _PHASES
-    ]
-    return pd.DataFrame(rows)
+    )
 
 
 def grid_times(report: Mapping[str, Any], setting: str) -> pd.DataFrame:
@@ -205,6 +183,6 @@ def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     return pd.concat(renamed, ignore_index=True)
 
 
-def _spread(values: float | Sequence[float]) -> dict[str, float | int]:
+def _spread(values: Sequence[Any]) -> dict[str, float | int]:
     mean, std = mean_and_std(values)
     return {"mean": mean, "std": std, "values": np.size(values)}
