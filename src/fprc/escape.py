@@ -1,4 +1,4 @@
-"""Text for readers: lists in words; escapes for terminals, spreadsheets, Markdown, LaTeX, figures.
+"""Text for readers: lists in words; escapes for terminals, spreadsheets, Markdown, figures.
 
 Column names, notes, units and file names come from outside. Terminal commands, formulas and
 markup in them are shown as plain text.
@@ -9,11 +9,6 @@ import re
 from collections.abc import Iterable
 
 _FORMULA = re.compile(r"[=@\t\r]|[+-](?!\.?\d[\d.]*(e[+-]?\d+)?$)", re.IGNORECASE)
-_LATEX = {
-    **{special: f"\\{special}" for special in "_%&#${}"},
-    "\\": "\\textbackslash{}", "~": "\\textasciitilde{}", "^": "\\textasciicircum{}",
-    "±": "$\\pm$",
-}  # fmt: skip
 
 
 def in_words(names: Iterable[str], conjunction: str = "and") -> str:
@@ -103,8 +98,3 @@ def code(text: str) -> str:
     fence = "`" * (longest + 1)
     blank = " " if text.startswith("`") or text.endswith("`") else ""
     return f"{fence}{blank}{text}{blank}{fence}"
-
-
-def latex(text: str) -> str:
-    """Return text that LaTeX typesets literally."""
-    return "".join(_LATEX.get(character, character) for character in text)

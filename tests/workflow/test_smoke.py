@@ -12,7 +12,7 @@ FIGURES = ["fig01_actuator", "fig02_reservoir", "fig03_apparatus", "fig04_hyster
            "fig09_weights", "fig10_settings", "fig11_taps", "fig12_sine_0p2", "fig13_sine_0p5",
            "fig14_sweep", "fig15_complex", "fig16_loops", "fig17_disturbance"]  # fmt: skip
 CONTRACT = [
-    *(f"tables/{name}.{kind}" for name in TABLES for kind in ("csv", "md", "tex")),
+    *(f"tables/{name}.{kind}" for name in TABLES for kind in ("csv", "md")),
     *(f"figures/{name}.{kind}" for name in FIGURES for kind in ("pdf", "png", "json")),
     "timing/table2_timing.csv",
     "report.html",

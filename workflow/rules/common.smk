@@ -49,7 +49,7 @@ def result_spec(stem, kind, words, given, made, *, priority=0, threads=1, resour
 
 def table_spec(stem, words, given, **params):
     """Return what is peculiar to a table."""
-    made = {kind: PATHS.below(f"{stem}.{kind}") for kind in ("csv", "md", "tex")}
+    made = {kind: PATHS.below(f"{stem}.{kind}") for kind in ("csv", "md")}
     return result_spec(stem, "table", words, given, made, **params)
 
 

@@ -25,7 +25,7 @@ from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap, read_map
 from fprc.errors import ConfigError, FprcError, LogError
-from fprc.escape import in_words, terminal
+from fprc.escape import terminal
 from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.rates import settings_at
 from fprc.fingerprint import fingerprint
@@ -40,8 +40,6 @@ from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
 
-#: Modules that pandas imports only when it writes a table.
-TABLE_WRITERS = {"jinja2": "Jinja2", "tabulate": "tabulate"}
 #: Share of a recording that trains unless the map gives test_from_s.
 _TRAINED = 2.0 / 3.0
 
@@ -97,12 +95,11 @@ def report_readout(
     OutputError
         ``out`` is no folder, or cannot be written to.
     FprcError
-        A library that writes the tables is not installed, or another process writes into ``out``.
+        The library that writes the tables is not installed, or another process writes into ``out``.
     """
-    absent = [name for module, name in TABLE_WRITERS.items() if find_spec(module) is None]
-    if absent:
+    if find_spec("tabulate") is None:  # which pandas imports only when it writes a table
         raise FprcError(
-            f"fprc readout needs {in_words(absent)} to write its tables; install with: "
+            "fprc readout needs tabulate to write its tables; install with: "
             "pip install 'fprc[readout]'"
         )
     settings = from_files(config).model_dump(mode="json")
@@ -237,7 +234,7 @@ def _judge(
         cells,
         judgement=judgement(settings, "fprc", without="split"),
     )
-    files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md", "tex")}
+    files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md")}
     tabulate_readout(cells, quality_records(folder.parent), parts=parts, **files)
     return read_json(cells)
 

@@ -181,7 +181,7 @@ def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         "note": rest[:1].upper() + rest[1:],
         "table": table,
         "one_seed": None,
-        **_origin(path, folder, (".csv", ".tex")),
+        **_origin(path, folder, (".csv",)),
     }
 
 

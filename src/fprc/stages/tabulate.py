@@ -1,4 +1,4 @@
-"""Write the paper's tables as CSV, Markdown and LaTeX: ``files`` are named csv, md and tex."""
+"""Write the paper's tables as CSV and Markdown: ``files`` are named csv and md."""
 
 import logging
 from collections.abc import Mapping, Sequence

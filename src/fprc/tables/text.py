@@ -1,7 +1,7 @@
 """Numbers and tables as text."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
@@ -39,7 +39,8 @@ def three_digits(value: float) -> str:
 
 def markdown(page: pd.DataFrame, note: str) -> str:
     """Render a page as a Markdown table under a note."""
-    page = _escaped(page, escape.markdown)
+    page = page.map(lambda cell: escape.markdown(cell) if isinstance(cell, str) else cell)
+    page = page.rename(columns=escape.markdown)
     return f"{note}\n\n{page.to_markdown(index=False, disable_numparse=True)}\n"
 
 
@@ -53,22 +54,7 @@ def read_markdown(text: str) -> tuple[str, pd.DataFrame]:
     return " ".join(note.split()), pd.DataFrame(rows, columns=columns)
 
 
-def latex(page: pd.DataFrame, note: str) -> str:
-    """Render a page as a LaTeX table (booktabs), the note as its caption."""
-    caption = escape.latex(" ".join(note.split()))
-    body = _escaped(page.map(str), escape.latex)
-    return body.to_latex(index=False, escape=False, caption=caption)
-
-
-def write_table(
-    table: pd.DataFrame, page: pd.DataFrame, note: str, csv: str, md: str, tex: str
-) -> None:
-    """Write a table as CSV, and its page under a note as Markdown and LaTeX."""
+def write_table(table: pd.DataFrame, page: pd.DataFrame, note: str, csv: str, md: str) -> None:
+    """Write a table as CSV, and its page under a note as Markdown."""
     write_csv(csv, table)
     write_text(md, markdown(page, note))
-    write_text(tex, latex(page, note))
-
-
-def _escaped(page: pd.DataFrame, escaped: Callable[[str], str]) -> pd.DataFrame:
-    page = page.map(lambda cell: escaped(cell) if isinstance(cell, str) else cell)
-    return page.rename(columns=escaped)

@@ -16,7 +16,7 @@ def table_of(tmp_path):
     """Make Table IV of closed-loop logs."""
 
     def make(*runs):
-        files = {kind: str(tmp_path / f"table4.{kind}") for kind in ("csv", "md", "tex")}
+        files = {kind: str(tmp_path / f"table4.{kind}") for kind in ("csv", "md")}
         more = {"left_out": [], "limits": LIMITS, "feedback": "As configured."}
         tabulate_tracking(PUBLISHED, list(map(str, runs)), **files, **more)
         return pd.read_csv(files["csv"])

@@ -17,7 +17,7 @@ from fprc.registry import MODELS
 from fprc.stages import tabulate
 from fprc.tables import timing
 from fprc.tables.models import comparison, comparison_page, configuration, over_seeds
-from fprc.tables.text import latex, markdown, read_markdown, spread
+from fprc.tables.text import markdown, read_markdown, spread
 from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
@@ -261,7 +261,7 @@ def test_table_names_its_data_and_says_neither_nan_nor_none(tmp_path, tabulated,
     paths = [str(tmp_path / f"{k}.json") for k in range(len(results))]
     for path, result in zip(paths, results, strict=True):
         write_json(path, result)
-    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md", "tex")}
+    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md")}
     tabulated(str(config.PUBLISHED), paths, **files, **settings)
     for file in files.values():
         text = file.read_text(encoding="utf-8")
@@ -288,7 +288,7 @@ def test_failed_checks_of_the_logs_stand_below_the_tables(tmp_path, below):
     paths = {name: str(tmp_path / f"{name}.json") for name in written}
     for name, path in paths.items():
         write_json(path, written[name])
-    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md", "tex")}
+    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md")}
     quality = [paths["one"], paths["joined"]]
     if below == "comparison":
         published = str(config.PUBLISHED)
@@ -303,7 +303,7 @@ def test_failed_checks_of_the_logs_stand_below_the_tables(tmp_path, below):
 def test_table_4_has_the_spread_over_starts_of_the_clustering(tmp_path):
     path = tmp_path / "control.json"
     write_json(str(path), controls(1)[0])
-    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md", "tex")}
+    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md")}
     tabulate.tabulate_tracking_seeds(str(config.PUBLISHED), [str(path)], feedback="", **files)
     text = files["md"].read_text(encoding="utf-8")
     # standard deviation and mean of 1 and 3 deg, and of 2 and 2 deg
@@ -333,10 +333,6 @@ def test_unit_that_would_mark_up_a_page_is_text():
     page = pd.DataFrame({"Test [<b>|`$x]": ["1.50", "_#^"]})
     head = markdown(page, "A note.").splitlines()[2]
     assert head.strip("| ") == "Test [\\<b\\>\\|\\`\\$x]"
-    typeset = latex(page, "On an A & B, 100 %: 1 ± 2.")
-    assert "On an A \\& B, 100 \\%: 1 $\\pm$ 2." in typeset
-    assert "Test [<b>|`\\$x]" in typeset
-    assert "\\_\\#\\textasciicircum{}" in typeset
 
 
 def test_text_that_is_a_formula_is_none_in_a_csv(tmp_path):

@@ -58,7 +58,7 @@ def test_table_has_a_row_per_rig_and_model(judged, tmp_path):
     cells = [{**judged[0], "seed": seed, "family": rig} for rig in rigs for seed in (1, 2, 3)]
     report = pd.Series({"source": "sim", "families": rigs, "cells": cells}).to_json()
     (tmp_path / "stop.json").write_text(report)
-    files = {end: str(tmp_path / f"stop.{end}") for end in ("csv", "md", "tex")}
+    files = {end: str(tmp_path / f"stop.{end}") for end in ("csv", "md")}
     stage.tabulate_stop(str(tmp_path / "stop.json"), **files)
     table = pd.read_csv(files["csv"]).set_index(["rig", "model", "number"])
     assert table.loc[("a, no drift", "fprc", "share"), "mean"] == pytest.approx(

@@ -153,7 +153,7 @@ def test_tables_and_figure_are_written(tmp_path):
     described = {"dry": {"fitted": [], "unit": "seed"}}
     write_json(path, {"source": "sim", "families": described, "cells": cells})
     for name in show.TABLES:
-        files = {kind: str(tmp_path / f"{name}.{kind}") for kind in ("csv", "md", "tex")}
+        files = {kind: str(tmp_path / f"{name}.{kind}") for kind in ("csv", "md")}
         stage.tabulate_online([str(path)], table=name, **files)
         assert "nan" not in (tmp_path / f"{name}.md").read_text()
     errors = pd.read_csv(tmp_path / "errors.csv")

@@ -124,7 +124,7 @@ def test_worth_of_p_o_is_half_fitted_where_a_fit_favours_it(term, status):
 
 
 def test_tables_show_every_family(compared, tmp_path):
-    written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md", "tex")}
+    written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md")}
     rows = {}
     for name in ("errors", "claims", "answer"):
         stage.tabulate_families(compared, table=name, **written)
