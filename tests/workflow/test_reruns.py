@@ -45,14 +45,14 @@ MODELS = ESN | figures(*range(8, 18)) | {
     "tracking_table": 1,
 }  # fmt: skip
 RIG = MODELS | figures(1, 2, 4, 5) | {"record": 2, "preprocess": 2}
-ALL = RIG | figures(3, 6, 7) | {"configuration_table": 1, "list_unavailable": 1}
+ALL = RIG | figures(3, 6, 7) | {"configuration_table": 1}
 #: The closed loops, and what is made of them alone.
 FEEDBACK = SEEDS | figures(*range(12, 18)) | {
     "track": 5, "tracking_table": 1, "ledger": 1, "report_page": 1,
 }  # fmt: skip
 #: Those whose stages are in one module.
 TABLES = dict.fromkeys([rule for rule in ALL if rule.endswith("_table")], 1) | {
-    "comparison_table": 2, "seeds_table": 2, "list_unavailable": 1
+    "comparison_table": 2, "seeds_table": 2
 }  # fmt: skip
 REPORT = {"report_page": 1}
 

@@ -1,26 +1,10 @@
-# The report, and the list of results that cannot be made.
-
-
-rule list_unavailable:
-    output:
-        csv=PATHS.below("not_available.csv"),
-        md=PATHS.below("not_available.md"),
-    log:
-        PATHS.messages("list_unavailable"),
-    params:
-        **stage("tabulate.tabulate_unavailable"),
-        reasons=PLAN.unavailable_results,
-    message:
-        "Results that the data do not allow, and why"
-    script:
-        "../scripts/stage.py"
+# The report.
 
 
 rule report_page:
     input:
         template=[file_of_workflow(f"../report/page.{kind}.j2") for kind in ("html", "css")],
         ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
-        missing=PATHS.below("not_available.csv"),
         tables=PLAN.pages,
         figures=[f"{stem}.{kind}" for stem in PLAN.figures for kind in ("png", "json")],
         captions=file_of_workflow("../report/captions.yaml"),
@@ -30,6 +14,7 @@ rule report_page:
         PATHS.messages("report_page"),
     params:
         **stage("report.write_report"),
+        missing={BY_NAME[name].title: why for name, why in PLAN.unavailable.items()},
         settings=SETTINGS,
     message:
         "Report: claims, tables, figures and settings on one page"

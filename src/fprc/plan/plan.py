@@ -136,11 +136,6 @@ class Plan:
         return terminal(f"{target}: not available for this data: {why}")
 
     @cached_property
-    def unavailable_results(self) -> dict[str, tuple[str, str]]:
-        """Results that cannot be made, with titles and reasons."""
-        return {name: (BY_NAME[name].title, why) for name, why in self.unavailable.items()}
-
-    @cached_property
     def left_out(self) -> dict[str, str]:
         """Models that are not in the tables, with their reasons."""
         if "table2" in self.unavailable:
@@ -206,11 +201,11 @@ class Plan:
     @cached_property
     def pages(self) -> list[str]:
         """Tables of the report."""
-        # claims and the list of what is not available have places of their own
+        # the claims have a place of their own
         return [
             self.paths.below(file)
             for result in RESULTS
-            if result.name in self.targets and result.name not in ("claims", "not_available")
+            if result.name in self.targets and result.name != "claims"
             for file in result.files
             if file.endswith(".md")
         ]

@@ -77,7 +77,6 @@ RESULTS = (
     _figure(16, "loops", "loops", logs=_LOOPS),
     _figure(17, "disturbance", "loops", channels=RESERVOIR,
             logs=(run_log("disturbance", "fprc_pd"),)),
-    Result("not_available", "", ("not_available.csv", "not_available.md")),
 )
 # fmt: on
 

@@ -30,12 +30,12 @@ log = logging.getLogger(__name__)
 def write_report(
     template: Sequence[str],
     ledger: Sequence[str],
-    missing: str,
     tables: Sequence[str],
     figures: Sequence[str],
     captions: str,
     html: str,
     *,
+    missing: Mapping[str, str],
     settings: Mapping[str, Any],
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
@@ -46,14 +46,14 @@ def write_report(
         The page's template, then those that it includes.
     ledger : sequence of str
         The claims ledger, JSON; empty if there is none.
-    missing : str
-        Results that the data do not allow, with reasons, CSV.
     tables : sequence of str
         The tables, Markdown.
     figures : sequence of str
         Of each figure, PNG and sidecar.
     captions : str
         The figures' captions by their targets, YAML.
+    missing : Mapping
+        Results that the data do not allow, with reasons.
     """
     folder = Path(html).parent
     fitted = settings["fitted"]
@@ -79,7 +79,7 @@ def write_report(
             banner=banner(drawn_from),
             kinds=kinds,
             simulated=simulated,
-            missing=pd.read_csv(missing).drop(columns="name"),
+            missing=missing,
             pages=pages.values(),
             figures=shown,
             glossary=GLOSSARY,

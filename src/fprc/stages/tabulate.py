@@ -1,13 +1,11 @@
 """Write the paper's tables as CSV and Markdown: ``files`` are named csv and md."""
 
-import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
-from fprc.artifacts import read_json, write_csv, write_text
+from fprc.artifacts import read_json
 from fprc.errors import LogError
 from fprc.logs import read_run
 from fprc.logs.isolated import isolated_each
@@ -16,10 +14,8 @@ from fprc.paper import SOURCES
 from fprc.registry import title_of
 from fprc.tables import readout, timing, tracking
 from fprc.tables.models import comparison, comparison_page, configuration, over_seeds
-from fprc.tables.text import markdown, write_table
+from fprc.tables.text import write_table
 from fprc.yaml_file import read_yaml
-
-log = logging.getLogger(__name__)
 
 
 def tabulate_configuration(published: str, *, models: Mapping[str, Any], **files: str) -> None:
@@ -219,17 +215,3 @@ def tabulate_times(
         f"{_without(left_out)}"
     )
     write_table(table, timing.timing_page(table), note, **files)
-
-
-def tabulate_unavailable(csv: str, md: str, *, reasons: Mapping[str, tuple[str, str]]) -> None:
-    """List the results that cannot be made from the data, with reasons; the list may be empty."""
-    rows = [(name, *texts) for name, texts in reasons.items()]
-    table = pd.DataFrame(rows, columns=["name", "result", "reason"])
-    write_csv(csv, table)
-    if rows:
-        page = table[["result", "reason"]].rename(columns={"result": "Result", "reason": "Why"})
-        write_text(md, markdown(page, "Not available for this data."))
-    else:
-        write_text(md, "Everything is available for this data.\n")
-    for _, title, why in rows:
-        log.info("not available: %s: %s", title, why)

@@ -93,7 +93,7 @@ def test_every_result_has_a_name_and_files_of_its_own():
 def test_every_result_can_be_made_on_the_simulated_rig(simulated):
     assert list(simulated.targets) == [result.name for result in RESULTS if result.files]
     assert simulated.unavailable_targets == []
-    assert simulated.unavailable_results == {}
+    assert simulated.unavailable == {}
     assert simulated.models == list(MODELS)
 
 
@@ -173,7 +173,7 @@ def test_closed_loop_results_of_recorded_logs_are_made_of_the_runs_that_are_ther
     shown = raw("sine_0p5", controllers=("fprc", "fprc_pd"))
     assert set(plan.targets["fig13"]) == {"results/figures/fig13_sine_0p5.pdf"} | shown
     assert {"fig12", "fig14", "fig15", "fig16", "fig17"} <= set(plan.unavailable_targets)
-    assert "table4_runs" in plan.unavailable_results
+    assert "table4_runs" in plan.unavailable
 
 
 def test_drawing_of_the_actuator_needs_angle_and_pressure_as_such():

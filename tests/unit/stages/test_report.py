@@ -109,7 +109,7 @@ class Project:
         self.folder = folder
         self.claims = [dict(row) for row in CLAIMS]
         self.ledger = [str(folder / "claims.json")]
-        self.missing = []
+        self.missing = {}
         self.tables, self.figures, self.captions = [], [], {}
         self.settings = SETTINGS
 
@@ -134,11 +134,9 @@ class Project:
         target = self.folder / "report.html"
         captions = self.folder / "captions.yaml"
         write_json(captions, self.captions)
-        missing = pd.DataFrame(self.missing, columns=["name", "result", "reason"])
-        missing.to_csv(self.folder / "missing.csv", index=False)
         write_report(
-            TEMPLATE, self.ledger, str(self.folder / "missing.csv"), self.tables,
-            self.figures, str(captions), str(target), settings=self.settings,
+            TEMPLATE, self.ledger, self.tables, self.figures, str(captions), str(target),
+            missing=self.missing, settings=self.settings,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -495,7 +493,7 @@ def test_no_text_becomes_markup(project):
 
 def test_what_is_not_available_is_listed_with_its_reason(project):
     assert not project.page().all("h2", id="missing")
-    project.missing = [("fig5", "Fig. 5", "needs p_o_kpa, which sweep.h5 does not have")]
+    project.missing = {"Fig. 5": "needs p_o_kpa, which sweep.h5 does not have"}
     page = project.page()
     assert page.texts("h2", id="missing") == ["Not available for this data"]
     assert "Fig. 5" in page.texts("dt")
