@@ -1,7 +1,7 @@
 """The workflow's plan: what it makes from the existing logs with the given settings."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -227,44 +227,36 @@ class Plan:
         return [self.paths.log(name) for name in (experiment, *further)]
 
     def _files_of(self, result: Result) -> list[str]:
-        parts = [part for part in RESULTS if part.part_of == result.name]
-        made = [result, *(part for part in parts if part.name not in self.unavailable)]
         made_of = [
-            file for part in made for name in part.made_of for file in self._expanded(name, part)
+            file
+            for name in result.made_of
+            for file in self._groups.get(name, [self.paths.below(name)])
         ]
+        if "loops" in result.made_of:
+            # Table IV names no logs: it shows those that are there
+            made_of += map(self.paths.log, result.logs or self.runs)
         return list(dict.fromkeys([*map(self.paths.below, result.files), *made_of]))
 
-    def _expanded(self, name: str, result: Result) -> Iterable[str]:
-        if name == "data":
-            return self._data
-        if name.startswith("judged/"):
-            return self._judged(name.removeprefix("judged/"))
-        if name == "grids":
-            return self.grids
-        if name == "seeds":
-            parts = ("models", "grids", "control") if self.on_simulated_rig else ()
-            return [file for part in parts for file in self.replicates(part)]
-        if name == "loops":
-            logs = result.logs or self.runs  # Table IV shows those that are there
-            return [*self._loops, *map(self.paths.log, logs)]
-        return [self.paths.below(name)]
-
-    def _judged(self, experiment: str) -> list[str]:
-        made = (self.paths.judged(experiment, model) for model in self.models)
-        return [file for files in made for file in files.values()]
-
     @cached_property
-    def _data(self) -> list[str]:
+    def _groups(self) -> dict[str, list[str]]:
+        """Files for which a word stands in ``Result.made_of``."""
         paths, logs = self.paths, self.experiments
         raw = [file for log in logs for file in self.logs_of(log)]
-        return [*raw, *map(paths.data, logs), *map(paths.quality, logs)]
-
-    @cached_property
-    def _loops(self) -> list[str]:
-        """Files that are needed to record the closed-loop runs; none if nothing is recorded."""
-        if not self.records:
-            return []
-        return [*self._data, *self._judged(TRAINING)]
+        data = [*raw, *map(paths.data, logs), *map(paths.quality, logs)]
+        judged = {
+            f"judged/{log}": [
+                file for model in self.models for file in paths.judged(log, model).values()
+            ]
+            for log in EXPERIMENTS
+        }
+        parts = ("models", "grids", "control") if self.on_simulated_rig else ()
+        return {
+            "data": data,
+            **judged,
+            "loops": [*data, *judged[f"judged/{TRAINING}"]] if self.records else [],
+            "grids": self.grids,
+            "seeds": [file for part in parts for file in self.replicates(part)],
+        }
 
 
 def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
