@@ -73,8 +73,8 @@ def import_or_draft(
     Raises
     ------
     ConfigError
-        The map is wrong; lists all errors. Or neither ``draft`` nor both of ``map_`` and ``out`` are
-        given.
+        The map is wrong; lists all errors. Or neither ``draft`` nor both of ``map_`` and ``out``
+        are given.
     LogError, OutputError
         See ``import_mapped``.
     """
