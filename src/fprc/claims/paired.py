@@ -5,7 +5,7 @@ A unit is a seed, a rig, or a block of a recording.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import stdtr
@@ -190,6 +190,46 @@ def judge_together(claims: Sequence[Sequence[Part]], left_out: int = LEFT_OUT) -
                 verdict, turned = UNDECIDED, verdict
         outcomes.append(Judged(verdict, float(adjusted_p), float(level), stable, turned))
     return outcomes
+
+
+def judge_parts(
+    claims: Mapping[str, tuple[str, Sequence[Part]]], left_out: int = LEFT_OUT
+) -> list[dict[str, Any]]:
+    """Judge several claims as ``judge_together`` does, and return a row for each of their parts.
+
+    Parameters
+    ----------
+    claims : Mapping
+        Text and parts of each claim, by its id.
+
+    Returns
+    -------
+    list of dict
+        ``id`` and ``claim``; of the claim the fields of ``Judged``, ``words`` (the verdict, as
+        readers see it), ``units`` (of the part that has the fewest) and ``dropped`` (units without
+        a pair); of the part ``part`` (its text), ``ratio``, and ``mean``, ``low`` and ``high``, see
+        ``Part.ends``. A claim that is not judged has one row, in which these five are None.
+    """
+    rows = []
+    found = judge_together([parts for _, parts in claims.values()], left_out)
+    for (name, (text, parts)), judged in zip(claims.items(), found, strict=True):
+        of_claim = {
+            "id": name,
+            "claim": text,
+            **judged._asdict(),
+            "words": verdict_in_words(judged.verdict, parts[0].ratio, judged.turned),
+            "units": min(len(part.values) for part in parts),
+            "dropped": max(part.dropped for part in parts),
+        }
+        if judged.verdict == NOT_JUDGED:
+            nothing = dict.fromkeys(("part", "ratio", "mean", "low", "high"))
+            rows.append(of_claim | nothing)
+            continue
+        rows += [
+            {**of_claim, "part": part.text, "ratio": part.ratio, **part.ends(judged.level)}
+            for part in parts
+        ]
+    return rows
 
 
 def holm(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -17,7 +17,7 @@ from fprc.claims.paired import (
     SUPERIOR,
     Judged,
     Part,
-    judge_together,
+    judge_parts,
     verdict_in_words,
 )
 from fprc.registry import title_of
@@ -58,25 +58,19 @@ def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
         ``low``, ``high``, which are None if it is not judged. A ratio below 1 supports the claim.
     """
     errors = {cell["model"]: cell.get("validation_rmse_kpa", ()) for cell in report["cells"]}
-    parts = [_part(claim, errors, report["overlap"]) for claim in CLAIMS]
-    judged = judge_together([[part] for part in parts], left_out=LEFT_OUT)
-    rows = []
-    for claim, part, outcome in zip(CLAIMS, parts, judged, strict=True):
-        judged_here = outcome.verdict != NOT_JUDGED
-        ends = part.ends(outcome.level) if judged_here else dict.fromkeys(("mean", "low", "high"))
-        rows.append(
-            {
-                "id": claim.id,
-                "claim": claim.text,
-                **outcome._asdict(),
-                "blocks": len(part.values),
-                "reason": _reason(part, outcome),
-                "other": title_of(claim.other),
-                "ratio": ends["mean"],
-                **{end: ends[end] for end in ("low", "high")},
-            }
-        )
-    return rows
+    claims = {claim.id: (claim.text, [_part(claim, errors, report["overlap"])]) for claim in CLAIMS}
+    kept = ("id", "claim", *Judged._fields)
+    return [
+        {
+            **{key: row[key] for key in kept},
+            "blocks": row["units"],
+            "reason": _reason(row),
+            "other": title_of(claim.other),
+            "ratio": row["mean"],
+            **{end: row[end] for end in ("low", "high")},
+        }
+        for claim, row in zip(CLAIMS, judge_parts(claims, LEFT_OUT), strict=True)
+    ]
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -134,18 +128,18 @@ def _part(claim: Claim, errors: Mapping[str, Sequence[float]], overlap: float) -
     )
 
 
-def _reason(part: Part, outcome: Judged) -> str:
+def _reason(row: Mapping[str, Any]) -> str:
     """Return why a claim is undecided or not judged; empty if it is decided."""
-    blocks = len(part.values)
-    if outcome.verdict == NOT_JUDGED:
+    blocks = row["units"]
+    if row["verdict"] == NOT_JUDGED:
         return f"Only {blocks} blocks have an error of both models; at least 2 are needed."
-    if outcome.verdict != UNDECIDED:
+    if row["verdict"] != UNDECIDED:
         return ""
     if blocks < LEAST_UNITS:
         return f"There are {blocks} blocks; fewer than {LEAST_UNITS} decide nothing."
-    if outcome.stable is not None:
+    if row["stable"] is not None:
         return (
-            f"Without {LEFT_OUT} random blocks the verdict stays in {100 * outcome.stable:.0f} % "
+            f"Without {LEFT_OUT} random blocks the verdict stays in {100 * row['stable']:.0f} % "
             f"of the cases; {100 * AGREEING:.0f} % are needed, so it counts as undecided."
         )
     return "The interval contains 1 and is not within 5 % of it."

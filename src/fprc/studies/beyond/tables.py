@@ -8,6 +8,7 @@ import pandas as pd
 
 from fprc.paper import SOURCES
 from fprc.registry import choice_of, title_of
+from fprc.studies.beyond.claims import beside_page
 from fprc.studies.beyond.measurements import (
     FAMILIES,
     LOOPS,
@@ -17,13 +18,7 @@ from fprc.studies.beyond.measurements import (
     family_title,
     measured,
 )
-from fprc.studies.beyond.verdicts import (
-    Ledgers,
-    beside_page,
-    claims_page,
-    details_page,
-    fitted_page,
-)
+from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, markdown, three_digits
 
@@ -64,11 +59,11 @@ def models(families: Families) -> pd.DataFrame:
 def models_page(table: pd.DataFrame, *, intervals: bool = False) -> pd.DataFrame:
     """Return the models of one family as a page, one row each."""
     headings = {_heading(measure): measure for measure in MEASURES}
-    page = _wide(table, ["model"], "measure", headings, intervals=intervals)
+    page = wide(table, ["model"], "measure", headings, intervals=intervals)
     units = table[table["measure"] != "step_us"].groupby("model")["units"]
     words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
     page["Units"] = words.reindex(page.index).fillna("-")
-    return _named(page, Model=title_of)
+    return named(page, Model=title_of)
 
 
 def leaderboard(table: pd.DataFrame) -> pd.DataFrame:
@@ -115,8 +110,8 @@ def offsets_page(table: pd.DataFrame) -> pd.DataFrame:
     places = {measure: place for place, measure in enumerate(MEASURES)}
     rows = table.sort_values("measure", key=lambda names: names.map(places), kind="stable")
     shown = ["disturbance", "offset_kpa"]
-    page = _wide(rows, ["model", "measure"], shown, headings, intervals=False)
-    return _named(page, Model=title_of, Error=_heading)
+    page = wide(rows, ["model", "measure"], shown, headings, intervals=False)
+    return named(page, Model=title_of, Error=_heading)
 
 
 def _heading(measure: str) -> str:
@@ -142,8 +137,8 @@ def capacity_page(table: pd.DataFrame) -> pd.DataFrame:
     left_out = ("nonlinear", "degree 1")
     quantities = [name for name in table["quantity"].unique() if name not in left_out]
     headings = {name.capitalize(): name for name in quantities}
-    page = _wide(table, ["set", "states"], "quantity", headings)
-    return _named(page, States=lambda name: SETS.get(name, name), Number=str)
+    page = wide(table, ["set", "states"], "quantity", headings)
+    return named(page, States=lambda name: SETS.get(name, name), Number=str)
 
 
 def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
@@ -163,17 +158,14 @@ def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def pages(
-    families: Families,
-    ledgers: Ledgers,
-    tables: Mapping[str, pd.DataFrame],
-    family: str,
+    families: Families, verdicts: pd.DataFrame, tables: Mapping[str, pd.DataFrame], family: str
 ) -> dict[str, str]:
     """Return the tables in Markdown by their names; docs/beyond.md and others show them.
 
     Parameters
     ----------
-    ledgers : sequence
-        Of each family, the rows of ``beyond.claims.judge_family``.
+    verdicts : DataFrame
+        Result of ``verdicts.judge_family``, of all families.
     tables : Mapping
         ``models``, ``offsets`` and ``capacities``, tidy.
     family : str
@@ -182,10 +174,10 @@ def pages(
     of_family = {name: table[table["world"] == family] for name, table in tables.items()}
     shown = {
         "worlds": families_page(families),
-        "claims": claims_page(ledgers),
+        "claims": claims_page(verdicts),
         "beside": beside_page(families),
-        "fitted": fitted_page(ledgers),
-        "details": details_page(ledgers),
+        "fitted": fitted_page(verdicts),
+        "details": details_page(verdicts),
         "models": models_page(of_family["models"]),
         "offsets": offsets_page(of_family["offsets"]),
         "capacities": capacity_page(of_family["capacities"]),
@@ -206,7 +198,7 @@ def _means(table: pd.DataFrame, *keys: str) -> pd.DataFrame:
     return means.drop(columns=["std", "min", "max"]).assign(source="sim")
 
 
-def _wide(
+def wide(
     table: pd.DataFrame,
     rows: list[str],
     columns: str | list[str],
@@ -224,7 +216,7 @@ def _wide(
     return wide.set_axis(list(headings), axis=1).astype(object).fillna("-")
 
 
-def _named(page: pd.DataFrame, **names: Callable[[Any], str]) -> pd.DataFrame:
+def named(page: pd.DataFrame, **names: Callable[[Any], str]) -> pd.DataFrame:
     """Return a page whose first columns are the levels of its index, as readers see them."""
     for level, (heading, name) in enumerate(names.items()):
         page.insert(level, heading, [name(key) for key in page.index.get_level_values(level)])

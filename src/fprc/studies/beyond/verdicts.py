@@ -1,89 +1,162 @@
-"""Tables of the verdicts on claims B1-B8: what they rest on, and what the rigs were fitted to."""
+"""Judge claims on pairs of models in families of rigs, and show the verdicts."""
 
+import math
+import operator
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 
+from fprc.claims.paired import NOT_JUDGED, Part, judge_parts
 from fprc.escape import in_words
-from fprc.studies.beyond.claims import beside_b1
 from fprc.studies.beyond.measurements import family_title
-from fprc.tables.text import format_mean, three_digits
-
-Ledgers = Sequence[Sequence[Mapping[str, Any]]]
+from fprc.tables.text import three_digits
 
 #: Symbol after a verdict, by the model or signal that the fit of its rigs favours.
-_SYMBOLS = {"FPRC": "†", "P_o": "‡"}
+SYMBOLS = {"FPRC": "†", "P_o": "‡"}
+#: Headings of the page of details, by the columns of the table.
+_DETAILS = {
+    "id": "Id", "title": "Rigs", "words": "Verdict", "mean": "Mean", "interval": "Interval",
+    "p": "p", "stable": "Subsets that agree", "units": "Units", "dropped": "Units lost",
+}  # fmt: skip
 
 
-def claims(ledgers: Ledgers) -> pd.DataFrame:
-    """Claims B1-B8 in each family, tidy: one row for each part, one for a claim not judged.
+#: Numbers of a family, one per simulated rig; one level of the index is the ``unit``.
+Numbers = Mapping[tuple[Any, ...], pd.Series]
+
+
+class Pair(NamedTuple):
+    """An error over that of another model, or a capacity less another, or less a constant.
+
+    A ratio below its limit is better, and so is a difference above 0.
+    """
+
+    ours: tuple[Any, ...]  #: a key of ``Numbers``
+    theirs: Any  #: the same, or a constant
+    text: str  #: what is compared, for readers
+    ratio: bool = True
+    limit: float = 1.0  #: of a ratio
+
+
+class Claim(NamedTuple):
+    """What is claimed, what is compared, and which fits of the rig favour a side."""
+
+    text: str
+    parts: Sequence[Pair]
+    #: By term of the calibration's objective: what its fit favours, and what was fitted.
+    favours: Mapping[str, tuple[str, str]] = {}
+
+
+_NONE = pd.Series(index=pd.Index([], name="unit"), dtype=float)
+
+
+def part_of(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
+    """Return a pair as it was measured in a family."""
+    ours = numbers.get(pair.ours, _NONE)
+    theirs: Any = pair.theirs
+    if isinstance(theirs, tuple):
+        theirs = numbers.get(theirs, _NONE)
+    # below 0 supports the claim; of a difference, readers see ours less theirs
+    if pair.ratio:
+        values = np.log(ours) - np.log(theirs) - math.log(pair.limit)
+        judged, shown = family["cells"], lambda value: pair.limit * math.exp(value)
+    else:
+        values = theirs - ours
+        judged, shown = family.get("capacity", ()), operator.neg
+    # simulations of one rig with several seeds are one unit
+    by_unit = values.dropna().groupby(level="unit").mean().to_dict()
+    dropped = len({cell["unit"] for cell in judged}) - len(by_unit)
+    return Part(pair.text, by_unit, pair.ratio and pair.limit == 1.0, shown, dropped)
+
+
+def judge_family(
+    family: Mapping[str, Any], claims: Mapping[str, Claim], numbers: Numbers
+) -> pd.DataFrame:
+    """Judge claims in one family.
 
     Parameters
     ----------
-    ledgers : sequence
-        Of each family, the rows of ``beyond.claims.judge_family``.
+    family : Mapping
+        See ``fprc.studies.beyond.measurements``; ``fitted``: the terms its rigs were fitted to.
+    claims : Mapping
+        By their ids.
 
     Returns
     -------
     DataFrame
-        ``world``, ``id``, ``claim``, ``part``, ``ratio`` (a difference if not), ``mean``, ``low``,
-        ``high``, ``verdict`` (the claim's), ``p``, ``stable``, ``units``, ``dropped``,
-        ``favours`` (what the fit of the rigs favours), ``fitted`` (what they were fitted to) and
-        ``source``. A claim that is not judged has no numbers.
+        Tidy, with the columns of ``judge_parts``: one row for each part of a claim, one for a claim
+        that is not judged. Also ``world`` and ``title``; ``fits``, those that bear on the claim,
+        pairs of what each favours and what was fitted; the same as text, ``favours`` and
+        ``fitted``; and ``source``. In ``words`` a symbol says what the fits favour. A ratio below 1
+        supports the claim, as does a difference above 0.
     """
-    kept = ("verdict", "p", "stable", "units", "dropped")
-    nothing = {"text": "", "ratio": "", "mean": None, "low": None, "high": None}
-    return pd.DataFrame(
-        {
-            **{key: row[key] for key in ("world", "title", "id", "claim")},
-            "part": part["text"],
-            **{key: part[key] for key in ("ratio", "mean", "low", "high")},
-            **{key: row[key] for key in kept},
-            "favours": in_words(dict.fromkeys(whom for whom, _ in row["fitted"])) or "nobody",
-            "fitted": "; ".join(what for _, what in row["fitted"]),
-            "source": "sim",
-        }
-        for ledger in ledgers
-        for row in ledger
-        for part in (row["parts"] or [nothing])
+    rows = []
+    parts = {
+        name: (claim.text, [part_of(pair, numbers, family) for pair in claim.parts])
+        for name, claim in claims.items()
+    }
+    for row in judge_parts(parts):
+        favours = claims[row["id"]].favours
+        fits = [*dict.fromkeys(favours[term] for term in favours if term in family["fitted"])]
+        favoured = list(dict.fromkeys(whom for whom, _ in fits))
+        marks = [SYMBOLS[whom] for whom in favoured if row["verdict"] != NOT_JUDGED]
+        rows.append(
+            {
+                **row,
+                "world": family["name"],
+                "title": family_title(family["name"]),
+                "words": "".join([row["words"], *marks]),
+                "fits": fits,
+                "favours": in_words(favoured) or "nobody",
+                "fitted": "; ".join(what for _, what in fits),
+                "source": "sim",
+            }
+        )
+    # of a family without any number these would not be numbers
+    return pd.DataFrame(rows).astype(dict.fromkeys(("mean", "low", "high", "stable"), float))
+
+
+def by_claim(verdicts: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each claim and family, claim by claim.
+
+    Parameters
+    ----------
+    verdicts : DataFrame
+        One row for each part of a claim, see ``judge_family``; of all families.
+
+    Returns
+    -------
+    DataFrame
+        Its columns; ``mean`` and ``interval`` are the numbers of all parts as text.
+    """
+    ends = zip(verdicts["low"], verdicts["high"], strict=True)
+    table = verdicts.assign(
+        mean=list(map(three_digits, verdicts["mean"])),
+        interval=[f"{three_digits(low)} to {three_digits(high)}" for low, high in ends],
     )
+    merged = dict.fromkeys(table, "first") | dict.fromkeys(("mean", "interval"), ", ".join)
+    rows = table.groupby(["id", "title"], sort=False).agg(merged).reset_index(drop=True)
+    return rows.sort_values("id", kind="stable")
 
 
-def claims_page(ledgers: Ledgers) -> pd.DataFrame:
-    """Return one row per claim: its verdict in each family, and what the fit favours."""
-    return pd.DataFrame(
-        {
-            "Id": of_claim[0]["id"],
-            "Claim": of_claim[0]["claim"],
-            **{row["title"]: f"{verdict_of(row)} {means_of(row)}".rstrip() for row in of_claim},
-        }
-        for of_claim in zip(*ledgers, strict=True)
-    )
+def claims_page(verdicts: pd.DataFrame) -> pd.DataFrame:
+    """Return one row per claim: its verdict in each family, and the means of its parts."""
+    rows = by_claim(verdicts)
+    texts = (rows["words"] + " " + rows["mean"]).str.rstrip()
+    page = rows.assign(text=texts).pivot(index=["id", "claim"], columns="title", values="text")
+    return page[verdicts["title"].unique()].reset_index(names=["Id", "Claim"])
 
 
-def verdict_of(row: Mapping[str, Any]) -> str:
-    """Return the words of a verdict, with the symbol of what the fit favours."""
-    whose = {whom for whom, _ in row["fitted"]} if row["parts"] else set()
-    symbols = "".join(symbol for whom, symbol in _SYMBOLS.items() if whom in whose)
-    return f"{row['words']}{symbols}"
-
-
-def means_of(row: Mapping[str, Any]) -> str:
-    """Return the mean of each part, in three digits."""
-    return ", ".join(three_digits(part["mean"]) for part in row["parts"])
-
-
-def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
+def fitted_page(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Return whom the fit of rigs favours, what was fitted, the claims and families concerned."""
     why = ["In favour of", "What was fitted"]
+    rows = by_claim(verdicts[verdicts["verdict"] != NOT_JUDGED])
     found = pd.DataFrame(
         (
-            (f"{whom} {_SYMBOLS[whom]}", what, row["id"], row["title"])
-            for of_claim in zip(*ledgers, strict=True)
-            for row in of_claim
-            if row["parts"]
-            for whom, what in row["fitted"]
+            (f"{whom} {SYMBOLS[whom]}", what, row.id, row.title)
+            for row in rows.itertuples()
+            for whom, what in row.fits
         ),
         columns=[*why, "Claims", "Rigs"],
     )
@@ -94,38 +167,13 @@ def fitted_page(ledgers: Ledgers) -> pd.DataFrame:
     return found[[*why, "Claims", "Rigs"]]
 
 
-def details_page(ledgers: Ledgers) -> pd.DataFrame:
+def details_page(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Return what each verdict rests on: intervals, p, agreeing subsets, units."""
-    rows = [row for of_claim in zip(*ledgers, strict=True) for row in of_claim if row["parts"]]
-    columns = {
-        "Id": [row["id"] for row in rows],
-        "Rigs": [row["title"] for row in rows],
-        "Verdict": [verdict_of(row) for row in rows],
-        "Mean": [means_of(row) for row in rows],
-        "Interval": [
-            ", ".join(
-                f"{three_digits(part['low'])} to {three_digits(part['high'])}"
-                for part in row["parts"]
-            )
-            for row in rows
-        ],
-        "p": ["< 0.001" if row["p"] < 0.001 else three_digits(row["p"]) for row in rows],
-        "Subsets that agree": [
-            "-" if row["stable"] is None else f"{100 * row['stable']:.0f} %" for row in rows
-        ],
-        "Units": [str(row["units"]) for row in rows],
-        "Units lost": [str(row["dropped"]) for row in rows],
+    rows = by_claim(verdicts[verdicts["verdict"] != NOT_JUDGED])
+    texts = {
+        "p": ["< 0.001" if p < 0.001 else three_digits(p) for p in rows["p"]],
+        "stable": ["-" if pd.isna(part) else f"{100 * part:.0f} %" for part in rows["stable"]],
+        "units": rows["units"].astype(str),
+        "dropped": rows["dropped"].astype(str),
     }
-    return pd.DataFrame(columns, dtype=object)
-
-
-def beside_page(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return the ratios of ``beside_b1`` with their intervals, a column per family."""
-    columns = {
-        family_title(family["name"]): {
-            text: format_mean(ends, "mean") if ends else "-"
-            for text, ends in beside_b1(family).items()
-        }
-        for family in families
-    }
-    return pd.DataFrame(columns).reset_index(names="Ratio")
+    return rows.assign(**texts)[list(_DETAILS)].rename(columns=_DETAILS)

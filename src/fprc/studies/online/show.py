@@ -1,29 +1,31 @@
 """Verdicts, tables and the figure of a model that learns while it runs."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from fprc.claims.paired import Part, judge_together, verdict_in_words
-from fprc.studies.beyond.measurements import family_title, over_references
+from fprc.paper import REFERENCES
+from fprc.signals import rms
+from fprc.studies.beyond.measurements import family_title
+from fprc.studies.beyond.tables import named, wide
+from fprc.studies.beyond.verdicts import Claim, Pair, claims_page, judge_family
 
 #: Loops, as readers see them.
 LOOPS = {"open": "open loop", "closed": "closed loop"}
 
+#: Columns of the page of errors: loop, and whether the model learns.
+_HEADINGS = {
+    "Open loop, as trained": ("open", False),
+    "Open loop, learning": ("open", True),
+    "Closed loop, as trained": ("closed", False),
+    "Closed loop, learning": ("closed", True),
+}
+
 #: Growth of the error that D1 allows.
 _MOST = 1.10
 
-#: Claims in words.
-CLAIMS = {
-    "D1": "learning keeps tracking within 10 % of the undisturbed for offsets of P_o up to 5 kPa",
-    "D2": "with learning, P_o still beats low-passed theta_d",
-    "D3": "learning FPRC with PD beats PD alone, at 0.5 Hz and in the sweep",
-    "D4": "the authors' next scheme with P_o beats the same without a reservoir",
-}
 #: Models, as readers see them.
 _TITLES = {
     "fprc": "FPRC", "fprc_lowpass": "FPRC on low-passed theta_d", "fuzzy_linear": "Fuzzy-linear",
@@ -32,127 +34,102 @@ _TITLES = {
 }  # fmt: skip
 
 Family = Mapping[str, Any]
-Key = tuple[str, str, bool, str]
 
 
-def rmse_by_condition(family: Family) -> dict[Key, dict[int, dict[str, float]]]:
-    """Return errors in deg by (model, condition, learns, loop), unit and reference."""
-    found: dict[Key, dict[int, dict[str, float]]] = {}
-    for cell in family["cells"]:
-        for row in cell.get("rows", ()):
-            key = row["model"], row["condition"], row["learns"], row["loop"]
-            unit = found.setdefault(key, {}).setdefault(cell["unit"], {})
-            unit[row["reference"]] = row["rmse_deg"]
-    return found
+def _pair(
+    text: str,
+    ours: tuple[str, str, bool],
+    theirs: tuple[str, str, bool],
+    loop: str = "closed",
+    reference: str = "all",
+    limit: float = 1.0,
+) -> Pair:
+    """Compare two models, each with its condition and whether it learns."""
+    return Pair((*ours, loop, reference), (*theirs, loop, reference), text, limit=limit)
 
 
-def _overall(by_unit: Mapping[int, Mapping[str, float]]) -> dict[int, float]:
-    """Return the root mean square over the references of Table IV, by unit."""
-    return {unit: over_references(errors) for unit, errors in by_unit.items()}
-
-
-def _part(
-    text: str, ours: Mapping[int, float], theirs: Mapping[int, float], limit: float = 1.0
-) -> Part:
-    values = {unit: math.log(ours[unit] / theirs[unit] / limit) for unit in ours if unit in theirs}
-    return Part(text, values, limit == 1.0, lambda value: limit * math.exp(value))
-
-
-def parts_of(family: Family) -> list[list[Part]]:
-    """Return the comparisons of D1 to D4."""
-    errors = rmse_by_condition(family)
-
-    def overall(model: str, condition: str = "none", loop: str = "closed") -> dict[int, float]:
-        return _overall(errors.get((model, condition, True, loop), {}))
-
-    def at(model: str, learns: bool, reference: str) -> dict[int, float]:
-        by_unit = errors.get((model, "none", learns, "closed"), {})
-        return {unit: rms_deg[reference] for unit, rms_deg in by_unit.items()}
-
-    return [
+_LEARNING = ("fprc", "none", True)
+CLAIMS = {
+    "D1": Claim(
+        "learning keeps tracking within 10 % of the undisturbed for offsets of P_o up to 5 kPa",
         [
-            _part(
-                f"{offset}, {LOOPS[loop]}", overall("fprc", offset, loop=loop),
-                overall("fprc", loop=loop), _MOST,
-            )
-            for loop in LOOPS
+            _pair(f"{offset}, {words}", ("fprc", offset, True), _LEARNING, loop, limit=_MOST)
+            for loop, words in LOOPS.items()
             for offset in ("-5 kPa", "+5 kPa")
         ],
+    ),
+    "D2": Claim(
+        "with learning, P_o still beats low-passed theta_d",
         [
-            _part(LOOPS[loop], overall("fprc", loop=loop), overall("fprc_lowpass", loop=loop))
-            for loop in LOOPS
+            _pair(words, _LEARNING, ("fprc_lowpass", "none", True), loop)
+            for loop, words in LOOPS.items()
         ],
+    ),
+    "D3": Claim(
+        "learning FPRC with PD beats PD alone, at 0.5 Hz and in the sweep",
         [
-            _part(words, at("fprc", True, name), at("pd", False, name))
-            for name, words in (("sine_0p5", "0.5 Hz"), ("sweep", "sweep"))
+            _pair(words, _LEARNING, ("pd", "none", False), reference=reference)
+            for reference, words in (("sine_0p5", "0.5 Hz"), ("sweep", "sweep"))
         ],
-        [_part("closed loop", overall("follow_up_p_o"), overall("follow_up_linear"))],
-    ]  # fmt: skip
+    ),
+    "D4": Claim(
+        "the authors' next scheme with P_o beats the same without a reservoir",
+        [_pair("closed loop", ("follow_up_p_o", "none", True), ("follow_up_linear", "none", True))],
+    ),
+}
+
+_RUN = ["model", "condition", "learns", "loop"]
+
+
+def rmse_of(family: Family) -> pd.DataFrame:
+    """Return errors in deg, tidy.
+
+    Columns ``model``, ``condition``, ``learns``, ``loop``, ``reference``, ``unit`` and
+    ``rmse_deg``; of the reference ``all`` it is the root mean square over those of Table IV.
+    """
+    rows = pd.DataFrame(
+        ({**row, "unit": cell["unit"]} for cell in family["cells"] for row in cell.get("rows", ())),
+        columns=[*_RUN, "reference", "rmse_deg", "unit"],
+    )
+    printed = rows[rows["reference"].isin(REFERENCES)]
+    overall = printed.groupby([*_RUN, "unit"], sort=False)["rmse_deg"].agg(rms).reset_index()
+    return pd.concat([rows, overall.assign(reference="all")])
 
 
 def _verdicts(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str]:
-    nothing = dict.fromkeys(("mean", "low", "high"), math.nan)
-    table = pd.DataFrame(
-        {
-            "family": family["name"],
-            "id": name,
-            "claim": CLAIMS[name],
-            "part": part.text,
-            "verdict": verdict_in_words(outcome.verdict, part.ratio, outcome.turned),
-            **(part.ends(outcome.level) if len(part.values) > 1 else nothing),
-            "units": len(part.values),
-            "source": "sim",
-        }
-        for family in families
-        for parts in [parts_of(family)]
-        for name, of_claim, outcome in zip(CLAIMS, parts, judge_together(parts), strict=True)
-        for part in of_claim
-    )
-    page = []
-    for name, of_claim in table.groupby("id", sort=False):
-        line = {"Id": name, "Claim": of_claim["claim"].iloc[0]}
-        for family, of_family in of_claim.groupby("family", sort=False):
-            ratios = ", ".join(f"{mean:.3g}" for mean in of_family["mean"])
-            line[family_title(str(family))] = f"{of_family['verdict'].iloc[0]} {ratios}"
-        page.append(line)
+    judged = []
+    for family in families:
+        by_run = rmse_of(family).set_index("unit").groupby([*_RUN, "reference"])["rmse_deg"]
+        judged.append(judge_family(family, CLAIMS, dict(iter(by_run))))
+    table = pd.concat(judged, ignore_index=True)
+    tidy = table.assign(family=table["world"], verdict=table["words"])
+    kept = ["family", "id", "claim", "part", "verdict", "mean", "low", "high", "units", "source"]
     note = (
         "Learning while it runs: verdicts on D1 to D4 of the preregistration, with the means of "
         "the ratios. D1: at -5 and +5 kPa, in open and in closed loop; D2: open and closed loop; "
         "D3: at 0.5 Hz and in the sweep."
     )
-    return table, pd.DataFrame(page), note
+    return tidy[kept], claims_page(table), note
 
 
 def _errors(families: Sequence[Family]) -> tuple[pd.DataFrame, pd.DataFrame, str]:
-    rows = []
-    for family in families:
-        for (model, condition, learns, loop), by_unit in rmse_by_condition(family).items():
-            values = np.array(list(_overall(by_unit).values()))
-            rows.append(
-                {
-                    "family": family["name"], "model": model, "condition": _words(condition),
-                    "learns": learns, "loop": loop, "mean_deg": float(values.mean()),
-                    "low_deg": float(values.min()), "high_deg": float(values.max()),
-                    "units": len(values), "source": "sim",
-                }
-            )  # fmt: skip
-    table = pd.DataFrame(rows)
-    first = table[table["family"] == families[0]["name"]]
-    page = []
-    for (model, condition), by_loop in first.groupby(["model", "condition"], sort=False):
-        line = {"Model": _TITLES[str(model)], "Changed since the training": str(condition)}
-        for loop, words in LOOPS.items():
-            for learns, how in ((False, "as trained"), (True, "learning")):
-                cell = by_loop[(by_loop["loop"] == loop) & (by_loop["learns"] == learns)]
-                value = "" if cell.empty else f"{cell['mean_deg'].iloc[0]:.2f}"
-                line[f"{words[:1].upper()}{words[1:]}, {how}"] = value
-        page.append(line)
+    errors = pd.concat(rmse_of(family).assign(family=family["name"]) for family in families)
+    overall = errors[errors["reference"] == "all"].groupby(["family", *_RUN], sort=False)
+    numbers = {"mean_deg": "mean", "low_deg": "min", "high_deg": "max", "units": "count"}
+    table = overall["rmse_deg"].agg(**numbers).reset_index().assign(source="sim")
+    table["condition"] = table["condition"].map(_words)
+    first = table[table["family"] == families[0]["name"]].rename(columns={"mean_deg": "mean"})
+    page = wide(first, ["model", "condition"], ["loop", "learns"], _HEADINGS, intervals=False)
+    titles: dict[str, Callable[[Any], str]] = {
+        "Model": _TITLES.__getitem__,
+        "Changed since the training": str,
+    }
     note = (
         f"Tracking error on the rig {family_title(families[0]['name'])}, root mean square over the "
         f"four references of Table IV, mean over {int(first['units'].max())} seeds [deg]. "
         "Re-zeroed, an FPRC with a constant offset of P_o is one without."
     )
-    return table, pd.DataFrame(page), note
+    return table, named(page, **titles), note
 
 
 def _words(condition: str) -> str:

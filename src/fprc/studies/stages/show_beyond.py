@@ -11,9 +11,15 @@ from fprc.artifacts import read_json, write_csv, write_text
 from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond.claims import judge_family
+from fprc.studies.beyond.claims import CLAIMS, numbers_of
 from fprc.studies.beyond.measurements import LOOPS, family_of
-from fprc.studies.beyond.verdicts import claims as claims_table
+from fprc.studies.beyond.verdicts import judge_family
+
+#: Columns of the table of the claims.
+_CLAIMS = [
+    "world", "title", "id", "claim", "part", "ratio", "mean", "low", "high", "verdict", "p",
+    "stable", "units", "dropped", "favours", "fitted", "source",
+]  # fmt: skip
 
 
 def tabulate_beyond(
@@ -45,20 +51,21 @@ def tabulate_beyond(
     """
     found = [family_of(read_json(path)) for path in families]
     capacities = read_json(capacity)["cells"]
-    for judged in found:
-        judged["capacity"] = [row for row in capacities if row["family"] == judged["name"]]
+    for measured in found:
+        measured["capacity"] = [row for row in capacities if row["family"] == measured["name"]]
     found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
-    ledgers = list(map(judge_family, found))
+    judged = [judge_family(family, CLAIMS, numbers_of(family)) for family in found]
+    verdicts = pd.concat(judged, ignore_index=True)
     made = {
         "models": tables.models(found),
-        "claims": claims_table(ledgers),
+        "claims": verdicts[_CLAIMS],
         "offsets": tables.offsets(found),
         "capacities": tables.capacity(found),
         "settings": tables.over_settings(read_json(over_settings)["cells"]),
     }
     for name, table in made.items():
         write_csv(csv[name], table)
-    texts = tables.pages(found, ledgers, made, family)
+    texts = tables.pages(found, verdicts, made, family)
     for path in pages:
         write_text(path, texts[Path(path).stem])
 

@@ -1,8 +1,10 @@
 """Families whose numbers are known."""
 
+import pandas as pd
 import pytest
 
-from fprc.studies.beyond.claims import judge_family
+from fprc.studies.beyond.claims import CLAIMS, numbers_of
+from fprc.studies.beyond.verdicts import judge_family
 
 
 @pytest.fixture(scope="session")
@@ -19,5 +21,16 @@ def families(make_family):
 
 
 @pytest.fixture(scope="session")
-def ledgers(families):
-    return [judge_family(family) for family in families]
+def judge_claims():
+    """Return what judges B1-B8 in several families."""
+
+    def judge(*families):
+        judged = [judge_family(family, CLAIMS, numbers_of(family)) for family in families]
+        return pd.concat(judged, ignore_index=True)
+
+    return judge
+
+
+@pytest.fixture(scope="session")
+def verdicts(families, judge_claims):
+    return judge_claims(*families)

@@ -5,8 +5,6 @@ from matplotlib.colors import to_hex
 
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond import verdicts
-from fprc.studies.beyond.claims import judge_family
 
 
 @pytest.fixture(scope="module")
@@ -23,13 +21,9 @@ def of(table, family):
     return table[table["world"] == family]
 
 
-def claims(families):
-    return verdicts.claims([judge_family(family) for family in families.values()])
-
-
 @pytest.mark.parametrize("family", ["dry", "sparse"])
-def test_pairs_have_a_row_each_and_the_band_of_equivalence(families, family, axes):
-    table = claims({family: families[family]})
+def test_pairs_have_a_row_each_and_the_band_of_equivalence(families, family, axes, judge_claims):
+    table = judge_claims(families[family])
     figures.plot_pairs(table, axes)
     labels = [label.get_text() for label in axes.get_yticklabels()]
     assert [label[:2] for label in labels] == table[table["ratio"].eq(True)]["id"].tolist()
@@ -39,8 +33,8 @@ def test_pairs_have_a_row_each_and_the_band_of_equivalence(families, family, axe
     assert 1.0 in axes.get_xticks()
 
 
-def test_hollow_markers_are_undecided(families, axes):
-    table = claims(families)
+def test_hollow_markers_are_undecided(families, axes, judge_claims):
+    table = judge_claims(*families.values())
     figures.plot_pairs(table, axes)
     shown = table[table["ratio"].eq(True)]
     hollow = [to_hex(bars[0].get_markerfacecolor()) == "#ffffff" for bars in axes.containers]
@@ -80,11 +74,11 @@ def test_stacked_capacities_end_at_the_total(families, axes):
 
 
 @pytest.mark.parametrize("what", ["pairs", "offsets", "capacities"])
-def test_family_of_failures_is_drawn_empty(what, make_family, axes):
+def test_family_of_failures_is_drawn_empty(what, make_family, axes, judge_claims):
     nothing = {"capacity": [], "step_us": {}}
     family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
     if what == "pairs":
-        figures.plot_pairs(claims({"dry": family}), axes)
+        figures.plot_pairs(judge_claims(family), axes)
     elif what == "offsets":
         figures.plot_offsets(tables.offsets([family]), "forward", axes)
     else:

@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import t
 
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond import verdicts
+from fprc.studies.beyond import verdicts as pages_of_verdicts
 from fprc.tables.text import markdown, read_markdown
 
 
@@ -42,7 +42,7 @@ def test_no_number_is_missing_where_there_are_two_units(families):
         assert not table.duplicated([c for c in table if c not in ("mean", "low", "high")]).any()
 
 
-def test_pages_survive_a_family_with_nothing(families, ledgers):
+def test_pages_survive_a_family_with_nothing(families, verdicts):
     pages = [
         tables.leaderboard(rows_of(tables.models(families), "broken")),
         tables.families_page(families),
@@ -56,8 +56,12 @@ def test_pages_survive_a_family_with_nothing(families, ledgers):
         ),
         *(
             page(few)
-            for few in (ledgers, ledgers[3:])
-            for page in (verdicts.claims_page, verdicts.fitted_page, verdicts.details_page)
+            for few in (verdicts, rows_of(verdicts, "broken"))
+            for page in (
+                pages_of_verdicts.claims_page,
+                pages_of_verdicts.fitted_page,
+                pages_of_verdicts.details_page,
+            )
         ),
     ]
     for page in pages:
@@ -96,12 +100,12 @@ def test_offsets_and_disturbances_have_their_columns(families):
     assert page.loc[("FPRC", "Forward test [kPa]")].ne("-").all()
 
 
-def test_pages_are_the_blocks_of_the_documentation(families, ledgers):
+def test_pages_are_the_blocks_of_the_documentation(families, verdicts):
     found = {
         "models": tables.models(families), "offsets": tables.offsets(families),
         "capacities": tables.capacity(families),
     }  # fmt: skip
-    pages = tables.pages(families, ledgers, found, "dry")
+    pages = tables.pages(families, verdicts, found, "dry")
     root = Path(__file__).parents[4]
     begun = {
         name

@@ -1,11 +1,11 @@
 """Tables of verdicts in families whose numbers are known."""
 
-from fprc.studies.beyond import verdicts
+from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 
 
-def test_mark_beside_a_verdict_says_whom_the_fit_favours(ledgers):
-    page = verdicts.claims_page(ledgers).set_index("Id")
-    mean = ledgers[0][0]["parts"][0]["mean"]
+def test_mark_beside_a_verdict_says_whom_the_fit_favours(verdicts):
+    page = claims_page(verdicts).set_index("Id")
+    mean = verdicts["mean"].iloc[0]
     assert page.loc["B1", "dry"] == f"superior†‡ {mean:.3f}"
     assert page.loc["B4", "dry"].startswith("superior† ")
     assert page.loc["B8", "dry"].startswith("holds‡ 0.0")
@@ -15,10 +15,10 @@ def test_mark_beside_a_verdict_says_whom_the_fit_favours(ledgers):
     assert page.loc["B1", "broken"] == "not judged"
 
 
-def test_details_say_on_what_a_verdict_rests(ledgers):
-    page = verdicts.details_page(ledgers).set_index(["Id", "Rigs"])
+def test_details_say_on_what_a_verdict_rests(verdicts):
+    page = details_page(verdicts).set_index(["Id", "Rigs"])
     assert list(page.index[:3]) == [("B1", "dry"), ("B1", "drawn"), ("B2", "dry")]
-    part = ledgers[0][0]["parts"][0]
+    part = verdicts.iloc[0]
     assert page.loc[("B1", "dry")].tolist() == [
         "superior†‡", f"{part['mean']:.3f}", f"{part['low']:.3f} to {part['high']:.3f}",
         "< 0.001", "100 %", "12", "0",
@@ -28,21 +28,20 @@ def test_details_say_on_what_a_verdict_rests(ledgers):
     assert "broken" not in page.index.get_level_values("Rigs")
 
 
-def test_tidy_claims_have_a_row_for_each_part(ledgers):
-    table = verdicts.claims(ledgers)
-    assert table.groupby(["world", "id"]).size()["dry"].to_dict() == {
+def test_tidy_claims_have_a_row_for_each_part(verdicts):
+    assert verdicts.groupby(["world", "id"]).size()["dry"].to_dict() == {
         f"B{n}": {3: 2, 7: 3, 8: 2}.get(n, 1) for n in range(1, 9)
     }
-    broken = table[table["world"] == "broken"]
+    broken = verdicts[verdicts["world"] == "broken"]
     assert broken["id"].tolist() == [f"B{n}" for n in range(1, 9)]
     assert (broken["verdict"] == "not judged").all()
-    decided = table[table["verdict"].isin(["superior", "equivalent", "inferior"])]
+    decided = verdicts[verdicts["verdict"].isin(["superior", "equivalent", "inferior"])]
     assert len(decided) > 8
     assert not decided.isna().any().any()
 
 
-def test_what_was_fitted_names_its_claims_and_families(ledgers):
-    page = verdicts.fitted_page(ledgers).set_index("What was fitted")
+def test_what_was_fitted_names_its_claims_and_families(verdicts):
+    page = fitted_page(verdicts).set_index("What was fitted")
     assert page.loc["FPRC's forward error, at epsilon 0.01"].tolist() == ["FPRC †", "B1, B4", "dry"]
     assert page.loc["P_o's share of the readout's weights"].tolist() == [
         "P_o ‡", "B1, B2, B3, B8", "dry",
@@ -51,4 +50,4 @@ def test_what_was_fitted_names_its_claims_and_families(ledgers):
     assert lowest[["Claims", "Rigs"]].to_numpy().tolist() == [
         ["B1, B2, B4, B6", "dry"], ["B7", "dry, sparse"],
     ]  # fmt: skip
-    assert verdicts.fitted_page(ledgers[1:2]).empty
+    assert fitted_page(verdicts[verdicts["world"] == "drawn"]).empty
