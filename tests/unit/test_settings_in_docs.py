@@ -78,8 +78,7 @@ def quoted():
         ],
         "docs/results.md": [f"a time constant of {filter_s:g} s"],
         "docs/running.md": [
-            f"| `drawn.chunk` | {settings.drawn.chunk} |",
-            f"| `evaluation.replicate_seeds` | {len(settings.evaluation.replicate_seeds)} seeds |",
+            f"Each of the {len(settings.evaluation.replicate_seeds)} `evaluation.replicate_seeds`",
         ],
     }
 

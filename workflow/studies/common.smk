@@ -48,7 +48,7 @@ def memory_of(wildcards, threads):
 
 
 def judgement_spec(
-    stem, words, judge, *models, given=None, runtime=120, priority=0, threads=None, **params
+    stem, words, judge, *models, given=None, runtime=120, priority=0, **params
 ):
     """Return what is peculiar to a job that judges families of rigs, with a checkpoint.
 
@@ -64,8 +64,6 @@ def judgement_spec(
         Its inputs, if it has any.
     runtime : int
         Minutes.
-    threads : int, optional
-        Most processes; by default as many as there are cores.
     **params
         ``families``, ``units`` and ``how``, see ``fprc.studies.stages.judge``.
     """
@@ -90,7 +88,7 @@ def judgement_spec(
         given or {},
         {"judged": PATHS.below(f"{stem}.json")},
         priority=priority,
-        threads=threads or workflow.cores,
+        threads=workflow.cores,
         resources={"mem_mb": memory_of, "runtime": runtime},
         **params | {"version": version},
     )

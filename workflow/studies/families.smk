@@ -32,18 +32,6 @@ SETS = {
         },
     },
 }
-#: Numbers of the rigs of each job, by the first of them, and by family.
-CHUNKS = {
-    name: {
-        first: list(range(first, min(first + DRAWN["chunk"], described["rigs"])))
-        for first in range(0, described["rigs"], DRAWN["chunk"])
-    }
-    for name, described in SETS.items()
-}
-CHUNK_FILES = {
-    name: [PATHS.below(f"families/{name}_{first}.json") for first in chunks]
-    for name, chunks in CHUNKS.items()
-}
 FAMILY_TABLES = ("errors", "claims", "answer")
 
 
@@ -68,19 +56,16 @@ use rule replicate as replicate_on_rig with:
 
 wildcard_constraints:
     family="|".join(SETS),
-    # files of another chunk size are no outputs
-    chunk="|".join(str(first) for chunks in CHUNKS.values() for first in chunks),
 
 
 STUDY_RESULTS["judge_family"] = judgement_spec(
-    "families/{family}_{chunk}",
-    "Rigs {wildcards.family}: Tables II to IV, from number {wildcards.chunk}",
+    "families/{family}",
+    "Rigs {wildcards.family}: Tables II to IV",
     "families.family.judge_tables",
     *MODELS,
     given={"near_print": NEAR_PRINT},
-    threads=1,  # the chunks run side by side
     families=lambda wildcards: [family_named(wildcards.family)],
-    units=lambda wildcards: CHUNKS[wildcards.family][int(wildcards.chunk)],
+    units=lambda wildcards: list(range(SETS[wildcards.family]["rigs"])),
     how={"tracking": SETTINGS["tracking"], "judgement": EVERY_SEED},
 )
 
@@ -90,7 +75,7 @@ STUDY_RESULTS["families_summary"] = result_spec(
     "verdicts",
     "Families of rigs",
     {
-        **CHUNK_FILES,
+        **{name: PATHS.below(f"families/{name}.json") for name in SETS},
         "published": PUBLISHED,
         "models": on_rigs("models"),
         "grids": on_rigs("grids"),

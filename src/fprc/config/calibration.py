@@ -189,7 +189,6 @@ class Drawn(Section):
     """Rigs whose free parameters are drawn from their ranges instead of fitted."""
 
     rigs: int = quantity(40, (1, 1_000_000), "number of rigs")
-    chunk: int = quantity(5, (1, 100000), "rigs per job, also of rigs near print")
     seed: int = quantity(1000, (0, 2**31), "seed of the draws")
     angle_deg: Rising[float] = quantity(
         (50, 70), (1, 120), "range of the largest angle; other rigs are rejected"

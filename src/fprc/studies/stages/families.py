@@ -65,7 +65,7 @@ def compare_families(
     *,
     named: Mapping[str, Fit],
     sets: Mapping[str, Mapping[str, Any]],
-    **chunks: Sequence[str],
+    **judged: str,
 ) -> None:
     """Judge the claims on every family.
 
@@ -76,8 +76,8 @@ def compare_families(
     named, sets : Mapping
         Families of one rig: what it was fitted to, see ``judge_claims``. Families of many rigs: the
         ``terms``, the ``title`` and the ``description``.
-    **chunks
-        Results of ``judge_tables`` of each set.
+    **judged
+        Result of ``judge_tables`` of each set.
 
     Writes a list of families, each with ``name``, ``title`` and ``description``; ``errors``, a row
     per printed number with its ``published``, ``middle``, ``low`` and ``high``; ``sums``, the same
@@ -98,10 +98,10 @@ def compare_families(
             for paths in (models, grids, controls)
         )
         rig, words = Results(of_models, of_grids, of_control, {}, {}), f"Rig {name}"
-        judged = _judged(printed, named[name], [rig], words, words, one_rig=True)
-        families.append({"name": name, **judged})
+        of_rig = _judged(printed, named[name], [rig], words, words, one_rig=True)
+        families.append({"name": name, **of_rig})
     for name, described in sets.items():
-        rigs = [rig for path in chunks[name] for rig in read_json(path)["cells"]]
+        rigs = read_json(judged[name])["cells"]
         good = [
             Results([rig["compared"]], [], [rig["measured"]], {}, {})
             for rig in rigs
@@ -113,8 +113,8 @@ def compare_families(
                 f"{rigs[0]['failed']}"
             )
         words = f"{len(good)} {described['description']}"
-        judged = _judged(printed, {"to": described["terms"]}, good, described["title"], words)
-        families.append({"name": name, **judged})
+        of_set = _judged(printed, {"to": described["terms"]}, good, described["title"], words)
+        families.append({"name": name, **of_set})
     write_json(summary, {"source": "sim", "families": families})
 
 

@@ -83,18 +83,17 @@ def judged(monkeypatch):
 
 @pytest.fixture
 def compared(reports_of, judged, tmp_path):
-    """Compare two named rigs with four drawn ones, of which one failed, in two chunks."""
+    """Compare two named rigs with four drawn ones, of which one failed."""
     files = reports_of({"dry": 0.1, "viscous": -0.2})
     rigs = [
         {"unit": unit, "seed": unit, "compared": reports(error), "measured": CONTROL}
         for unit, error in enumerate((0.5, 0.9, 2.0))
     ]
     rigs.append({"unit": 3, "seed": 3, "failed": "it diverged"})
-    chunks = [str(tmp_path / f"drawn_{first}.json") for first in (0, 2)]
-    for path, part in zip(chunks, (rigs[:2], rigs[2:]), strict=True):
-        Path(path).write_text(json.dumps({"source": "sim", "cells": part}))
+    drawn = str(tmp_path / "drawn.json")
+    Path(drawn).write_text(json.dumps({"source": "sim", "cells": rigs}))
     summary = str(tmp_path / "summary.json")
-    stage.compare_families(**files, drawn=chunks, summary=summary, named=NAMED, sets=SETS)
+    stage.compare_families(**files, drawn=drawn, summary=summary, named=NAMED, sets=SETS)
     return summary
 
 
@@ -144,11 +143,11 @@ def test_tables_show_every_family(compared, tmp_path):
 
 
 def test_set_of_which_no_rig_could_be_judged_is_an_error(reports_of, judged, tmp_path):
-    chunk = tmp_path / "drawn_0.json"
-    chunk.write_text(json.dumps({"cells": [{"unit": 0, "seed": 0, "failed": "it diverged"}]}))
+    drawn = tmp_path / "drawn.json"
+    drawn.write_text(json.dumps({"cells": [{"unit": 0, "seed": 0, "failed": "it diverged"}]}))
     with pytest.raises(FprcError, match="drawn.*it diverged"):
         stage.compare_families(
-            **reports_of({"dry": 0.1}), drawn=[str(chunk)], summary=str(tmp_path / "summary.json"),
+            **reports_of({"dry": 0.1}), drawn=str(drawn), summary=str(tmp_path / "summary.json"),
             named={"dry": {"to": []}}, sets=SETS,
         )  # fmt: skip
     assert not (tmp_path / "summary.json").exists()
