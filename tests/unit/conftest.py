@@ -273,7 +273,6 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
         "fitted": ["tables", "orders", "open_loop"],
         "cells": cells,
         "capacity": [_capacity(unit, random) for unit in range(units)],
-        "step_us": {model: 1.0 + ratio for model, ratio in ratios.items()},
     } | more
 
 

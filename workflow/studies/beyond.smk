@@ -36,18 +36,6 @@ STUDY_RESULTS["beyond_world"] = judgement_spec(
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
 )
 
-STUDY_RESULTS["beyond_steps"] = judgement_spec(
-    "beyond/steps",
-    "Beyond the paper: time of a step",
-    "beyond.contest.judge_steps",
-    *COMPETITORS,
-    given={"tuned": TUNED},
-    priority=ALONE,
-    families=lambda wildcards: [family_named(CONFIGURED_FAMILY)],
-    units=[0],
-    how={"contest": CONTEST},
-)
-
 STUDY_RESULTS["beyond_capacity"] = judgement_spec(
     "beyond/capacity",
     "Beyond the paper: memory and nonlinear capacity",
@@ -87,7 +75,6 @@ STUDY_RESULTS["beyond_tables"] = result_spec(
     {
         "families": expand(PATHS.below("beyond/{world}.json"), world=FAMILIES),
         "capacity": PATHS.below("beyond/capacity.json"),
-        "steps": PATHS.below("beyond/steps.json"),
         "over_settings": PATHS.below("beyond/settings.json"),
     },
     {

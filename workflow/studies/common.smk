@@ -47,9 +47,7 @@ def memory_of(wildcards, threads):
     return 1000 * (1 + threads)
 
 
-def judgement_spec(
-    stem, words, judge, *models, given=None, runtime=120, priority=0, **params
-):
+def judgement_spec(stem, words, judge, *models, given=None, runtime=120, **params):
     """Return what is peculiar to a job that judges families of rigs, with a checkpoint.
 
     Parameters
@@ -87,7 +85,6 @@ def judgement_spec(
         words,
         given or {},
         {"judged": PATHS.below(f"{stem}.json")},
-        priority=priority,
         threads=workflow.cores,
         resources={"mem_mb": memory_of, "runtime": runtime},
         **params | {"version": version},

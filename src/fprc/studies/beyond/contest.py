@@ -8,7 +8,6 @@ import numpy as np
 from fprc.errors import FprcError, in_one_line
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import prepare
-from fprc.evaluation.timing import WARM_UP, machine, time_steps
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire, simulate
 from fprc.experiments.settings import RigSettings, Unit
@@ -36,8 +35,6 @@ ALL = (
 
 #: Marks the random stream of the noise that is added to P_o.
 _NOISE = 20243
-#: Training samples of a model whose step is timed.
-_ENOUGH = 4000
 
 
 class Contest(NamedTuple):
@@ -207,22 +204,3 @@ def _disturbed(
         kind: test._replace(channels={**test.channels, "p_o_kpa": values})
         for kind, values in found.items()
     }
-
-
-def judge_steps(unit: Unit, *, contest: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Time a step of every model on this machine: ``seed``, ``step_us`` by model, the machine."""
-    on_rig, seed = unit.rigs[0]
-    entered = Contest(**contest, tuned=unit.family["tuned"])
-    logs = simulate(on_rig, seed)
-    times = {name: time_of_step(name, logs, entered, seed) for name in ALL}
-    return [{"seed": seed, **machine(), "step_us": times}]
-
-
-def time_of_step(name: str, logs: Mapping[str, Data], contest: Contest, seed: int) -> float:
-    """Return the median time of a step of a trained model, us."""
-    # on a part of the log: a step takes no longer after a longer training
-    X, y = (values[:_ENOUGH] for values in logs["sweep"].pair(name))
-    model = contest.build(name, seed).fit(X, y)
-    rows = logs["complex"].pair(name)[0][: 2 * WARM_UP]
-    model.reset()
-    return 1e6 * float(np.median(time_steps(lambda k: model.step(rows[k]), len(rows))[WARM_UP:]))

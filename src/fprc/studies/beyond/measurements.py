@@ -1,8 +1,7 @@
 """Read the measurements of a family of the target ``beyond``; a family is one rig or a set of rigs.
 
 A family has ``name``, ``fitted`` (the terms that its rigs were fitted to), ``unit`` (seed or rig),
-``cells`` (one per rig and seed, with the errors of each model), and may have ``capacity`` and
-``step_us``.
+``cells`` (one per rig and seed, with the errors of each model), and may have ``capacity``.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +20,6 @@ MEASURES = {
     "reversed": "reversed test [kPa]",
     "open_loop": "open loop [deg]",
     "closed_loop": "closed loop [deg]",
-    "step_us": "one step [us]",
 }
 
 #: Loops of a tracking run, open and closed.

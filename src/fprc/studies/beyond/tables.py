@@ -47,12 +47,6 @@ def models(families: Families) -> pd.DataFrame:
         empty for a single one), ``units``, ``source``.
     """
     table = measured(families)
-    steps = [
-        (family["name"], 0, 0, model, "step_us", value)
-        for family in families
-        for model, value in family.get("step_us", {}).items()
-    ]
-    table = pd.concat([table, pd.DataFrame(steps, columns=table.columns).astype(table.dtypes)])
     return _means(table[table["measure"].isin(list(MEASURES))], "model", "measure")
 
 
@@ -60,7 +54,7 @@ def models_page(table: pd.DataFrame, *, intervals: bool = False) -> pd.DataFrame
     """Return the models of one family as a page, one row each."""
     headings = {_heading(measure): measure for measure in MEASURES}
     page = wide(table, ["model"], "measure", headings, intervals=intervals)
-    units = table[table["measure"] != "step_us"].groupby("model")["units"]
+    units = table.groupby("model")["units"]
     words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
     page["Units"] = words.reindex(page.index).fillna("-")
     return named(page, Model=title_of)

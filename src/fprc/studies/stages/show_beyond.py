@@ -25,7 +25,6 @@ _CLAIMS = [
 def tabulate_beyond(
     families: Sequence[str],
     capacity: str,
-    steps: str,
     over_settings: str,
     pages: Sequence[str],
     *,
@@ -37,7 +36,7 @@ def tabulate_beyond(
     Parameters
     ----------
     families : sequence of str
-        Reports of the families; the first one's rig is that of ``steps``.
+        Reports of the families.
     capacity : str
         Capacities in each family with one rig.
     over_settings : str
@@ -53,7 +52,6 @@ def tabulate_beyond(
     capacities = read_json(capacity)["cells"]
     for measured in found:
         measured["capacity"] = [row for row in capacities if row["family"] == measured["name"]]
-    found[0]["step_us"] = read_json(steps)["cells"][0]["step_us"]
     judged = [judge_family(family, CLAIMS, numbers_of(family)) for family in found]
     verdicts = pd.concat(judged, ignore_index=True)
     made = {

@@ -10,7 +10,7 @@ from fprc.studies.beyond.verdicts import judge_family
 @pytest.fixture(scope="session")
 def families(make_family):
     """A full family, one of drawn rigs, one with the least that can be, and one that failed."""
-    sparse = {"capacity": [], "step_us": {}}
+    sparse = {"capacity": []}
     failed = [{"unit": 0, "seed": 601, "failed": "no pressure"}]
     return [
         make_family("dry", fitted=["tables", "orders", "open_loop", "C8"]),

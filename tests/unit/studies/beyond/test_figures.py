@@ -9,7 +9,7 @@ from fprc.studies.beyond import tables as tables
 
 @pytest.fixture(scope="module")
 def families(make_family):
-    sparse = {"capacity": [], "step_us": {}}
+    sparse = {"capacity": []}
     few = ("fprc", "fuzzy_linear", "fprc_lowpass")
     return {
         "dry": make_family(spread=0.02),
@@ -75,7 +75,7 @@ def test_stacked_capacities_end_at_the_total(families, axes):
 
 @pytest.mark.parametrize("what", ["pairs", "offsets", "capacities"])
 def test_family_of_failures_is_drawn_empty(what, make_family, axes, judge_claims):
-    nothing = {"capacity": [], "step_us": {}}
+    nothing = {"capacity": []}
     family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
     if what == "pairs":
         figures.plot_pairs(judge_claims(family), axes)

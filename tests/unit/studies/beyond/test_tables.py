@@ -80,7 +80,7 @@ def test_leaderboard_begins_with_the_lowest_error_and_offers_no_oracle(families)
     assert errors[0] == pytest.approx(best["mean"], rel=5e-3)
     assert not page["Model"].str.contains("test log|matched|oracle").any()
     assert not any("Closed" in column for column in page)
-    assert {"Reversed test [kPa]", "Open loop [deg]", "One step [us]"} < set(page)
+    assert {"Reversed test [kPa]", "Open loop [deg]"} < set(page)
 
 
 def test_offsets_and_disturbances_have_their_columns(families):

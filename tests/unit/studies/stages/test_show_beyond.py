@@ -24,9 +24,8 @@ SETTINGS = [
 def tabulated(make_family, tmp_path_factory):
     """Tables of two families; a file for each part of the first one, as the workflow has them."""
     tmp_path = tmp_path_factory.mktemp("beyond")
-    parts = ("capacity", "step_us")
     families = [make_family(spread=0.02), make_family("viscous", spread=0.02)]
-    taken = [{name: family.pop(name) for name in parts} for family in families]
+    taken = [family.pop("capacity") for family in families]
     written = {
         family["name"]: {
             "source": "sim",
@@ -36,8 +35,7 @@ def tabulated(make_family, tmp_path_factory):
         for family in families
     }
     written |= {
-        "capacity": {"cells": [{"family": "dry", **row} for row in taken[0]["capacity"]]},
-        "steps": {"cells": [{"step_us": taken[0]["step_us"]}]},
+        "capacity": {"cells": [{"family": "dry", **row} for row in taken[0]]},
         "settings": {"cells": SETTINGS},
     }
     for name, content in written.items():
@@ -46,7 +44,7 @@ def tabulated(make_family, tmp_path_factory):
     tables = {name: str(tmp_path / f"{name}.csv") for name in CSV}
     tabulate_beyond(
         [path["dry"], path["viscous"]],
-        *(path[name] for name in ("capacity", "steps", "settings")),
+        *(path[name] for name in ("capacity", "settings")),
         [str(tmp_path / f"beyond/{name}.md") for name in PAGES], family="dry", **tables,
     )  # fmt: skip
     return tables
