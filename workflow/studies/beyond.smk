@@ -10,7 +10,6 @@ FIGURES_BEYOND = {
     "pairs": ("claims", "error ratios of pairs of models"),
     "offsets": ("offsets", "offset of P_o"),
     "capacities": ("capacities", "capacities"),
-    "settings": ("settings", "what P_o is worth over epsilon and n_c"),
 }
 #: Names of the tables in Markdown.
 PAGES_BEYOND = "claims models offsets capacities worlds beside fitted details leaderboard".split()
@@ -48,26 +47,6 @@ STUDY_RESULTS["beyond_capacity"] = judgement_spec(
     },
 )
 
-#: Between values of Fig. 10, where one of them decides what P_o is worth.
-EPSILONS_BETWEEN = [0.03, 0.003]
-
-STUDY_RESULTS["beyond_settings"] = judgement_spec(
-    "beyond/settings",
-    "Beyond the paper: FPRC with and without P_o over epsilon and n_c",
-    "beyond.contest.judge_settings",
-    *COMPETITORS,
-    given={"tuned": TUNED},
-    families=families_of_one_rig,
-    units=list(range(BEYOND["setting_seeds"])),
-    how={
-        "contest": CONTEST,
-        "grids": {
-            "epsilon": [*dict.fromkeys(SETTINGS["grids"]["epsilon"] + EPSILONS_BETWEEN)],
-            "n_c": SETTINGS["grids"]["n_c"],
-        },
-    },
-)
-
 STUDY_RESULTS["beyond_tables"] = result_spec(
     "beyond/claims",
     "tables",
@@ -75,10 +54,9 @@ STUDY_RESULTS["beyond_tables"] = result_spec(
     {
         "families": expand(PATHS.below("beyond/{world}.json"), world=FAMILIES),
         "capacity": PATHS.below("beyond/capacity.json"),
-        "over_settings": PATHS.below("beyond/settings.json"),
     },
     {
-        **{name: PATHS.below(f"beyond/{name}.csv") for name in (*PAGES_BEYOND[:4], "settings")},
+        **{name: PATHS.below(f"beyond/{name}.csv") for name in PAGES_BEYOND[:4]},
         "pages": expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
     },
     **stage("studies.show_beyond.tabulate_beyond"),

@@ -59,8 +59,5 @@ class Beyond(Section):
     restarts: int = quantity(
         10, (1, 1000), "starts of every clustering; the lowest objective is kept"
     )
-    setting_seeds: int = quantity(
-        10, (1, 1000), "seeds on which values of epsilon and n_c are judged"
-    )
     disturbances: Disturbances = Disturbances()
     capacity: Capacity = Capacity()

@@ -126,36 +126,6 @@ def judge_rig(
     return judged
 
 
-def judge_settings(
-    unit: Unit, *, contest: Mapping[str, Any], grids: Mapping[str, Sequence[float]]
-) -> list[dict[str, Any]]:
-    """Return forward test errors of FPRC, and of FPRC on low-passed theta_d, over some settings.
-
-    Parameters
-    ----------
-    grids : Mapping
-        Values of ``epsilon`` and of ``n_c``; one is changed at a time.
-
-    Returns
-    -------
-    list of dict
-        ``setting``, ``value``, and the error of each of the two models, kPa.
-    """
-    on_rig, seed = unit.rigs[0]
-    logs, entered = simulate(on_rig, seed), Contest(**contest, tuned=unit.family["tuned"])
-    cells = []
-    for setting, values in grids.items():
-        for value in values:
-            fprc = {**entered.models["fprc"], setting: value}
-            changed = entered._replace(models={**entered.models, "fprc": fprc})
-            errors = {
-                name: _trained(name, logs["sweep"], logs["complex"], changed, seed)[2]
-                for name in ("fprc", "fprc_lowpass")
-            }
-            cells.append({"setting": setting, "value": value, **errors})
-    return cells
-
-
 def _trained(
     name: str, train: Data, test: Data, contest: Contest, seed: int
 ) -> tuple[SequenceModel, float, float]:

@@ -85,34 +85,6 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     ax.xaxis.set_minor_locator(NullLocator())
 
 
-def plot_settings(table: DataFrame, ax: Axes) -> None:
-    """Draw a ratio of errors over one setting, with its intervals, a line per family.
-
-    Parameters
-    ----------
-    table : DataFrame
-        One setting of ``tables.over_settings``.
-    """
-    (setting,) = table["setting"].unique()
-    span = 1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN
-    ax.axhspan(*span, color="0.92", linewidth=0)
-    ax.axhline(1.0, color="0.6", linewidth=0.6)
-    by_family = table.groupby("world", sort=False)
-    for (name, of_family), (marker, colour) in zip(by_family, _FAMILIES, strict=False):
-        of_family = of_family.sort_values("value")
-        arms = [of_family["mean"] - of_family["low"], of_family["high"] - of_family["mean"]]
-        ax.errorbar(of_family["value"], of_family["mean"], yerr=arms, fmt=f"-{marker}",
-                    color=colour, markersize=3, linewidth=0.8,
-                    label=escape.figure(family_title(name)))  # fmt: skip
-    ax.set(xscale="log", yscale="log", ylabel="Error with $P_o$ / with\nlow-passed $\\theta_d$")
-    ax.set_xlabel(r"$\epsilon$" if setting == "epsilon" else "$n_c$")
-    values = sorted(table["value"].unique())
-    ax.set_xticks(values, [f"{value:g}" for value in values])
-    ratios = [0.5, 0.7, 1, 1.5, 2, 3, 4]
-    ax.set_yticks(ratios, [f"{value:g}" for value in ratios])
-    ax.minorticks_off()
-
-
 def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> None:
     """Draw an error over the offset of P_o; Fuzzy-linear, without P_o, is a level line.
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from fprc.paper import SOURCES
@@ -133,22 +132,6 @@ def capacity_page(table: pd.DataFrame) -> pd.DataFrame:
     headings = {name.capitalize(): name for name in quantities}
     page = wide(table, ["set", "states"], "quantity", headings)
     return named(page, States=lambda name: SETS.get(name, name), Number=str)
-
-
-def over_settings(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return FPRC's forward test error over that of FPRC on low-passed theta_d, tidy.
-
-    Columns ``world``, ``setting`` (epsilon or n_c), ``value`` of the setting, ``mean`` of the
-    ratio, its 95 % interval ``low`` and ``high``, ``units`` and ``source``.
-    """
-    table = pd.DataFrame(cells).rename(columns={"family": "world", "value": "at"})
-    logs = table.assign(value=np.log(table["fprc"] / table["fprc_lowpass"]))
-    means = means_of(logs, "world", "setting", "at", count="units").rename(columns={"at": "value"})
-    # the interval of a single unit is its value
-    ratios = np.exp(means[["mean", "low", "high"]]).ffill(axis=1)
-    return (
-        means[["world", "setting", "value"]].join(ratios).assign(units=means["units"], source="sim")
-    )
 
 
 def pages(

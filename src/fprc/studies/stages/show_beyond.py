@@ -25,7 +25,6 @@ _CLAIMS = [
 def tabulate_beyond(
     families: Sequence[str],
     capacity: str,
-    over_settings: str,
     pages: Sequence[str],
     *,
     family: str,
@@ -39,14 +38,12 @@ def tabulate_beyond(
         Reports of the families.
     capacity : str
         Capacities in each family with one rig.
-    over_settings : str
-        Errors over epsilon and n_c.
     pages : sequence of str
         Tables in Markdown, named after ``tables.pages``.
     family : str
         Family whose models, offsets and capacities the pages show.
     **csv : str
-        Tables by name: ``models``, ``claims``, ``offsets``, ``capacities``, ``settings``.
+        Tables by name: ``models``, ``claims``, ``offsets``, ``capacities``.
     """
     found = [family_of(read_json(path)) for path in families]
     capacities = read_json(capacity)["cells"]
@@ -59,7 +56,6 @@ def tabulate_beyond(
         "claims": verdicts[_CLAIMS],
         "offsets": tables.offsets(found),
         "capacities": tables.capacity(found),
-        "settings": tables.over_settings(read_json(over_settings)["cells"]),
     }
     for name, table in made.items():
         write_csv(csv[name], table)
@@ -74,15 +70,15 @@ def draw_beyond(table: str, pdf: str, png: str, *, figure: str, family: str) -> 
     Parameters
     ----------
     figure : str
-        ``pairs``, from the table of the claims, or ``offsets``, ``capacities`` or ``settings``,
+        ``pairs``, of every family, from the table of the claims; or ``offsets`` or ``capacities``,
         from the table of that name.
     family : str
-        Family that is shown where only one is.
+        Family that offsets and capacities are of.
     """
     *grid, shared, plot = _FIGURES[figure]
     fig, axes = style.figure(*grid, **shared)
     found = pd.read_csv(table)
-    plot(found if figure in _OF_ALL else found[found["world"] == family], axes)
+    plot(found if figure == "pairs" else found[found["world"] == family], axes)
     style.share_legend(fig, fig.axes[0])
     return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
 
@@ -93,20 +89,9 @@ def _plot_offsets(table: pd.DataFrame, axes: Sequence[Axes]) -> None:
         figures.plot_offsets(table, measure, ax)
 
 
-def _plot_settings(table: pd.DataFrame, axes: Sequence[Axes]) -> None:
-    """Draw FPRC's error over that of FPRC on low-passed theta_d, over epsilon and over n_c."""
-    for ax, (_, of_setting) in zip(axes, table.groupby("setting", sort=False), strict=True):
-        figures.plot_settings(of_setting, ax)
-        ax.label_outer()
-    axes[0].set_ylim(table["low"].min() / 1.05, table["high"].max() * 1.05)
-
-
 #: Rows and columns of axes, width and height in inches, axes that are shared, and what draws.
 _FIGURES: dict[str, tuple[Any, ...]] = {
     "pairs": (1, 1, style.PAGE_IN, 4.6, {}, figures.plot_pairs),
     "offsets": (1, 3, style.PAGE_IN, 2.6, {"sharex": True}, _plot_offsets),
     "capacities": (1, 1, style.COLUMN_IN, 3.0, {}, figures.plot_capacities),
-    "settings": (1, 2, style.PAGE_IN, 2.4, {"sharey": True}, _plot_settings),
 }
-#: Those that show every family.
-_OF_ALL = ("pairs", "settings")

@@ -18,7 +18,6 @@ from fprc.studies.beyond.contest import (
     Contest,
     judge_models,
     judge_rig,
-    judge_settings,
 )
 
 SETTINGS = Settings().model_dump(mode="json")
@@ -47,12 +46,6 @@ def contest():
 def how(contest):
     """What the functions take that judge a unit."""
     return {key: value for key, value in contest._asdict().items() if key != "tuned"}
-
-
-@pytest.fixture(scope="module")
-def unit(on_rig, contest):
-    family = {"every_model": False, "tuned": contest.tuned}
-    return Unit(0, family, [(on_rig, SEED)])
 
 
 @pytest.fixture(scope="module")
@@ -109,17 +102,6 @@ def test_tuned_settings_replace_the_defaults_and_no_others(judged):
     tuned, usual = judged["fprc_tuned"], judged["fprc"]
     assert tuned == {name: usual[name] for name in tuned}
     assert judged["bank_tuned"]["train"] > judged["bank"]["train"]  # a stronger ridge
-
-
-def test_changed_setting_is_that_of_both_models(judged, unit, how):
-    own = SETTINGS["models"]["fprc"]["n_c"]
-    cells = judge_settings(unit, contest=how, grids={"epsilon": [1.0], "n_c": [own]})
-    assert [(cell["setting"], cell["value"]) for cell in cells] == [("epsilon", 1.0), ("n_c", own)]
-    for name in ("fprc", "fprc_lowpass"):
-        forward = judged[name]["forward"] if name in judged else None
-        assert forward in (None, cells[1][name])
-    assert cells[0]["fprc"] != cells[1]["fprc"]
-    assert cells[0]["fprc_lowpass"] != cells[1]["fprc_lowpass"]
 
 
 @pytest.mark.parametrize(("every", "number"), [(False, 0), (True, 0), (True, 2)])

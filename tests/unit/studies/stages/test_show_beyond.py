@@ -6,18 +6,8 @@ import pytest
 
 from fprc.studies.stages.show_beyond import draw_beyond, tabulate_beyond
 
-CSV = ("models", "claims", "offsets", "capacities", "settings")
-PAGES = (*CSV[:-1], "worlds", "beside", "fitted", "details", "leaderboard")
-
-
-#: FPRC is 20 % better with P_o at epsilon 0.01, on every seed but one.
-SETTINGS = [
-    {"family": "dry", "unit": unit, "setting": setting, "value": value, "fprc": ours,
-     "fprc_lowpass": 10.0}
-    for setting, values in (("epsilon", (0.001, 0.01)), ("n_c", (2, 4)))
-    for value in values
-    for unit, ours in enumerate((8.0, 8.0, 10.0) if value == 0.01 else (10.0,) * 3)
-]  # fmt: skip
+CSV = ("models", "claims", "offsets", "capacities")
+PAGES = (*CSV, "worlds", "beside", "fitted", "details", "leaderboard")
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +26,6 @@ def tabulated(make_family, tmp_path_factory):
     }
     written |= {
         "capacity": {"cells": [{"family": "dry", **row} for row in taken[0]]},
-        "settings": {"cells": SETTINGS},
     }
     for name, content in written.items():
         (tmp_path / f"{name}.json").write_text(json.dumps(content))
@@ -44,7 +33,7 @@ def tabulated(make_family, tmp_path_factory):
     tables = {name: str(tmp_path / f"{name}.csv") for name in CSV}
     tabulate_beyond(
         [path["dry"], path["viscous"]],
-        *(path[name] for name in ("capacity", "settings")),
+        path["capacity"],
         [str(tmp_path / f"beyond/{name}.md") for name in PAGES], family="dry", **tables,
     )  # fmt: skip
     return tables
@@ -64,18 +53,10 @@ def test_what_was_measured_beside_the_models_belongs_to_its_family(tabulated):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", ["pairs", "offsets", "capacities", "settings"])
+@pytest.mark.parametrize("figure", ["pairs", "offsets", "capacities"])
 def test_figure_is_drawn_from_its_table(tabulated, tmp_path, figure):
     table = tabulated["claims" if figure == "pairs" else figure]
     pdf, png = (str(tmp_path / f"{figure}.{kind}") for kind in ("pdf", "png"))
     data = draw_beyond(table, pdf, png, figure=figure, family="dry")
     assert data["source"] == "sim"
     assert Path(png).stat().st_size > 1000
-
-
-def test_ratio_over_a_setting_is_a_geometric_mean(tabulated):
-    table = pd.read_csv(tabulated["settings"]).set_index(["setting", "value"])
-    assert table.loc["epsilon", 0.01]["mean"].item() == pytest.approx(0.8 ** (2 / 3))
-    assert (table["units"] == 3).all()
-    flat = table.drop(("epsilon", 0.01))
-    assert flat[["mean", "low", "high"]].to_numpy() == pytest.approx(1.0)
