@@ -1,4 +1,4 @@
-# What the numbers owe to each parameter of the rig and to its stop. None of this is part of `all`.
+# What the numbers owe to each parameter of the rig. None of this is part of `all`.
 
 DRAWN, BEYOND = SETTINGS["drawn"], SETTINGS["beyond"]
 #: How the paper's models are judged, with any seed.
@@ -39,46 +39,11 @@ STUDY_RESULTS["sensitivity_figure"] = figure_spec(
     **stage("studies.sensitivity.draw_sensitivity"),
 )
 
-#: What is changed of the drift, by the words that follow the name of the rig.
-DRIFTS = {"": {}, ", no drift": {"sigma_kpa": 0.0}, ", drift over 10 s": {"time_s": 10.0}}
-
-
-def rigs_with_other_drift(wildcards):
-    """Return the rig of the configuration and dry as families, each also with another drift."""
-    found = []
-    for name in dict.fromkeys([SETTINGS["fitted"]["name"], "dry"]):
-        family = family_named(name)
-        settings, rig = family["on_rig"], family["on_rig"]["rig"]
-        for words, drift in DRIFTS.items():
-            changed = settings | {"rig": rig | {"drift": rig["drift"] | drift}}
-            # units are the seeds
-            found.append(family | {"name": name + words, "on_rig": changed, "first_seed": 0})
-    return found
-
-
-STUDY_RESULTS["measure_stop"] = judgement_spec(
-    "calibration/stop",
-    "Errors at the stop of the actuator",
-    "families.stop.judge_stop",
-    *MODELS,
-    families=rigs_with_other_drift,
-    units=SETTINGS["evaluation"]["replicate_seeds"],
-    how={"judgement": EVERY_SEED},
-)
-
-STUDY_RESULTS["stop_table"] = table_spec(
-    "calibration/stop",
-    "Errors at the stop",
-    {"judged": PATHS.below("calibration/stop.json")},
-    **stage("studies.sensitivity.tabulate_stop"),
-)
-
 
 STUDY_TARGETS |= {
     "sensitivity": [
         PATHS.below("calibration/sensitivity.md"),
         PATHS.below("calibration/sensitivity_figure.pdf"),
-        PATHS.below("calibration/stop.md"),
         *STUDY_RESULTS["measure_sensitivity"].made.values(),
     ],
 }

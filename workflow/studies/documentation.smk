@@ -8,8 +8,7 @@ SHOWN = RESULTS == "results" and IN_CHECKOUT
 SHOWN_ON = {
     "calibration_page": SimpleNamespace(
         pages=["docs/calibration.md"],
-        tables=by_block("families", FAMILY_TABLES)
-        | by_block("calibration", ("sensitivity", "stop")),
+        tables=by_block("families", FAMILY_TABLES) | by_block("calibration", ["sensitivity"]),
         figures={
             "docs/images/families.png": PATHS.below("families/figure.png"),
             "docs/images/sensitivity.png": PATHS.below("calibration/sensitivity_figure.png"),

@@ -1,15 +1,12 @@
-"""What the numbers of one rig depend on: each of its parameters, and the stop of its actuator."""
+"""What the numbers of one rig depend on: each of its parameters."""
 
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from fprc.artifacts import read_json
 from fprc.figures import style
-from fprc.paper import SOURCES
-from fprc.studies.families import stop
 from fprc.studies.families.sensitivity import changes, page_of_changes, plot_changes
 from fprc.tables.text import write_table
 
@@ -42,18 +39,3 @@ def draw_sensitivity(table: str, pdf: str, png: str) -> Mapping[str, Any]:
         "Largest change over the parameter's range [%]; orange: the loop is unstable there"
     )
     return style.save(fig, {"source": values["source"].iloc[0], "seeds": []}, pdf, png)
-
-
-def tabulate_stop(judged: str, **files: str) -> None:
-    """Write the errors at the stop and off it."""
-    report = read_json(judged)
-    cells, rigs = report["cells"], list(report["families"])
-    table = stop.over_seeds(cells).assign(source="sim")
-    share = 100.0 * np.mean([cell["at_stop"] for cell in cells if cell["family"] == rigs[0]])
-    note = (
-        f"Errors at the stop: {share:.0f} % of the sweep's samples on {rigs[0]}, with theta below "
-        f"{stop.STOP_DEG:g} deg, where the angle does not tell the pressure. Trained on the sweep, "
-        f"but for the reversed test; mean and its 95 % interval over {len(cells) // len(rigs)} "
-        f"seeds.\nData: {SOURCES['sim']}."
-    )
-    write_table(table, stop.page(table), note, **files)
