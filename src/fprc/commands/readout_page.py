@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from fprc.artifacts import read_json
 from fprc.claims.recording import answer, sentences
@@ -16,17 +15,10 @@ from fprc.logs import read_columns
 from fprc.paper import SOURCES
 from fprc.provenance import sha256
 from fprc.stages.tabulate import failed_checks
-from fprc.tables import readout
 
 #: Recordings of one role, training or test: files with their maps.
 Recordings = Sequence[tuple[str, ImportMap]]
 _TARGETS = {"command": "commanded", "measured": "measured"}
-#: What FPRC's error is compared with: readouts of the folds, and models of the test.
-_SUBSTITUTES = {
-    **dict.fromkeys(("none", "fuzzy_linear"), "than without a readout"),
-    **dict.fromkeys(("theta", "fprc_lowpass"), "than with theta low-passed"),
-    "shifted": "than with P_o shifted in time",
-}
 
 #: Share of the variance of another channel that P_o explains only if it is a copy. A pressure loop
 #: follows its command to 0.999.
@@ -47,7 +39,6 @@ def report_page(
     results: Mapping[str, Any],
 ) -> str:
     """Return the report as Markdown, with links to the pictures of the recording."""
-    table = readout.readout(results)
     ((source, _),) = parts["complex"]
     further = [path for path, _ in parts["sweep"] if path != source]
     default = from_files([]).model_dump(mode="json")["models"]
@@ -65,15 +56,11 @@ def report_page(
         f"{'' if settings['models'] == default else ', except for the settings given'}. "
         f"The models predict the {_TARGETS[results['target']]} P_exp.",
         "",
-        "## Finding",
-        "",
-        *(f"- {line}" for line in findings(table, results["competitors"])),
+        "## Table",
         "",
         "Low-passed theta and P_o shifted in time are controls: P_o helps as a memory only if it "
         "beats both. One test does not show the spread of the test error; the verdicts under "
         "[Other models](#other-models) say which differences are more than chance.",
-        "",
-        "## Table",
         "",
         (folder / "readout/readout.md").read_text(encoding="utf-8"),
         *_others(folder, results["competitors"]),
@@ -179,36 +166,3 @@ def cautions(folder: Path, settings: Mapping[str, Any]) -> list[str]:
             "the map; else scale it, or change models.fprc.sigma"
         )
     return lines
-
-
-def findings(table: pd.DataFrame, competitors: Mapping[str, Any]) -> list[str]:
-    """Describe the effect of P_o on the error at the models' settings.
-
-    Parameters
-    ----------
-    table : DataFrame
-        As ``tables.readout.readout`` gives it.
-    competitors : Mapping
-        Report on the models that are trained on the whole training part.
-    """
-    held_out = readout.held_out(table)
-    validated = table[table["split"] == held_out].set_index("readout")["validation_rmse"]
-    folds = "On blocked folds" if held_out == "blocked" else "On recordings left out of training"
-    tested = {cell["model"]: cell.get("test_rmse_kpa") for cell in competitors["cells"]}
-    lines = []
-    for what, ours, errors in (
-        (folds, "p_o", validated),
-        ("On the test part", "fprc", tested),
-    ):
-        changes = ", ".join(
-            f"{_change(errors[ours], errors[other])} {name}"
-            for other, name in _SUBSTITUTES.items()
-            if errors.get(ours) and errors.get(other)
-        )
-        lines += [f"{what} FPRC's error is {changes}."] if changes else []
-    return lines
-
-
-def _change(ours: float, other: float) -> str:
-    percent = 100.0 * (ours / other - 1.0)
-    return f"{abs(percent):.1f} % {'higher' if percent > 0.0 else 'lower'}"
