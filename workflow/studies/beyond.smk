@@ -30,8 +30,8 @@ STUDY_RESULTS["beyond_world"] = judgement_spec(
     "beyond.contest.judge_models",
     *COMPETITORS,
     given={"near_print": NEAR_PRINT, "tuned": TUNED},
-    families=lambda wildcards: [family_of(wildcards)],
-    units=lambda wildcards: list(range(units_of(wildcards))),
+    families=lambda wildcards: [family_named(wildcards.world)],
+    units=lambda wildcards: list(range(BEYOND["rigs" if wildcards.world in SETS else "seeds"])),
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
 )
 
@@ -39,7 +39,7 @@ STUDY_RESULTS["beyond_capacity"] = judgement_spec(
     "beyond/capacity",
     "Beyond the paper: memory and nonlinear capacity",
     "beyond.driven_states.judge_capacity",
-    families=families_of_one_rig,
+    families=lambda wildcards: [family_named(name) for name in (CONFIGURED_FAMILY, *OTHER_RIGS)],
     units=list(range(BEYOND["capacity"]["seeds"])),
     how={
         "models": pick(SETTINGS["models"], "n_y", "fprc", "esn"),

@@ -91,21 +91,6 @@ def judgement_spec(stem, words, judge, *models, given=None, runtime=120, **param
     )
 
 
-def family_of(wildcards):
-    """Return the family of a job."""
-    return family_named(wildcards.world)
-
-
-def families_of_one_rig(wildcards):
-    """Return the families that have one rig."""
-    return [family_named(name) for name in (CONFIGURED_FAMILY, *OTHER_RIGS)]
-
-
-def units_of(wildcards):
-    """Return the number of seeds or rigs of a family."""
-    return BEYOND["rigs" if wildcards.world in SETS else "seeds"]
-
-
 def by_block(folder, tables):
     """Return tables in a folder by their blocks in the documentation, which are named after both."""
     return {f"{folder}_{table}": PATHS.below(f"{folder}/{table}.md") for table in tables}

@@ -10,7 +10,7 @@ STUDY_RESULTS["judge_online"] = judgement_spec(
     *COMPETITORS,
     given={"near_print": NEAR_PRINT},
     families=lambda wildcards: [
-        family_of(wildcards) | {"first_seed": ONLINE["first_seed"], "seeds_per_rig": 1}
+        family_named(wildcards.world) | {"first_seed": ONLINE["first_seed"], "seeds_per_rig": 1}
     ],
     units=list(range(ONLINE["units"])),
     how={"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
