@@ -16,13 +16,15 @@ STUDY_RESULTS["judge_online"] = judgement_spec(
     how={"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
 )
 
-for table in ("verdicts", "errors"):
+for table, tabulate in (
+    ("verdicts", stage("studies.online.tabulate_verdicts")),
+    ("errors", stage("studies.online.tabulate_errors")),
+):
     STUDY_RESULTS[f"online_{table}"] = table_spec(
         f"online/{table}",
         f"Learning while it runs: {table}",
         {"families": expand(PATHS.below("online/{world}.json"), world=FAMILIES)},
-        **stage("studies.online.tabulate_online"),
-        table=table,
+        **tabulate,
     )
 
 STUDY_RESULTS["online_figure"] = figure_spec(

@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,7 +11,6 @@ from fprc.models import FPRC
 from fprc.paper import REFERENCES
 from fprc.plan.arguments import on_rig
 from fprc.studies.families.family import unit_of
-from fprc.studies.online import show
 from fprc.studies.online.follow_up import STATES, follow_up
 from fprc.studies.online.judge import (
     CONDITIONS,
@@ -111,8 +112,8 @@ def family(units=12, seed=1, **ratios):
     """Return a family of known errors: 1 deg, times the factor of a model or a condition."""
     rng, cells = np.random.default_rng(seed), []
     runs = [("fprc", c, learns, loop) for c in CONDITIONS
-            for learns in (False, True) for loop in show.LOOPS]  # fmt: skip
-    runs += [("fprc_lowpass", "none", True, loop) for loop in show.LOOPS]
+            for learns in (False, True) for loop in stage.LOOPS]  # fmt: skip
+    runs += [("fprc_lowpass", "none", True, loop) for loop in stage.LOOPS]
     runs += [("pd", "none", False, "closed")]
     runs += [(f"follow_up_{state}", "none", True, "closed") for state in STATES]
     for unit in range(units):
@@ -125,7 +126,22 @@ def family(units=12, seed=1, **ratios):
             for reference in REFERENCES
         ]  # fmt: skip
         cells.append({"unit": unit, "seed": unit, "rows": rows})
-    return {"name": "dry", "fitted": [], "cells": cells}
+    described = {"dry": {"fitted": [], "unit": "seed"}}
+    return {"source": "sim", "families": described, "cells": cells}
+
+
+@pytest.fixture
+def tabulated(tmp_path):
+    """Write a table of a family, and return its files."""
+
+    def tabulate(table, report):
+        write_json(tmp_path / "dry.json", report)
+        files = {kind: str(tmp_path / f"table.{kind}") for kind in ("csv", "md", "tex")}
+        table([str(tmp_path / "dry.json")], **files)
+        assert "nan" not in Path(files["md"]).read_text(encoding="utf-8")
+        return files
+
+    return tabulate
 
 
 @pytest.mark.parametrize(
@@ -139,24 +155,18 @@ def family(units=12, seed=1, **ratios):
         ({"fprc": 1.3}, ["holds", "inferior", "inferior", "equivalent"]),
     ],
 )  # fmt: skip
-def test_verdict_is_that_of_known_errors(ratios, verdicts):
-    table, page, _ = show.TABLES["verdicts"]([family(**ratios)])
+def test_verdict_is_that_of_known_errors(ratios, verdicts, tabulated):
+    table = pd.read_csv(tabulated(stage.tabulate_verdicts, family(**ratios))["csv"])
     found = table.groupby("id", sort=False)["verdict"].first()
-    assert found.tolist() == verdicts
-    assert page["Id"].tolist() == list(show.CLAIMS)
+    assert found.to_dict() == dict(zip(stage.CLAIMS, verdicts, strict=True))
     assert not table.isna().any().any()
 
 
 @pytest.mark.slow
-def test_tables_and_figure_are_written(tmp_path):
-    path, cells = tmp_path / "dry.json", family()["cells"]
-    described = {"dry": {"fitted": [], "unit": "seed"}}
-    write_json(path, {"source": "sim", "families": described, "cells": cells})
-    for name in show.TABLES:
-        files = {kind: str(tmp_path / f"{name}.{kind}") for kind in ("csv", "md")}
-        stage.tabulate_online([str(path)], table=name, **files)
-        assert "nan" not in (tmp_path / f"{name}.md").read_text()
-    errors = pd.read_csv(tmp_path / "errors.csv")
+def test_errors_are_tabulated_and_drawn(tmp_path, tabulated):
+    cells = family()["cells"]
+    path = tabulated(stage.tabulate_errors, family())["csv"]
+    errors = pd.read_csv(path)
     chosen = errors[(errors["model"] == "fprc") & errors["learns"] & (errors["loop"] == "open")]
     keys = {"model": "fprc", "condition": "+2 kPa", "learns": True, "loop": "open"}
     overall = [
@@ -165,6 +175,6 @@ def test_tables_and_figure_are_written(tmp_path):
     ]
     found = chosen.set_index("condition").loc["P_o +2 kPa", "mean_deg"]
     assert found == pytest.approx(np.mean(overall))
-    stage.draw_online(str(tmp_path / "errors.csv"), str(tmp_path / "a.pdf"),
-                      str(tmp_path / "a.png"), names=["dry", "dry"])  # fmt: skip
+    pdf, png = (str(tmp_path / f"a.{kind}") for kind in ("pdf", "png"))
+    stage.draw_online(path, pdf, png, names=["dry", "dry"])
     assert (tmp_path / "a.png").stat().st_size > 1000
