@@ -1,7 +1,7 @@
-"""Blocks of pages that are made from results: their markers, and those of the README."""
+"""Blocks of pages that are made from results, between two markers."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from itertools import zip_longest
 from pathlib import Path
@@ -9,14 +9,15 @@ from pathlib import Path
 from fprc.errors import FprcError
 from fprc.escape import typeset
 
-#: Tables of the README.
-README_TABLES = ("table2_seeds", "table4_seeds")
 
-
-def readme_blocks(pages: Sequence[str]) -> dict[str, str]:
-    """Return the generated blocks of the README from the tables of the report."""
-    shown = {path.stem: path for path in map(Path, pages)}
-    return {name: typeset(shown[name].read_text(encoding="utf-8")) for name in README_TABLES}
+def with_blocks(path: str, blocks: Mapping[str, str]) -> str:
+    """Return the text of a page with what its blocks should hold; in README.md it is typeset."""
+    text = Path(path).read_text(encoding="utf-8")
+    for name, block in blocks.items():
+        if f"<!-- {name}: " in text:
+            new = typeset(block) if Path(path).name == "README.md" else block
+            text = replace_block(text, name, new, path)
+    return text
 
 
 def replace_block(text: str, name: str, block: str, path: str = "README.md") -> str:
@@ -27,25 +28,24 @@ def replace_block(text: str, name: str, block: str, path: str = "README.md") -> 
     FprcError
         The two markers do not occur exactly once each.
     """
-    begin, end = _markers(text, name, path)
+    begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
+    if not (text.count(begin) == text.count(end) == 1 and text.index(begin) < text.index(end)):
+        raise FprcError(f"{path}: needs the lines {begin} and {end} once each; put them back")
     before, _, rest = text.partition(begin)
     return f"{before}{begin}\n{block.strip()}\n{end}{rest.partition(end)[2]}"
 
 
-def different_blocks(path: str, blocks: Mapping[str, str]) -> Iterator[str]:
-    """Yield a line for each block of a page that differs from what the results give.
+def different_lines(path: str, blocks: Mapping[str, str]) -> Iterator[str]:
+    """Yield what the first line is that differs from ``with_blocks``, if one does.
 
     The last digit of a number may differ by one, as it does on another processor.
     """
-    text = Path(path).read_text(encoding="utf-8")
-    for name, new in blocks.items():
-        begin, end = _markers(text, name, path)
-        old = text.partition(begin)[2].partition(end)[0].strip()
-        lines = zip_longest(old.splitlines(), new.strip().splitlines(), fillvalue="")
-        for number, (is_now, would_be) in enumerate(lines, start=1):
-            if not _same(is_now, would_be):
-                yield f"{path}, block {name}, line {number}: {is_now!r} would be {would_be!r}"
-                break
+    texts = Path(path).read_text(encoding="utf-8"), with_blocks(path, blocks)
+    lines = zip_longest(*(text.splitlines() for text in texts), fillvalue="")
+    for number, (is_now, would_be) in enumerate(lines, start=1):
+        if not _same(is_now, would_be):
+            yield f"{path}, line {number}: {is_now!r} would be {would_be!r}"
+            return
 
 
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?)")
@@ -63,10 +63,3 @@ def _same(one: str, other: str) -> bool:
 def _last(number: str) -> Decimal:
     """Return the size of the last digit."""
     return Decimal(1).scaleb(-len(number.partition(".")[2]))
-
-
-def _markers(text: str, name: str, path: str) -> tuple[str, str]:
-    begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
-    if not (text.count(begin) == text.count(end) == 1 and text.index(begin) < text.index(end)):
-        raise FprcError(f"{path}: needs the lines {begin} and {end} once each; put them back")
-    return begin, end

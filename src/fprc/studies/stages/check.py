@@ -12,7 +12,7 @@ from fprc.artifacts import read_json
 from fprc.claims.ledger import changed_verdicts
 from fprc.errors import FprcError
 from fprc.provenance import changed_results
-from fprc.studies.blocks import different_blocks, readme_blocks
+from fprc.studies.blocks import different_lines
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
@@ -63,6 +63,7 @@ def check_results(
     of_times = [line for line in changed if line.split(":")[0] in timed]
     for line in of_times:
         log.warning("%s; not an error, since execution times differ between runs", line)
+    tables = {Path(page).stem: Path(page).read_text(encoding="utf-8") for page in pages}
     failures = {
         f"verdicts differ from {verdicts}; if the new ones in {ledger} are right, declare them in "
         f"{verdicts}": [line for line in changed if line not in of_times],
@@ -74,7 +75,7 @@ def check_results(
             if Path(figure).exists() and pixels_apart(picture, figure) > _PIXELS
         ],
         "numbers differ from those that were built; `make docs` puts these there": [
-            *(different_blocks("README.md", readme_blocks(pages)) if pages else ())
+            *(different_lines("README.md", tables) if tables else ())
         ],
     }
     problems = [

@@ -7,8 +7,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
-from fprc.escape import typeset
-from fprc.studies.blocks import replace_block
+from fprc.studies.blocks import replace_block, with_blocks
 
 
 def update_pages(
@@ -30,22 +29,21 @@ def update_pages(
     FprcError
         A block is on no page, or its two markers are not there once each.
     """
-    texts = {path: _read(path) for path in pages}
-    for name, table in tables.items():
-        block = _verdicts(read_json(table)) if table.endswith(".json") else _read(table)
-        shown_on = [path for path, text in texts.items() if f"<!-- {name}: " in text]
-        for path in shown_on or pages[-1:]:  # which refuses a block that it does not have
-            new = typeset(block) if Path(path).name == "README.md" else block
-            texts[path] = replace_block(texts[path], name, new, path)
+    blocks = {
+        name: _verdicts(read_json(table))
+        if table.endswith(".json")
+        else Path(table).read_text(encoding="utf-8")
+        for name, table in tables.items()
+    }
+    texts = {path: with_blocks(path, blocks) for path in pages}
+    for name, block in blocks.items():
+        if not any(f"<!-- {name}: " in text for text in texts.values()):
+            replace_block(texts[pages[-1]], name, block, pages[-1])  # which refuses it
     for path, text in texts.items():
         write_text(path, text)
     for figure, picture in zip(figures, pictures, strict=True):
         with replacing(picture) as temporary:
             temporary.write_bytes(Path(figure).read_bytes())
-
-
-def _read(path: str) -> str:
-    return Path(path).read_text(encoding="utf-8")
 
 
 def _verdicts(judged: Mapping[str, Any]) -> str:
