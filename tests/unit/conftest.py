@@ -286,8 +286,6 @@ def _model(name, error):
             found |= {f"{loop}/{kpa:g}": of * moved / error for loop, of in loops.items()}
         if reads_p_o:
             found[f"forward/{kpa:g}"] = moved
-    if reads_p_o:
-        found |= {"forward/drift": 1.1 * error, "forward/pushed": 1.3 * error}
     return found
 
 

@@ -17,7 +17,11 @@ PAGES_BEYOND = "claims models offsets capacities worlds beside fitted details le
 CONTESTANTS = paper_models(SETTINGS) | {
     "fprc": SETTINGS["models"]["fprc"] | {"restarts": BEYOND["restarts"]}
 }
-CONTEST = {"models": CONTESTANTS, "tracking": SETTINGS["tracking"], **BEYOND["disturbances"]}
+CONTEST = {
+    "models": CONTESTANTS,
+    "tracking": SETTINGS["tracking"],
+    "shifts_kpa": BEYOND["shifts_kpa"],
+}
 
 
 wildcard_constraints:

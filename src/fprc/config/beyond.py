@@ -3,16 +3,6 @@
 from fprc.config.section import NotEmpty, Rising, Section, quantity
 
 
-class Disturbances(Section):
-    """Disturbances of P_o in the test log, after training."""
-
-    shifts_kpa: NotEmpty[float] = quantity(
-        (-5, -3, -2, -1, 0, 1, 2, 3, 5), (-100, 100), "constant shifts of P_o"
-    )
-    drift_kpa: float = quantity(2.0, (0, 100), "linear fall of P_o over the test log")
-    noise_kpa: float = quantity(1.0, (0, 100), "standard deviation of white noise added to P_o")
-
-
 class Capacity(Section):
     """Memory and information processing capacity of the reservoir, with theta_d held at random."""
 
@@ -59,5 +49,7 @@ class Beyond(Section):
     restarts: int = quantity(
         10, (1, 1000), "starts of every clustering; the lowest objective is kept"
     )
-    disturbances: Disturbances = Disturbances()
+    shifts_kpa: NotEmpty[float] = quantity(
+        (-5, -3, -2, -1, 0, 1, 2, 3, 5), (-100, 100), "constant shifts of P_o after the training"
+    )
     capacity: Capacity = Capacity()

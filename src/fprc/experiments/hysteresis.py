@@ -32,15 +32,8 @@ def acquire(
     control: Mapping[str, Any],
     rig: Mapping[str, Any],
     seed: int,
-    *,
-    pushes: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
     """Return the channels of one hysteresis experiment on the simulated rig.
-
-    Parameters
-    ----------
-    pushes : ndarray of shape (n_samples,), optional
-        Push on the reservoir at every sample, kPa.
 
     Raises
     ------
@@ -49,4 +42,4 @@ def acquire(
     """
     rate_hz = control["sample_rate_hz"]
     device = SimulatedRig(rig, seed=seed, run=RUNS[experiment], sample_rate_hz=rate_hz)
-    return device.follow(control, pressure_command(signal, rate_hz), push_kpa=pushes)
+    return device.follow(control, pressure_command(signal, rate_hz))

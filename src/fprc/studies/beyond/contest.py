@@ -1,4 +1,4 @@
-"""The paper's models and their competitors on one rig: errors, tracking, and a disturbed P_o."""
+"""The paper's models and their competitors on one rig: errors, tracking, and a shifted P_o."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -9,7 +9,7 @@ from fprc.errors import FprcError, in_one_line
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import prepare
 from fprc.experiments.data import Data
-from fprc.experiments.hysteresis import acquire, simulate
+from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings, Unit
 from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
@@ -33,19 +33,14 @@ ALL = (
     "fprc_oracle", "esn_oracle", "bank_oracle", "plays_oracle",
 )  # fmt: skip
 
-#: Marks the random stream of the noise that is added to P_o.
-_NOISE = 20243
-
 
 class Contest(NamedTuple):
-    """How the models are built, and how P_o is disturbed."""
+    """How the models are built, and how P_o is shifted."""
 
     models: Mapping[str, Any]  #: section ``models`` of the configuration
     tuned: Mapping[str, Any]  #: settings that differ from the defaults, by name with suffix
     tracking: Mapping[str, Any]  #: section of the configuration
     shifts_kpa: Sequence[float]  #: constant offsets of P_o
-    drift_kpa: float  #: fall of P_o over the test log
-    noise_kpa: float  #: standard deviation of the noise added to P_o
 
     def build(self, name: str, seed: int) -> SequenceModel:
         """Return the unfitted model of that name."""
@@ -93,16 +88,14 @@ def judge_rig(
     dict of dict
         By model: ``train`` (training RMSE of the forward direction, kPa), ``forward`` and
         ``reversed`` (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over the
-        four references, deg); of a model that reads P_o ``forward/KPA`` with an offset of P_o, and
-        ``forward/KIND`` with another disturbance; of FPRC ``open_loop/KPA`` and
-        ``closed_loop/KPA``. Models of ``FORWARD_ONLY`` have neither ``reversed`` nor tracking
-        errors. A model that cannot be judged has ``failed``, the message.
+        four references, deg); with an offset of P_o, of a model that reads it ``forward/KPA``, and
+        of FPRC ``open_loop/KPA`` and ``closed_loop/KPA``. Models of ``FORWARD_ONLY`` have neither
+        ``reversed`` nor tracking errors. A model that cannot be judged has ``failed``, the message.
     """
     logs = simulate(on_rig, seed)
     sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
     followed = {name: bench.inputs(name) for name in REFERENCES}
-    disturbed = _disturbed(on_rig, seed, complex_, bench, contest)
     judged = {}
     for name in names:
         try:
@@ -117,8 +110,10 @@ def judge_rig(
                     found = _follow(bench, model, name, inputs)
                     report |= {f"{loop}/{shift:g}": value for loop, value in found.items()}
             if "p_o_kpa" in entry_of(name).inputs:
+                X, expected = complex_.pair(name)
                 report |= {
-                    f"forward/{kind}": _error(model, name, log) for kind, log in disturbed.items()
+                    f"forward/{shift:g}": rmse(expected, model.predict(X + [0.0, shift]))
+                    for shift in contest.shifts_kpa
                 }
             judged[name] = report
         except (FprcError, ValueError, np.linalg.LinAlgError) as error:
@@ -137,11 +132,6 @@ def _trained(
     return prepared.fitted(readout), *errors
 
 
-def _error(model: SequenceModel, name: str, log: Data) -> float:
-    X, expected = log.pair(name)
-    return rmse(expected, model.predict(X))
-
-
 def _follow(
     bench: Track, model: SequenceModel, name: str, followed: Mapping[str, np.ndarray]
 ) -> dict[str, float]:
@@ -152,25 +142,3 @@ def _follow(
         for loop, feedback in zip(LOOPS, (False, True), strict=True):
             errors[loop][reference] = bench.error(reference, precomputed, feedback=feedback)
     return {loop: over_references(of_loop) for loop, of_loop in errors.items()}
-
-
-def _disturbed(
-    on_rig: RigSettings, seed: int, test: Data, bench: Track, contest: Contest
-) -> dict[str, Data]:
-    """Return the test log with a shifted P_o, and one that drifts, is noisier, or is pushed."""
-    p_o_kpa = test.channels["p_o_kpa"]
-    samples = len(p_o_kpa)
-    ramp = np.linspace(0.0, -contest.drift_kpa, samples)
-    noise = contest.noise_kpa * np.random.default_rng([seed, _NOISE]).standard_normal(samples)
-    signal, pushes = on_rig.signals["complex"], bench.pushes(samples)
-    pushed = acquire("complex", signal, on_rig.control, on_rig.rig, seed, pushes=pushes)
-    found = {
-        **{f"{shift:g}": p_o_kpa + shift for shift in contest.shifts_kpa},
-        "drift": p_o_kpa + ramp,
-        "noise": p_o_kpa + noise,
-        "pushed": pushed["p_o_kpa"],
-    }
-    return {
-        kind: test._replace(channels={**test.channels, "p_o_kpa": values})
-        for kind, values in found.items()
-    }

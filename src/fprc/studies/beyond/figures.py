@@ -95,8 +95,7 @@ def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> None:
     measure : str
         forward, open_loop or closed_loop.
     """
-    shown = (table["measure"] == measure) & (table["disturbance"] == "none")
-    table = table[shown & (table["model"].map(choice_of) == "")]
+    table = table[(table["measure"] == measure) & (table["model"].map(choice_of) == "")]
     others = iter(_READERS)
     for model, rows in table.groupby("model", sort=False):
         rows = rows.sort_values("offset_kpa")

@@ -74,36 +74,30 @@ def leaderboard(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def offsets(families: Families) -> pd.DataFrame:
-    """Forward test RMSE, and tracking, where P_o is shifted or disturbed after training, tidy.
+    """Forward test RMSE, and tracking, where P_o is shifted after training, tidy.
 
     Returns
     -------
     DataFrame
-        ``world``, ``model``, ``measure`` (forward, open_loop or closed_loop), ``disturbance``
-        (none, drift, noise or pushed), ``offset_kpa``, ``mean``, ``low``, ``high``, ``units``,
-        ``source``; and the errors of Fuzzy-linear, which has no P_o, at no offset.
+        ``world``, ``model``, ``measure`` (forward, open_loop or closed_loop), ``offset_kpa``,
+        ``mean``, ``low``, ``high``, ``units``, ``source``; and the errors of Fuzzy-linear, which
+        has no P_o, at no offset.
     """
     table = measured(families)
     parts = table["measure"].str.extract("^([a-z_]*)/?(.*)$")
-    changed, offset_kpa = parts[1] != "", pd.to_numeric(parts[1], errors="coerce")
     table["measure"] = parts[0]
-    table["disturbance"] = parts[1].where(changed & offset_kpa.isna(), "none")
-    table["offset_kpa"] = offset_kpa.fillna(0.0)
+    table["offset_kpa"] = pd.to_numeric(parts[1]).fillna(0.0)
     without = parts[0].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
-    return _means(table[changed | without], "model", "measure", "disturbance", "offset_kpa")
+    return _means(table[(parts[1] != "") | without], "model", "measure", "offset_kpa")
 
 
 def offsets_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per model and measure of one family, one column per change; means alone."""
+    """Return one row per model and measure of one family, one column per offset; means alone."""
     offsets_kpa = sorted(table["offset_kpa"].unique())
-    headings = {f"{kpa:+g}" if kpa else "0": ("none", kpa) for kpa in offsets_kpa}
-    kinds = table["disturbance"].unique()
-    words = {"drift": "drift", "noise": "noise", "pushed": "push"}
-    headings |= {word: (kind, 0.0) for kind, word in words.items() if kind in kinds}
+    headings = {f"{kpa:+g}" if kpa else "0": kpa for kpa in offsets_kpa}
     places = {measure: place for place, measure in enumerate(MEASURES)}
     rows = table.sort_values("measure", key=lambda names: names.map(places), kind="stable")
-    shown = ["disturbance", "offset_kpa"]
-    page = wide(rows, ["model", "measure"], shown, headings, intervals=False)
+    page = wide(rows, ["model", "measure"], "offset_kpa", headings, intervals=False)
     return named(page, Model=title_of, Error=_heading)
 
 

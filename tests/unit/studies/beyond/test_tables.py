@@ -83,12 +83,11 @@ def test_leaderboard_begins_with_the_lowest_error_and_offers_no_oracle(families)
     assert {"Reversed test [kPa]", "Open loop [deg]"} < set(page)
 
 
-def test_offsets_and_disturbances_have_their_columns(families):
+def test_offsets_have_their_columns(families):
     table = tables.offsets(families)
     assert set(table["offset_kpa"]) == {-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0}
-    assert set(table["disturbance"]) == {"none", "drift", "pushed"}
     page = tables.offsets_page(rows_of(table, "dry")).set_index(["Model", "Error"])
-    assert list(page) == ["-5", "-2", "-1", "0", "+1", "+2", "+5", "drift", "push"]
+    assert list(page) == ["-5", "-2", "-1", "0", "+1", "+2", "+5"]
     own = table[(table["world"] == "dry") & (table["offset_kpa"] == -2.0)]
     of_error = {"Forward test [kPa]": "forward", "Open loop [deg]": "open_loop",
                 "Closed loop [deg]": "closed_loop"}  # fmt: skip
