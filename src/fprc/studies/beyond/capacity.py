@@ -2,7 +2,7 @@
 
 from collections import Counter
 from itertools import combinations_with_replacement
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.special import chdtri
@@ -12,18 +12,9 @@ from fprc.errors import EvaluationError
 #: Factor on the quantile of the threshold (Dambre et al. 2012): targets that share inputs are not
 #: independent in a finite sample.
 _MARGIN = 2.0
-
-#: Targets that are judged at a time; bounds the memory.
-_AT_ONCE = 256
-
-
-class Capacities(NamedTuple):
-    """Capacities of a set of states."""
-
-    by_degree: np.ndarray  #: sum over the targets of degree 1, 2, ..., ``max_degree``
-    by_delay: np.ndarray  #: of the input itself, delayed by 0, 1, ..., ``max_delay`` samples
-    rank: int  #: number of linearly independent states, the upper bound of the total
-    threshold: float  #: a smaller estimate counts as 0
+#: Singular values of the normalised states below this share of the largest count as 0. Without
+#: noise, a readout could otherwise use differences that no sensor resolves.
+_TOLERANCE = 1e-6
 
 
 def processing_capacity(
@@ -33,8 +24,7 @@ def processing_capacity(
     max_delay: int,
     max_degree: int,
     p: float = 1e-4,
-    tolerance: float = 1e-6,
-) -> Capacities:
+) -> dict[str, Any]:
     """Return the information processing capacities of the states (Dambre et al. 2012).
 
     A target is a product of Legendre polynomials of delayed inputs. Its capacity is 1 - MSE / var
@@ -57,23 +47,27 @@ def processing_capacity(
         Highest total degree of a target.
     p : float
         Probability of the threshold.
-    tolerance : float
-        Singular values of the normalised states below this share of the largest count as 0.
-        Without noise, a readout could otherwise use differences that no sensor resolves.
+
+    Returns
+    -------
+    dict
+        Number of ``states``; ``rank``, that of linearly independent ones, the upper bound of the
+        total; ``threshold``, below which an estimate counts as 0; ``by_degree``, the sum over the
+        targets of degree 1, 2, ...; ``by_delay``, of the input itself, delayed by 0, 1, ...
 
     Raises
     ------
     EvaluationError
-        An input is outside [-1, 1], a state is not finite, or there are too few samples for the
-        number of independent states.
+        A state is not finite, or there are too few samples for the number of independent states.
 
     References
     ----------
     Jaeger 2002, GMD report 152; Dambre, Verstraeten, Schrauwen and Massar 2012,
     Sci. Rep. 2:514.
     """
-    _refuse_unusable(u, states)
-    basis = _orthonormal(states[max_delay:], tolerance)
+    if not np.isfinite(states).all():
+        raise EvaluationError("a state is not finite, so there is no capacity; check the rig")
+    basis = _orthonormal(states[max_delay:])
     samples, rank = basis.shape
     threshold = _MARGIN * float(chdtri(rank, p)) / samples if rank else 1.0
     if rank and threshold >= 1.0:
@@ -90,27 +84,18 @@ def processing_capacity(
     capacity = _capacities(_polynomials(u, max_delay, max_degree), targets, basis)
     capacity[capacity < threshold] = 0.0
     degree_of = np.array([len(delays) for delays in targets])
-    by_degree = np.array([capacity[degree_of == degree].sum() for degree in degrees])
-    return Capacities(by_degree, capacity[: max_delay + 1], rank, threshold)
+    return {
+        "states": states.shape[1],
+        "rank": rank,
+        "threshold": threshold,
+        "by_degree": {
+            str(degree): float(capacity[degree_of == degree].sum()) for degree in degrees
+        },
+        "by_delay": capacity[: max_delay + 1].tolist(),
+    }
 
 
-def _refuse_unusable(u: np.ndarray, states: np.ndarray) -> None:
-    if len(u) != len(states):
-        raise EvaluationError(f"there are {len(u)} inputs but {len(states)} states; give one each")
-    outside = np.flatnonzero(~(np.abs(u) <= 1.0))
-    if outside.size:
-        raise EvaluationError(
-            f"input {u[outside[0]]} at sample {outside[0]} is outside [-1, 1]; scale the inputs"
-        )
-    bad = np.argwhere(~np.isfinite(states))
-    if bad.size:
-        sample, column = bad[0]
-        raise EvaluationError(
-            f"state {column} at sample {sample} is {states[sample, column]}; states must be finite"
-        )
-
-
-def _orthonormal(states: np.ndarray, tolerance: float) -> np.ndarray:
+def _orthonormal(states: np.ndarray) -> np.ndarray:
     """Return orthonormal columns that span the states, each without its mean."""
     centred = states - states.mean(axis=0)
     centred = centred[:, np.ptp(states, axis=0) > 0.0]
@@ -118,7 +103,7 @@ def _orthonormal(states: np.ndarray, tolerance: float) -> np.ndarray:
         return np.empty((len(states), 0))
     centred /= np.linalg.norm(centred, axis=0)
     left, singular, _ = np.linalg.svd(centred, full_matrices=False)
-    return left[:, singular > tolerance * singular[0]]
+    return left[:, singular > _TOLERANCE * singular[0]]
 
 
 def _polynomials(u: np.ndarray, max_delay: int, max_degree: int) -> np.ndarray:
@@ -132,14 +117,9 @@ def _capacities(
     polynomials: np.ndarray, targets: list[tuple[int, ...]], basis: np.ndarray
 ) -> np.ndarray:
     """Return the share of each target's variance that lies in the span of ``basis``."""
-    found = []
-    for first in range(0, len(targets), _AT_ONCE):
-        some = targets[first : first + _AT_ONCE]
-        wanted = np.empty((len(some), polynomials.shape[-1]))
-        for row, delays in zip(wanted, some, strict=True):
-            row[:] = 1.0
-            for delay, degree in Counter(delays).items():
-                row *= polynomials[degree, delay]
-        wanted -= wanted.mean(axis=1, keepdims=True)
-        found.append(((wanted @ basis) ** 2).sum(axis=1) / (wanted**2).sum(axis=1))
-    return np.concatenate(found)
+    wanted = np.ones((len(targets), polynomials.shape[-1]))
+    for row, delays in zip(wanted, targets, strict=True):
+        for delay, degree in Counter(delays).items():
+            row *= polynomials[degree, delay]
+    wanted -= wanted.mean(axis=1, keepdims=True)
+    return ((wanted @ basis) ** 2).sum(axis=1) / (wanted**2).sum(axis=1)

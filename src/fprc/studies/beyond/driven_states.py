@@ -9,7 +9,7 @@ from fprc.devices.sim import SimulatedRig
 from fprc.errors import EvaluationError
 from fprc.experiments.settings import Unit
 from fprc.models import EchoStates, lowpass, taps
-from fprc.studies.beyond.capacity import Capacities, processing_capacity
+from fprc.studies.beyond.capacity import processing_capacity
 
 #: Runs of the same input on the simulated rig; their difference is the noise of P_o.
 _RUNS = (70, 71)
@@ -100,8 +100,7 @@ def judge_capacity(
     how = {name: capacity[name] for name in ("max_delay", "max_degree", "p")}
     judged = slice(capacity["washout"], None)
     found = {
-        name: _summary(states, processing_capacity(u[judged], states[judged], **how))
-        for name, states in sets.items()
+        name: processing_capacity(u[judged], states[judged], **how) for name, states in sets.items()
     }
     return [{"seed": seed, "noise_of_p_o": noise, "sets": found}]
 
@@ -118,15 +117,3 @@ def _at_ends(network: EchoStates, theta_d: np.ndarray, hold: int, before: int) -
         rows = network.transform(theta_d[begin : first + _AT_ONCE * hold, None])
         found.append(rows[first - begin + hold - 1 :: hold])
     return np.concatenate(found)
-
-
-def _summary(states: np.ndarray, found: Capacities) -> dict[str, Any]:
-    return {
-        "states": states.shape[1],
-        "rank": found.rank,
-        "threshold": found.threshold,
-        "by_degree": {
-            str(degree): value for degree, value in enumerate(found.by_degree.tolist(), 1)
-        },
-        "by_delay": found.by_delay.tolist(),
-    }
