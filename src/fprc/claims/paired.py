@@ -122,17 +122,9 @@ def verdict_in_words(verdict: str, ratio: bool, turned: str = "") -> str:
     return f"{words}, unstable" if turned else words
 
 
-class Judged(NamedTuple):
-    """Outcome of one claim."""
-
-    verdict: str
-    p: float  #: lowest level that decides the claim, adjusted over all claims
-    level: float  #: at which each part was judged
-    stable: float | None  #: share of the subsets that give the same verdict
-    turned: str = ""  #: verdict that too few of the subsets give, if that made it undecided
-
-
-def judge_together(claims: Sequence[Sequence[Part]], left_out: int = LEFT_OUT) -> list[Judged]:
+def judge_together(
+    claims: Mapping[str, tuple[str, Sequence[Part]]], left_out: int = LEFT_OUT
+) -> list[dict[str, Any]]:
     """Judge several claims so that any verdict is wrong with probability ``ALPHA`` at most.
 
     Each claim has a lowest level that decides it: superior, equivalent or inferior, whichever
@@ -150,85 +142,71 @@ def judge_together(claims: Sequence[Sequence[Part]], left_out: int = LEFT_OUT) -
 
     Parameters
     ----------
-    claims : sequence of sequences of Part
-        The parts of each claim; a claim with no parts, or a part of fewer than two units, is not
+    claims : Mapping
+        Text and parts of each claim, by its id. A claim with a part of fewer than two units is not
         judged.
     left_out : int
         Units that a subset lacks, fewer than 7.
+
+    Returns
+    -------
+    list of dict
+        One for each part of a claim: ``part`` (its text), ``ratio``, and ``mean``, ``low`` and
+        ``high``, see ``Part.ends``; of a claim that is not judged one, in which these are None. Of
+        the claim ``id``; ``claim``, its text; ``verdict``; ``p``, the lowest level that decides it,
+        adjusted over all claims; ``level``, at which each part was judged; ``stable``, the share of
+        the subsets that give the same verdict, or None; ``turned``, the verdict that too few of the
+        subsets give, if that made it undecided; ``words``, the verdict as readers see it;
+        ``units``, of the part that has the fewest; ``dropped``, units without a pair.
 
     References
     ----------
     Holm, Scandinavian Journal of Statistics 6 (1979); Schuirmann, Journal of Pharmacokinetics and
     Biopharmaceutics 15 (1987), for equivalence by an interval.
     """
-    judged = [bool(parts) and all(len(part.values) > 1 for part in parts) for parts in claims]
+    parts_of = [parts for _, parts in claims.values()]
+    units = [min(len(part.values) for part in parts) for parts in parts_of]
     p = np.array(
-        [_least_level(parts) if ok else 1.0 for parts, ok in zip(claims, judged, strict=True)]
+        [_least_level(parts) if n > 1 else 1.0 for parts, n in zip(parts_of, units, strict=True)]
     )
     adjusted, levels = holm(p)
     while loose := [
         k
-        for k, parts in enumerate(claims)
+        for k, parts in enumerate(parts_of)
         if p[k] <= levels[k] and not _is_decided(parts, levels[k])
     ]:
         for k in loose:
             higher = ALPHA / np.arange(len(claims), 0, -1)
-            p[k] = next((h for h in higher if h > levels[k] and _is_decided(claims[k], h)), 1.0)
+            p[k] = next((h for h in higher if h > levels[k] and _is_decided(parts_of[k], h)), 1.0)
         adjusted, levels = holm(p)
-    outcomes = []
-    for parts, ok, adjusted_p, level in zip(claims, judged, adjusted, levels, strict=True):
-        if not ok:
-            outcomes.append(Judged(NOT_JUDGED, 1.0, level, None))
-            continue
-        level /= len(parts)
-        verdict, stable, turned = _weakest(parts, level, None), None, ""
-        if min(len(part.values) for part in parts) < LEAST_UNITS:
+    rows = []
+    for k, (name, (text, parts)) in enumerate(claims.items()):
+        level, stable, turned = float(levels[k]), None, ""
+        shown: list[dict[str, Any]] = [dict.fromkeys(("part", "ratio", "mean", "low", "high"))]
+        verdict = NOT_JUDGED
+        if units[k] > 1:
+            level /= len(parts)
+            verdict = _weakest(parts, level, None)
+            shown = [{"part": part.text, "ratio": part.ratio, **part.ends(level)} for part in parts]
+        if 1 < units[k] < LEAST_UNITS:
             verdict = UNDECIDED
-        elif verdict != UNDECIDED:
+        elif verdict not in (NOT_JUDGED, UNDECIDED):
             stable = _share_of_subsets(parts, level, verdict, left_out)
             if stable < AGREEING:
                 verdict, turned = UNDECIDED, verdict
-        outcomes.append(Judged(verdict, float(adjusted_p), float(level), stable, turned))
-    return outcomes
-
-
-def judge_parts(
-    claims: Mapping[str, tuple[str, Sequence[Part]]], left_out: int = LEFT_OUT
-) -> list[dict[str, Any]]:
-    """Judge several claims as ``judge_together`` does, and return a row for each of their parts.
-
-    Parameters
-    ----------
-    claims : Mapping
-        Text and parts of each claim, by its id.
-
-    Returns
-    -------
-    list of dict
-        ``id`` and ``claim``; of the claim the fields of ``Judged``, ``words`` (the verdict, as
-        readers see it), ``units`` (of the part that has the fewest) and ``dropped`` (units without
-        a pair); of the part ``part`` (its text), ``ratio``, and ``mean``, ``low`` and ``high``, see
-        ``Part.ends``. A claim that is not judged has one row, in which these five are None.
-    """
-    rows = []
-    found = judge_together([parts for _, parts in claims.values()], left_out)
-    for (name, (text, parts)), judged in zip(claims.items(), found, strict=True):
         of_claim = {
             "id": name,
             "claim": text,
-            **judged._asdict(),
-            "words": verdict_in_words(judged.verdict, parts[0].ratio, judged.turned),
-            "units": min(len(part.values) for part in parts),
+            "verdict": verdict,
+            "p": float(adjusted[k]),
+            "level": level,
+            "stable": stable,
+            "turned": turned,
+            "words": verdict_in_words(verdict, parts[0].ratio, turned),
+            "units": units[k],
             "dropped": max(part.dropped for part in parts),
         }
-        if judged.verdict == NOT_JUDGED:
-            nothing = dict.fromkeys(("part", "ratio", "mean", "low", "high"))
-            rows.append(of_claim | nothing)
-            continue
-        rows += [
-            {**of_claim, "part": part.text, "ratio": part.ratio, **part.ends(judged.level)}
-            for part in parts
-        ]
+        rows += [of_claim | part for part in shown]
     return rows
 
 

@@ -15,9 +15,8 @@ from fprc.claims.paired import (
     LEAST_UNITS,
     NOT_JUDGED,
     SUPERIOR,
-    Judged,
     Part,
-    judge_parts,
+    judge_together,
     verdict_in_words,
 )
 from fprc.registry import title_of
@@ -59,7 +58,7 @@ def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     """
     errors = {cell["model"]: cell.get("validation_rmse_kpa", ()) for cell in report["cells"]}
     claims = {claim.id: (claim.text, [_part(claim, errors, report["overlap"])]) for claim in CLAIMS}
-    kept = ("id", "claim", *Judged._fields)
+    kept = ("id", "claim", "verdict", "p", "level", "stable", "turned")
     return [
         {
             **{key: row[key] for key in kept},
@@ -69,7 +68,7 @@ def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
             "ratio": row["mean"],
             **{end: row[end] for end in ("low", "high")},
         }
-        for claim, row in zip(CLAIMS, judge_parts(claims, LEFT_OUT), strict=True)
+        for claim, row in zip(CLAIMS, judge_together(claims, LEFT_OUT), strict=True)
     ]
 
 

@@ -2,6 +2,7 @@
 
 import math
 from itertools import combinations
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -28,9 +29,16 @@ def normal(mean, std, units, seed=0):
     return mean + std * (sample - sample.mean()) / sample.std(ddof=1)
 
 
+def outcomes_of(*claims, **how):
+    """Return the outcome of each claim, given by its parts."""
+    named = {str(number): ("Text.", parts) for number, parts in enumerate(claims)}
+    by_claim = {row["id"]: SimpleNamespace(**row) for row in judge_together(named, **how)}
+    return list(by_claim.values())
+
+
 def judge(*samples, **more):
     """Return the outcome of a claim alone."""
-    (outcome,) = judge_together([[part(sample, **more) for sample in samples]])
+    (outcome,) = outcomes_of([part(sample, **more) for sample in samples])
     return outcome
 
 
@@ -81,7 +89,7 @@ def test_holm_is_the_closure_of_bonferroni(p):
 def test_claim_that_only_a_lower_level_decides_does_not_ease_the_next_one():
     """Its first part is inferior at 0.001, and equivalent at the level of the first claim."""
     loose = [part(normal(math.log(1.03), 0.02, 12)), part(normal(0.0, 1.0, 12))]
-    first, second = judge_together([loose, [part(normal(-0.3, 0.05, 12))]])
+    first, second = outcomes_of(loose, [part(normal(-0.3, 0.05, 12))])
     assert (first.verdict, first.p) == ("undecided", 1.0)
     assert (second.verdict, second.level) == ("superior", ALPHA / 2)
 
@@ -101,15 +109,15 @@ def test_claim_is_decided_if_its_p_is_below_the_level_of_all(numbers):
     ]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("fprc.claims.paired._share_of_subsets", lambda *rest: 1.0)
-        outcomes = judge_together(claims)
+        outcomes = outcomes_of(*claims)
     for outcome in outcomes:
         assert (outcome.verdict != "undecided") == (outcome.p <= ALPHA)
 
 
 def test_a_claim_that_is_not_judged_still_counts():
     weak = [part(normal(-0.1, 0.125, 12))]  # p = 0.018
-    assert judge_together([weak])[0].p == pytest.approx(0.0178, abs=5e-4)
-    outcomes = judge_together([weak, [], [part([-0.1])]])
+    assert outcomes_of(weak)[0].p == pytest.approx(0.0178, abs=5e-4)
+    outcomes = outcomes_of(weak, [part([])], [part([-0.1])])
     assert [outcome.verdict for outcome in outcomes] == ["undecided", "not judged", "not judged"]
     assert outcomes[0].p == pytest.approx(3 * 0.0178, abs=2e-3)
     assert outcomes[0].level == pytest.approx(ALPHA / 3)
@@ -199,11 +207,11 @@ def test_seven_units_decide_nothing_and_eight_do():
 
 def test_subsets_lack_as_many_units_as_asked_for():
     claim = [part(normal(-0.1, 0.13, 12))]
-    (outcome,) = judge_together([claim], left_out=1)
+    (outcome,) = outcomes_of(claim, left_out=1)
     values = list(claim[0].values.values())
     shares = [part(subset).verdict(ALPHA) == "superior" for subset in combinations(values, 11)]
     assert outcome.stable == pytest.approx(np.mean(shares), abs=0.1)
-    assert outcome.stable > judge_together([claim])[0].stable
+    assert outcome.stable > outcomes_of(claim)[0].stable
 
 
 def test_units_that_all_agree_are_judged():

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from fprc.claims.paired import NOT_JUDGED, Part, judge_parts
+from fprc.claims.paired import NOT_JUDGED, Part, judge_together
 from fprc.escape import in_words
 from fprc.studies.beyond.measurements import family_title
 from fprc.tables.text import three_digits
@@ -85,9 +85,9 @@ def judge_family(
     Returns
     -------
     DataFrame
-        Tidy, with the columns of ``judge_parts``: one row for each part of a claim, one for a claim
-        that is not judged. Also ``world`` and ``title``; ``fits``, those that bear on the claim,
-        pairs of what each favours and what was fitted; the same as text, ``favours`` and
+        Tidy, with the columns of ``judge_together``: one row for each part of a claim, one for a
+        claim that is not judged. Also ``world`` and ``title``; ``fits``, those that bear on the
+        claim, pairs of what each favours and what was fitted; the same as text, ``favours`` and
         ``fitted``; and ``source``. In ``words`` a symbol says what the fits favour. A ratio below 1
         supports the claim, as does a difference above 0.
     """
@@ -96,7 +96,7 @@ def judge_family(
         name: (claim.text, [part_of(pair, numbers, family) for pair in claim.parts])
         for name, claim in claims.items()
     }
-    for row in judge_parts(parts):
+    for row in judge_together(parts):
         favours = claims[row["id"]].favours
         fits = [*dict.fromkeys(favours[term] for term in favours if term in family["fitted"])]
         favoured = list(dict.fromkeys(whom for whom, _ in fits))

@@ -149,7 +149,7 @@ def _words(condition: str) -> str:
 
 
 def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
-    """Draw the error of FPRC over the offset of P_o, as trained and learning; and PD alone."""
+    """Draw FPRC's error over the offset of P_o, as trained and learning; and Fuzzy-linear's."""
     of_fprc = table[table["model"] == "fprc"]
     offsets = of_fprc["condition"].str.extract(r"P_o ([+-][\d.]+) kPa")[0]
     offsets = offsets.mask(of_fprc["condition"] == _words("none"), "0")
