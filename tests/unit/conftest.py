@@ -269,7 +269,6 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
             )
     return {
         "name": name,
-        "unit": "rig" if repeats > 1 else "seed",
         "fitted": ["tables", "orders", "open_loop"],
         "cells": cells,
         "capacity": [_capacity(unit, random) for unit in range(units)],

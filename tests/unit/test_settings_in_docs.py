@@ -40,6 +40,10 @@ def quoted():
         "docs/benchmark.md": [
             f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.seeds - 1}, "
         ],
+        "docs/beyond-details.md": [
+            f"on {seeds.seeds} seeds each, *near print* on {seeds.rigs} rigs",
+            f"on {seeds.rigs} rigs with {seeds.seeds_per_rig} seeds each",
+        ],
         "docs/decisions/0022-another-processor.md": [
             f"by more than {checked._LEVELS} levels and accepts up to {checked._PIXELS}:"
         ],

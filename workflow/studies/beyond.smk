@@ -12,7 +12,7 @@ FIGURES_BEYOND = {
     "capacities": ("capacities", "capacities"),
 }
 #: Names of the tables in Markdown.
-PAGES_BEYOND = "claims models offsets capacities worlds beside fitted details leaderboard".split()
+PAGES_BEYOND = "claims models offsets capacities beside fitted details leaderboard".split()
 #: Settings of the models and of their competitors, with their own number of starts of a clustering.
 CONTESTANTS = paper_models(SETTINGS) | {
     "fprc": SETTINGS["models"]["fprc"] | {"restarts": BEYOND["restarts"]}

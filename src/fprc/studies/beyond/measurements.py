@@ -1,7 +1,7 @@
 """Read the measurements of a family of the target ``beyond``; a family is one rig or a set of rigs.
 
-A family has ``name``, ``fitted`` (the terms that its rigs were fitted to), ``unit`` (seed or rig),
-``cells`` (one per rig and seed, with the errors of each model), and may have ``capacity``.
+A family has ``name``, ``fitted`` (the terms that its rigs were fitted to), ``cells`` (one per rig
+and seed, with the errors of each model), and may have ``capacity``.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,21 +36,8 @@ SETS = {
     "esn_noisy": "ESN, noise of P_o",
 }
 
-#: Title of each family, and what it is.
-FAMILIES = {
-    "paper": ("paper", "the default rig: dry friction and creep, fitted to the paper"),
-    "dry": ("dry", "an earlier rig of mostly dry friction, fitted to the paper"),
-    "bouc_wen": (
-        "Bouc-Wen",
-        "the dry rig with another law of friction (Bouc-Wen), not fitted again",
-    ),
-    "viscous": (
-        "viscous",
-        "a rig whose loops come mostly from a viscous memory, fitted to the paper",
-    ),
-    "near_print": ("near print", "rigs near the errors of Tables II and III"),
-    "drawn": ("drawn", "rigs that were drawn from the physical ranges, not fitted"),
-}
+#: Names of families for readers, where these are not those of the settings.
+_TITLES = {"bouc_wen": "Bouc-Wen", "near_print": "near print"}
 
 
 def family_of(report: Mapping[str, Any]) -> dict[str, Any]:
@@ -61,7 +48,7 @@ def family_of(report: Mapping[str, Any]) -> dict[str, Any]:
 
 def family_title(name: str) -> str:
     """Return a family's name for readers."""
-    return FAMILIES[name][0] if name in FAMILIES else name.replace("_", "-")
+    return _TITLES.get(name, name.replace("_", "-"))
 
 
 def measured(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

@@ -9,12 +9,10 @@ from fprc.paper import SOURCES
 from fprc.registry import choice_of, title_of
 from fprc.studies.beyond.claims import beside_page
 from fprc.studies.beyond.measurements import (
-    FAMILIES,
     LOOPS,
     MEASURES,
     SETS,
     capacities,
-    family_title,
     measured,
 )
 from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
@@ -22,18 +20,6 @@ from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, markdown, three_digits
 
 Families = Sequence[Mapping[str, Any]]
-
-
-def families_page(families: Families) -> pd.DataFrame:
-    """Return what each family is, and on how many seeds or rigs it is judged."""
-    rows = []
-    for family in families:
-        units = len({cell["unit"] for cell in family["cells"]})
-        seeds = len(family["cells"]) // max(units, 1)
-        judged = f"{units} {family['unit']}s" + (f", {seeds} seeds each" if seeds > 1 else "")
-        what = FAMILIES.get(family["name"], ("", "a rig of one's own"))[1]
-        rows.append({"Rigs": family_title(family["name"]), "What it is": what, "Judged on": judged})
-    return pd.DataFrame(rows)
 
 
 def models(families: Families) -> pd.DataFrame:
@@ -144,7 +130,6 @@ def pages(
     """
     of_family = {name: table[table["world"] == family] for name, table in tables.items()}
     shown = {
-        "worlds": families_page(families),
         "claims": claims_page(verdicts),
         "beside": beside_page(families),
         "fitted": fitted_page(verdicts),

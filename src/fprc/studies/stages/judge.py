@@ -28,8 +28,8 @@ def judge_families(
 ) -> None:
     """Judge some units of families of rigs with one function.
 
-    Writes ``families``, by name what each is ``fitted`` to and the ``unit`` that its rigs are
-    counted by; and ``cells``, all that the function found, each with its ``family`` and ``unit``.
+    Writes ``families``, by name what each is ``fitted`` to; and ``cells``, all that the function
+    found, each with its ``family`` and ``unit``.
 
     Parameters
     ----------
@@ -61,13 +61,7 @@ def judge_families(
         workers=max(1, min(workers, len(units_of_all) // 4)),
         **run,
     ) as cells:
-        described = {
-            name: {
-                "fitted": family["fitted"],
-                "unit": "seed" if family["rigs"] == "one" else "rig",
-            }
-            for name, family in by_name.items()
-        }
+        described = {name: {"fitted": family["fitted"]} for name, family in by_name.items()}
         found = [
             {"family": cell["family"], "unit": cell["unit"], **row}
             for cell in cells

@@ -45,7 +45,6 @@ def test_no_number_is_missing_where_there_are_two_units(families):
 def test_pages_survive_a_family_with_nothing(families, verdicts):
     pages = [
         tables.leaderboard(rows_of(tables.models(families), "broken")),
-        tables.families_page(families),
         *(
             page(rows_of(make(families), "broken"))
             for page, make in (

@@ -126,7 +126,7 @@ def family(units=12, seed=1, **ratios):
             for reference in REFERENCES
         ]  # fmt: skip
         cells.append({"unit": unit, "seed": unit, "rows": rows})
-    described = {"dry": {"fitted": [], "unit": "seed"}}
+    described = {"dry": {"fitted": []}}
     return {"source": "sim", "families": described, "cells": cells}
 
 

@@ -33,7 +33,7 @@ def test_every_unit_of_every_family_is_judged_and_described(family, run, monkeyp
         judge="online.judge.judge_online", families=[family, near], units=[0, 2], how={"factor": 3}
     )
     assert report["families"] == {
-        "dry": {"fitted": ["tables"], "unit": "seed"}, "other": {"fitted": [], "unit": "seed"},
+        "dry": {"fitted": ["tables"]}, "other": {"fitted": []},
     }  # fmt: skip
     found = [tuple(cell[key] for key in ("family", "unit", "seed", "found")) for cell in
              report["cells"]]  # fmt: skip

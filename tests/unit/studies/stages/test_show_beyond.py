@@ -7,7 +7,7 @@ import pytest
 from fprc.studies.stages.show_beyond import draw_beyond, tabulate_beyond
 
 CSV = ("models", "claims", "offsets", "capacities")
-PAGES = (*CSV, "worlds", "beside", "fitted", "details", "leaderboard")
+PAGES = (*CSV, "beside", "fitted", "details", "leaderboard")
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def tabulated(make_family, tmp_path_factory):
     written = {
         family["name"]: {
             "source": "sim",
-            "families": {family["name"]: {key: family[key] for key in ("fitted", "unit")}},
+            "families": {family["name"]: {key: family[key] for key in ["fitted"]}},
             "cells": family["cells"],
         }
         for family in families
