@@ -64,20 +64,6 @@ def time_models(
     return results
 
 
-def time_steps(step: Callable[[int], object], samples: int) -> np.ndarray:
-    """Return the seconds that each of ``step(0)`` to ``step(samples - 1)`` takes.
-
-    Each call is timed by itself, since a control loop must meet its deadline
-    at every sample, not on average.
-    """
-    seconds = np.empty(samples)
-    for k in range(samples):
-        start = time.perf_counter()
-        step(k)
-        seconds[k] = time.perf_counter() - start
-    return seconds
-
-
 def machine() -> dict[str, Any]:
     """Return the CPU, the most threads of any numerical library, and the kernels of BLAS."""
     pools = threadpool_info()

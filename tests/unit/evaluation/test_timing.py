@@ -5,7 +5,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fprc.evaluation import time_models, timing
-from fprc.evaluation.timing import time_steps
 from fprc.models import RidgeReadout, SequenceModel, TapFeatures
 
 
@@ -142,19 +141,6 @@ def test_models_take_turns_and_keep_their_own_times(clock, monkeypatch):
         ("sequential", 8, [57.0] * 2), ("batch", 8, [11.0] * 2),
         ("sequential", 9, [64.0] * 2), ("batch", 9, [21.0] * 2),
     ]  # fmt: skip
-
-
-def test_every_step_is_timed_by_itself_and_in_order(clock):
-    work = [5.0, 0.0, 100.0, 2.0]
-    called = []
-
-    def step(k):
-        called.append(k)
-        clock.now += work[k]
-
-    seconds = time_steps(step, len(work))
-    assert called == [0, 1, 2, 3]
-    assert seconds.tolist() == [1.0 + spent for spent in work]
 
 
 def log(size):
