@@ -16,8 +16,8 @@ from fprc.given import read_given
 from fprc.paper import MODELS
 from fprc.plan.arguments import judgement, on_rig
 from fprc.registry import class_module
+from fprc.studies.calibration.fit import calibrate
 from fprc.studies.calibration.rig_file import WRITTEN
-from fprc.studies.stages.calibrate import calibrate
 
 
 @messages_on_terminal()
@@ -26,7 +26,6 @@ def calibrate_from_files(
     *,
     out: str = "config/rigs/fitted.yaml",
     published: str | None = None,
-    minutes: float | None = None,
     workers: int | None = None,
 ) -> None:
     """Fit the simulated rig to what the paper prints and claims.
@@ -44,15 +43,13 @@ def calibrate_from_files(
         Parameter file to write; its name becomes that of the rig.
     published : FILE
         Numbers to fit; by default what ``fprc config published`` prints.
-    minutes : float, optional
-        Time limit of the searches, by default the configuration's; judging their rigs takes more.
     workers : int, optional
         Processes; by default one per processor.
 
     Examples
     --------
     fprc calibrate
-    fprc calibrate mine.yaml --minutes 20 --out config/rigs/mine.yaml
+    fprc calibrate mine.yaml --out config/rigs/mine.yaml
 
     Raises
     ------
@@ -61,8 +58,7 @@ def calibrate_from_files(
     OutputError
         ``out`` or the report exists and no fit wrote it, or they cannot be written.
     """
-    chosen = {} if minutes is None else {"calibration": {"minutes": minutes}}
-    settings = from_files(files or local_files(), chosen).model_dump(mode="json")
+    settings = from_files(files or local_files()).model_dump(mode="json")
     count = processes(workers)
     if not re.fullmatch(r"[\w.-]+\.yaml", Path(out).name):
         raise ConfigError(
@@ -87,5 +83,5 @@ def calibrate_from_files(
             tracking=settings["tracking"],
             workers=count,
             checkpoint=f"{stem}.partial.jsonl",
-            version=fingerprint("fprc.studies.stages.calibrate", *map(class_module, MODELS)),
+            version=fingerprint("fprc.studies.calibration.fit", *map(class_module, MODELS)),
         )

@@ -166,10 +166,6 @@ class Calibration(Section):
         2, (1, 100), "how often both searches are made, each time from where they ended"
     )
     rounds: int = quantity(20, (1, 1000), "rounds of the search for calibration.fit")
-    minutes: float = quantity(
-        120, (0.01, 10000), "after this time each search judges only the rig at which it starts",
-        unit="min",
-    )  # fmt: skip
     stride: int = quantity(5, (1, 1000), "the surrogate models fit every n-th row", unit="samples")
     esn_nodes: int = quantity(100, (1, 4000), "reservoir size of the surrogate ESN")
     restarts: int = quantity(

@@ -53,11 +53,11 @@ def test_help_of_a_command_is_the_docstring_of_its_function(command, capsys):
 
 
 def test_arguments_have_the_types_and_defaults_of_the_signature():
-    given = vars(parsed("fprc calibrate a.yaml b.yaml --minutes 2.5 --workers 3"))
+    given = vars(parsed("fprc calibrate a.yaml b.yaml --workers 3"))
     del given["run"]
     assert given == {
         "files": ["a.yaml", "b.yaml"], "out": "config/rigs/fitted.yaml", "published": None,
-        "minutes": 2.5, "workers": 3,
+        "workers": 3,
     }  # fmt: skip
     assert parsed("fprc calibrate").files == ()
     assert parsed("fprc config rig").name is None

@@ -1,20 +1,21 @@
-"""Fit the simulated rig to published numbers and claims."""
+"""Fit the simulated rig to published numbers and claims, and write the rig and a report."""
 
 import copy
 import logging
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed, parallel_config
 
 from fprc import __version__
+from fprc.artifacts import write_json, write_text
 from fprc.config.rig import Rig
-from fprc.errors import FprcError
+from fprc.errors import ConfigError, FprcError
 from fprc.evaluation.cells import checkpoint_key
 from fprc.experiments.settings import RigSettings
 from fprc.provenance import hash_of
@@ -27,6 +28,7 @@ from fprc.studies.calibration.objective import (
     numbers_of,
     scaled,
 )
+from fprc.studies.calibration.rig_file import parameter_file
 from fprc.studies.calibration.search import SearchResult, search
 from fprc.studies.calibration.space import (
     Free,
@@ -37,6 +39,7 @@ from fprc.studies.calibration.space import (
     starts_near,
 )
 from fprc.studies.calibration.surrogate import judge_by_surrogate
+from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
@@ -46,6 +49,50 @@ _NEEDS = {
     "open_loop": "open_loop", "closed_loop": "closed_loop",
     "closed_sweep": "closed_loop", "margin": "firm_loop",
 }  # fmt: skip
+
+
+def calibrate(
+    published: str,
+    fitted: str,
+    report: str,
+    *,
+    on_rig: Mapping[str, Any],
+    began: Mapping[str, Any],
+    **how: Any,
+) -> None:
+    """Fit the free parameters of the rig, starting from the rig of ``on_rig``.
+
+    Writes the fitted rig (``fitted``, YAML, a file of config/rigs) and a summary of the fit
+    (``report``, JSON). ``began`` is what that rig was fitted to, the section ``fitted`` of the
+    configuration; ``how`` are the other arguments of ``fit_rig``. Raises ConfigError if the models
+    of ``on_rig`` learn while they run: the printed ones did not.
+    """
+    if on_rig["control"]["feedforward"]["adapt"]:
+        raise ConfigError(
+            "control.feedforward.adapt: a fit compares with the paper, whose models do not learn "
+            "while they run; set it to false"
+        )
+    models_of_rigs = logging.getLogger("fprc.experiments")
+    level = models_of_rigs.level
+    models_of_rigs.setLevel(logging.WARNING)  # lines on hundreds of rigs would hide the search's
+    try:
+        best, summary = fit_rig(read_yaml(published), RigSettings(**on_rig), **how)
+    finally:
+        models_of_rigs.setLevel(level)
+    write_json(report, summary)
+    start = list(dict.fromkeys([*began["to"], *began["start"]]))
+    write_text(fitted, parameter_file(best, summary, Path(fitted).stem, start, began["seeds"]))
+    before, after = summary["median_deviation_at_start"], summary["median_deviation"]
+    if after > before:
+        log.warning(
+            "warning: with the full models the starting rig is closer to Tables II and III than "
+            "the fitted one (median %.1f %%, %.1f %%); keep it, or use more calibration.seeds",
+            100 * before, 100 * after,
+        )  # fmt: skip
+    log.info(
+        "median deviation %.1f %%, largest %.1f %%; wrote %s",
+        100 * after, 100 * summary["largest_deviation"], fitted,
+    )  # fmt: skip
 
 
 def fit_rig(
@@ -92,7 +139,6 @@ def fit_rig(
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
     planned = _searches(calibration)
-    ends = time.monotonic() + 60.0 * calibration["minutes"]
     start = encode(on_rig.rig, free)
     here = start_rig = _rig_at(start, on_rig, free)
     results = []
@@ -100,7 +146,7 @@ def fit_rig(
         log.info("search %d of %d, for %s", number, len(planned), ", ".join(plan["fit"]))
         aim = aim_of(printed, plan)
         judge = Judge(aim, here, free, judgement, plan, grids, tracking)
-        result = _searched(judge, workers, f"{checkpoint}.{number}", version, ends)
+        result = _searched(judge, workers, f"{checkpoint}.{number}", version)
         here = judge.rig_at(result.point)
         results.append(result)
     searches = len(planned) // calibration["passes"]  # the last of each pass is for all terms
@@ -124,7 +170,6 @@ def fit_rig(
         ],
         "rounds": sum(result.rounds for result in results),
         "evaluations": sum(result.evaluations for result in results),
-        "finished": all(result.finished for result in results),
         "parameters": [
             p._asdict() | {"began_at": began_at, "share": share}
             for p, began_at, share in zip(free, start.tolist(), lowest.point.tolist(), strict=True)
@@ -259,15 +304,11 @@ def _rig_at(point: np.ndarray, on_rig: RigSettings, free: Sequence[Free]) -> Rig
     return replace(on_rig, rig=resolved(decode(point, on_rig.rig, free)))
 
 
-def _searched(
-    judge: Judge, workers: int, checkpoint: str, version: str, ends: float
-) -> SearchResult:
-    """Search for the terms of ``calibration.fit``, beginning at a rig, until the time ``ends``."""
+def _searched(judge: Judge, workers: int, checkpoint: str, version: str) -> SearchResult:
+    """Search for the terms of ``calibration.fit``, beginning at a rig."""
     aim, on_rig, free, judgement, calibration, grids, tracking = judge
     like = judge.estimate(on_rig)
-    # a search that ran out of time goes on if it is given more
-    settings = {key: value for key, value in calibration.items() if key != "minutes"}
-    key = checkpoint_key([asdict(on_rig), judgement, settings, grids, tracking, aim, version])
+    key = checkpoint_key([asdict(on_rig), judgement, calibration, grids, tracking, aim, version])
     return search(
         partial(judge.numbers, key=key),
         partial(judge.corrections, workers=workers),
@@ -277,8 +318,7 @@ def _searched(
         workers=workers,
         checkpoint=checkpoint,
         key=key,
-        seconds=ends - time.monotonic(),
-        progress=partial(log.info, "round %d of %d, least loss %.4f, %.0f s"),
+        progress=partial(log.info, "round %d of %d, least loss %.4f"),
     )
 
 

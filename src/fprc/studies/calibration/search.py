@@ -11,7 +11,6 @@ an exact judge corrects it. It resumes from a checkpoint after a kill.
 """
 
 import math
-import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -54,7 +53,6 @@ class SearchResult(NamedTuple):
     loss: float  #: infinite if every start was impossible
     rounds: int  #: those that were begun
     evaluations: int
-    finished: bool  #: False if the time limit ended the search
 
 
 class _Here(NamedTuple):
@@ -77,8 +75,7 @@ def search(
     workers: int,
     checkpoint: Path | str,
     key: str,
-    seconds: float = np.inf,
-    progress: Callable[[int, int, float, float], None] = lambda begun, total, best, elapsed: None,
+    progress: Callable[[int, int, float], None] = lambda begun, total, best: None,
 ) -> SearchResult:
     """Minimise the sum of squares of ``deviations_of`` over the unit cube.
 
@@ -105,15 +102,12 @@ def search(
         file with another head is kept.
     key : str
         Hash of everything that the judgements depend on.
-    seconds : float
-        After this time, s, nothing but the starts is judged any more. Rounds after the first
-        count only if they were finished.
     progress : callable
-        Called after each step with the rounds begun and planned, the least loss, and the time, s.
+        Called after each step with the rounds begun and planned, and the least loss.
     """
     head = {"key": key, "starts": np.asarray(starts).tolist(), "rounds": rounds}
-    begin_s, evaluations, begun, finished = time.monotonic(), 0, 0, True
-    best = lowest = _Here(starts[0], np.empty(0), math.inf, np.empty(0))
+    evaluations = begun = 0
+    best = _Here(starts[0], np.empty(0), math.inf, np.empty(0))
     with (
         resuming(checkpoint, head, keep=True) as (known, append),
         parallel_config("loky", inner_max_num_threads=1),
@@ -125,8 +119,6 @@ def search(
             nonlocal evaluations
             found = next(replayed, None)
             if found is None:
-                if evaluations and time.monotonic() - begin_s >= seconds:
-                    raise TimeoutError
                 found = judging()
                 append(found)
             evaluations += count
@@ -160,31 +152,25 @@ def search(
             least = delayed(_least_within)
             return list(pool(least(radius, here, slopes, deviations_of) for radius in radii))
 
-        try:
-            ended = [best._replace(point=start) for start in starts]
-            idle = 0
-            planned = [math.ceil(len(starts) / 2**round_) for round_ in range(rounds)]
-            for count in planned:
-                points, ended, before = sorted(corrected(ended), key=_loss)[:count], [], best.loss
-                best = lowest = min([best, *points], key=_loss)
-                # by the exact judge: one round often gains what the next one's correction takes
-                idle = 0 if count > 1 or best.loss < (1.0 - _WORTH) * before else idle + 1
-                if idle == _IDLE:
-                    break
-                for here in points:
-                    begun += 1
-                    for after in _steps(here, judged, solved):
-                        lowest = min(lowest, after, key=_loss)
-                        elapsed_s = time.monotonic() - begin_s
-                        progress(begun, sum(planned), lowest.loss, elapsed_s)
-                    ended.append(after)
-            else:
-                best = min([best, *corrected(ended)], key=_loss)
-        except TimeoutError:
-            finished = False
-            if begun <= len(starts):  # no correction has seen it, but it is better than nothing
-                best = lowest
-    return SearchResult(best.point, best.loss, begun, evaluations, finished)
+        ended = [best._replace(point=start) for start in starts]
+        idle = 0
+        planned = [math.ceil(len(starts) / 2**round_) for round_ in range(rounds)]
+        for count in planned:
+            points, ended, before = sorted(corrected(ended), key=_loss)[:count], [], best.loss
+            best = lowest = min([best, *points], key=_loss)
+            # by the exact judge: one round often gains what the next one's correction takes
+            idle = 0 if count > 1 or best.loss < (1.0 - _WORTH) * before else idle + 1
+            if idle == _IDLE:
+                break
+            for here in points:
+                begun += 1
+                for after in _steps(here, judged, solved):
+                    lowest = min(lowest, after, key=_loss)
+                    progress(begun, sum(planned), lowest.loss)
+                ended.append(after)
+        else:
+            best = min([best, *corrected(ended)], key=_loss)
+    return SearchResult(best.point, best.loss, begun, evaluations)
 
 
 def _steps(

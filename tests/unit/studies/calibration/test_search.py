@@ -1,6 +1,5 @@
 import importlib
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -143,7 +142,7 @@ def test_each_round_leaves_the_worse_half_of_the_starts_and_two_that_gain_nothin
     steps = np.array([point[0] - starts[:, 0] for point in run.points])
     neighbours = (np.isclose(steps, 0.03) | np.isclose(steps, 0.06)).sum(axis=0).tolist()
     assert neighbours == [2, 4, 1, 3, 1]
-    assert (found.loss, found.rounds, found.finished) == (1.0, 5 + 3 + 2 + 1, True)
+    assert (found.loss, found.rounds) == (1.0, 5 + 3 + 2 + 1)
     assert found.evaluations == (5 + 5 + 3 + 2 + 1) + 11 * (1 + 2 * 3)
 
 
@@ -246,7 +245,7 @@ def test_impossible_points_are_passed_over(run):
 def test_search_from_what_is_impossible_gives_its_start(run):
     found = run(judge=lambda point: None)
     assert found.point.tolist() == [0.4, 0.4, 0.4]
-    assert (found.loss, found.rounds, found.evaluations, found.finished) == (math.inf, 0, 2, True)
+    assert (found.loss, found.rounds, found.evaluations) == (math.inf, 0, 2)
 
 
 def test_impossible_start_is_passed_over(run):
@@ -287,29 +286,3 @@ def test_search_for_something_else_begins_anew(run, undisturbed, change):
 
 
 # --- time limit -----------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def clock(monkeypatch, run):
-    """A clock on which judging one point takes a second."""
-    watch = SimpleNamespace(monotonic=lambda: float(len(run.points)))
-    monkeypatch.setattr(SEARCH, "time", watch)
-
-
-@pytest.mark.parametrize(
-    ("seconds", "evaluations", "rounds"),
-    [(0.0, 2, 1), (2.0, 2, 1), (2.5, 5, 1), (ENDS[7], ENDS[7], 2)],
-)
-@pytest.mark.usefixtures("clock")
-def test_nothing_but_the_starts_is_judged_after_the_time_limit(
-    run, undisturbed, seconds, evaluations, rounds
-):
-    found = run(seconds=seconds)
-    assert not found.finished
-    assert math.isfinite(found.loss)
-    assert (found.rounds, found.evaluations) == (rounds, evaluations)
-    assert len(run.points) == evaluations
-    expected, points, kept = undisturbed()
-    assert same(run(), expected)
-    assert run.points == points[evaluations:]
-    assert run.checkpoint.read_text(encoding="utf-8") == kept
