@@ -4,9 +4,9 @@ import html
 import os
 import re
 from importlib.metadata import version as version_of
-from pathlib import Path
 
 from fprc.escape import typeset
+from fprc.figures import DRAWINGS
 
 project = "fprc"
 copyright = "The fprc developers; MIT licence"  # noqa: A001 (Sphinx names it)
@@ -44,7 +44,7 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "download_all_examples": False,
     # of an example that draws nothing
-    "default_thumb_file": str(Path(__file__).parent / "images/fig07.png"),
+    "default_thumb_file": str(DRAWINGS / "fig07_fprc_system.png"),
 }
 
 

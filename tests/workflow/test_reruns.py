@@ -44,8 +44,8 @@ MODELS = ESN | figures(*range(8, 18)) | {
     "track": 5,
     "tracking_table": 1,
 }  # fmt: skip
-RIG = MODELS | figures(1, 2, 4, 5) | {"record": 2, "preprocess": 2}
-ALL = RIG | figures(3, 6, 7) | {"configuration_table": 1}
+RIG = MODELS | figures(4, 5) | {"record": 2, "preprocess": 2}
+ALL = RIG | figures(1, 2, 3, 6, 7) | {"configuration_table": 1}
 #: The closed loops, and what is made of them alone.
 FEEDBACK = SEEDS | figures(*range(12, 18)) | {
     "track": 5, "tracking_table": 1, "ledger": 1, "report_page": 1,
@@ -76,9 +76,9 @@ EDITS = {
     "what runs every stage": (
         [("stages/run.py", "threadpool_limits(1)", "threadpool_limits(limits=1)")], ALL,
     ),
-    "stage of Fig. 7": (
-        [("stages/draw_schematics.py", "canvas(2.82)", "canvas(2.8)")],
-        figures(1, 2, 3, 6, 7) | REPORT,
+    "stage of Fig. 5": (
+        [("stages/draw.py", "style.COLUMN_IN, 2.4", "style.COLUMN_IN, 2.5")],
+        figures(4, 5, *range(8, 12)) | REPORT,
     ),
     "page of Table IV": (
         [("tables/tracking.py", "return pd.DataFrame(page)", "return pd.DataFrame(list(page))")],

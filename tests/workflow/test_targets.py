@@ -38,15 +38,15 @@ def test_profile_of_the_smoke_run_is_the_default_one_with_a_configuration(projec
 #: Targets that spare the same jobs are planned together.
 PLANNED = [
     (
-        ["table1", "fig3", "fig6", "fig7"],
-        {"configuration_table", "draw_fig3", "draw_fig6", "draw_fig7"},
+        ["table1", "fig1", "fig2", "fig3", "fig6", "fig7"],
+        {"configuration_table", *(f"draw_fig{number}" for number in (1, 2, 3, 6, 7))},
         {"record"},
     ),
     (["table2", "table3"], {"comparison_table", "judge"}, {"measure_times", "replicate"}),
     (["seeds"], {"seeds_table", "replicate"}, {"judge", "record"}),
     (
-        ["timing", "fig1", "fig4", "fig5", "fig9", "fig11", "readout"],
-        {"timing_table", "draw_fig1", "draw_fig4", "draw_fig5", "draw_fig9", "draw_fig11"}
+        ["timing", "fig4", "fig5", "fig9", "fig11", "readout"],
+        {"timing_table", "draw_fig4", "draw_fig5", "draw_fig9", "draw_fig11"}
         | {"weigh", "readout_table", "measure_readout"},
         {"judge", "track"},
     ),

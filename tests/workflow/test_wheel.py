@@ -203,11 +203,22 @@ def test_command_prints_the_files_of_the_package(python, place):
     assert done.stdout == "".join((PACKAGED / file).read_text(encoding="utf-8") for file in files)
 
 
-def test_archive_of_the_sources_has_tests_settings_tools_and_workflow(sdist):
-    tracked = subprocess.run(
+@pytest.fixture(scope="module")
+def tracked():
+    """Return the files that git tracks."""
+    listed = subprocess.run(
         ["git", "-C", ROOT, "ls-files", "-z"], capture_output=True, text=True, check=False
     )
-    if tracked.returncode:
+    if listed.returncode:
         pytest.skip("not a git checkout, so the list of files is unknown")
-    files = {name for name in tracked.stdout.split("\0") if name and (ROOT / name).exists()}
-    assert {name for name in files if not (sdist / name).is_file()} == set()
+    return {name for name in listed.stdout.split("\0") if name and (ROOT / name).exists()}
+
+
+def test_archive_of_the_sources_has_tests_settings_tools_and_workflow(sdist, tracked):
+    assert {name for name in tracked if not (sdist / name).is_file()} == set()
+
+
+def test_wheel_has_every_file_of_the_package(wheel, tracked):
+    with zipfile.ZipFile(wheel) as file:
+        packed = {f"src/{name}" for name in file.namelist()}
+    assert {name for name in tracked if name.startswith("src/")} <= packed

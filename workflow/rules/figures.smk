@@ -9,20 +9,32 @@ FOLLOWED = [
     for run in BY_NAME[f"fig{number}"].logs
 ]
 
+#: The figures that show no data.
+DRAWN = {
+    1: "the bending actuator",
+    2: "the physical reservoir",
+    3: "the apparatus",
+    6: "control with the ESN",
+    7: "control with the FPRC",
+}
+
+
+def drawing_of(number):
+    """Return the PDF and the PNG of a figure that shows no data."""
+    stem = Path(BY_NAME[f"fig{number}"].files[0]).stem
+    return [DRAWINGS / f"{stem}.{kind}" for kind in ("pdf", "png")]
+
+
 #: The paper's figures by their numbers.
 PAPER_FIGURES = {
-    1: {
-        "words": "the bending actuator",
-        "given": {"raw": PATHS.log("sweep")},
-        **stage("draw_schematics.draw_actuator"),
+    **{
+        number: {
+            "words": words,
+            "given": {"drawing": drawing_of(number)},
+            **stage("copy_drawing.copy_drawing"),
+        }
+        for number, words in DRAWN.items()
     },
-    2: {
-        "words": "the physical reservoir",
-        "given": {"raw": PLAN.logs_of("sweep")[0]},
-        **stage("draw_schematics.draw_reservoir"),
-        "k_in_kpa_per_deg": SETTINGS["control"]["k_in_kpa_per_deg"],
-    },
-    3: {"words": "the apparatus", **stage("draw_schematics.draw_apparatus")},
     4: {
         "words": "hysteresis of the actuator",
         "given": {log: PATHS.data(log) for log in EXPERIMENTS},
@@ -32,17 +44,6 @@ PAPER_FIGURES = {
         "words": "hysteresis of the reservoir",
         "given": {log: PATHS.data(log) for log in EXPERIMENTS},
         **stage("draw.draw_reservoir_hysteresis"),
-    },
-    6: {
-        "words": "control with the ESN",
-        **stage("draw_schematics.draw_esn_system"),
-        "models": settings_of("esn", SETTINGS["models"]),
-    },
-    7: {
-        "words": "control with the FPRC",
-        **stage("draw_schematics.draw_fprc_system"),
-        "models": settings_of("fprc", SETTINGS["models"]),
-        "control": pick(SETTINGS["control"], "k_in_kpa_per_deg"),
     },
     8: {
         "words": "FPRC on training and test data",

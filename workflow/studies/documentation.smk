@@ -40,12 +40,7 @@ if PLAN.on_simulated_rig:
             **{Path(page).stem: page for page in PLAN.pages[1:]},
             "verdicts": PATHS.below("claims.json"),
         },
-        figures={
-            f"docs/images/fig{number:02}.png": PATHS.below(
-                BY_NAME[f"fig{number}"].files[0].replace(".pdf", ".png")
-            )
-            for number in (1, 2, 7)
-        },
+        figures={},
         targets=["report"],
     )
 

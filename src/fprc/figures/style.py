@@ -132,7 +132,6 @@ _ORIGINS = {
     "sim": "simulated rig, seed {seed}",
     "rig": "recorded on the rig",
     "import": "imported recordings",
-    "none": "drawing, no data",
 }
 
 
@@ -149,8 +148,8 @@ def save(fig: Figure, data: Mapping[str, Any], *files: str) -> Mapping[str, Any]
     Parameters
     ----------
     data : Mapping
-        Attributes of the data: ``source`` (of a log, or none for a drawing), and
-        ``seed`` where it is simulated, or ``seeds`` of several simulated rigs.
+        Attributes of the data: ``source`` of a log, and ``seed`` where it is simulated, or
+        ``seeds`` of several simulated rigs.
     *files : str
         Files to write, ending in .pdf or .png.
     """

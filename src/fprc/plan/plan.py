@@ -7,11 +7,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fprc.channels import CHANNELS, unit_of
+from fprc.channels import CHANNELS
 from fprc.errors import ConfigError, LogError
 from fprc.escape import in_words, terminal
 from fprc.logs import Columns, headers, refuse_other_source
-from fprc.logs.quality import substitute
 from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, RESULTS, Result
@@ -121,13 +120,6 @@ class Plan:
         for channels, files in lacking.items():
             verb = "does" if len(files) == 1 else "do"
             reasons.append(f"{in_words(channels)}, which {in_words(files)} {verb} not have")
-        for name in need.literal:
-            others = {log: substitute(name, logs[log].attributes) for log in need.logs}
-            reasons += [
-                f"{name} in {unit_of(name)}; in {log}.h5 it is {other}"
-                for log, other in others.items()
-                if other is not None
-            ]
         return "needs " + "; and ".join(reasons) if reasons else None
 
     def refusal(self, target: str) -> str:

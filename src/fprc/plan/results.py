@@ -20,9 +20,6 @@ class Result(NamedTuple):
     made_of: tuple[str, ...] = ()
     logs: tuple[str, ...] = ()  #: raw logs that it needs
     channels: tuple[str, ...] = ()  #: channels that each of these logs must have
-    #: Channels that must hold the quantity of their name, not a substitute, because the result
-    #: shows them under that name.
-    literal: tuple[str, ...] = ()
     on_rigs: str = ""  #: why it needs a simulated rig, if it does
     part_of: str = ""  #: target that this is a part of; a part is not a target itself
 
@@ -40,7 +37,6 @@ _LOOPS = tuple(
 )
 _BOTH: dict[str, Any] = {"logs": EXPERIMENTS}
 _BOTH_WITH_P_O: dict[str, Any] = {"logs": EXPERIMENTS, "channels": ("p_o_kpa",)}
-_SWEEP: dict[str, Any] = {"logs": ("sweep",)}
 
 # fmt: off
 #: In the order of listings for readers.
@@ -59,16 +55,15 @@ RESULTS = (
            on_rigs="needs source: sim: further seeds are further simulated rigs"),
     Result("claims", "Claims", ("claims.md",), ("seeds", _TIMES, _OVER_N_C),
            on_rigs="needs source: sim: the verdicts are taken over further simulated rigs"),
-    _figure(1, "actuator", "data", channels=("p_exp_kpa",), literal=("p_exp_kpa", "theta_deg"),
-            **_SWEEP),
-    _figure(2, "reservoir", "data", channels=RESERVOIR, literal=RESERVOIR, **_SWEEP),
+    _figure(1, "actuator"),
+    _figure(2, "reservoir"),
     _figure(3, "apparatus"),
     _figure(4, "hysteresis_actuator", "data", **_BOTH),
     _figure(5, "hysteresis_reservoir", "data", **_BOTH_WITH_P_O),
     _figure(6, "esn_system"),
     _figure(7, "fprc_system"),
     _figure(8, "training", "data", "judged/sweep", **_BOTH_WITH_P_O),
-    _figure(9, "weights", "data", "weights/fprc.json", channels=("p_o_kpa",), **_SWEEP),
+    _figure(9, "weights", "data", "weights/fprc.json", logs=("sweep",), channels=("p_o_kpa",)),
     _figure(10, "settings", "data", "grids", _OVER_N_C, "seeds", **_BOTH),
     Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", part_of="fig10", **_BOTH_WITH_P_O),
     _figure(11, "taps", "data", "grids", "seeds", **_BOTH_WITH_P_O),

@@ -48,7 +48,6 @@ def written(drawing, pdf, png):
         ({"source": "rig", "seed": 7}, "recorded on the rig"),
         ({"source": "rig"}, "recorded on the rig"),
         ({"source": "import"}, "imported recordings"),
-        ({"source": "none"}, "drawing, no data"),
     ],
 )
 def test_figure_is_marked_by_the_source_of_its_data_alone(axes, data, mark):

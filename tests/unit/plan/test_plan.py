@@ -51,14 +51,11 @@ def simulated():
     return Plan(Settings().model_dump(mode="json"), {}, "data/raw")
 
 
-def recorded(*names, lacking=(), notes=None):
+def recorded(*names, lacking=()):
     """Return the plan of logs that were recorded elsewhere."""
     settings = check({"source": "recorded"}).model_dump(mode="json")
     channels = frozenset(RAW_CHANNELS) - {*lacking}
-    there = {
-        name: Columns(Path(f"data/raw/{name}.h5"), {}, {"notes": notes or {}}, names=channels)
-        for name in names
-    }
+    there = {name: Columns(Path(f"data/raw/{name}.h5"), {}, {}, names=channels) for name in names}
     return Plan(settings, there, "data/raw")
 
 
@@ -176,13 +173,6 @@ def test_closed_loop_results_of_recorded_logs_are_made_of_the_runs_that_are_ther
     assert "table4_runs" in plan.unavailable
 
 
-def test_drawing_of_the_actuator_needs_angle_and_pressure_as_such():
-    notes = {"theta_deg": "not in deg: displacement x [mm]", "p_exp_kpa": "of the regulator"}
-    found = recorded(*EXPERIMENTS, notes=notes).unavailable
-    assert found["fig1"] == "needs theta_deg in deg; in sweep.h5 it is displacement x [mm]"
-    assert "fig4" not in found
-
-
 @pytest.mark.parametrize("number", range(12, 18))
 def test_closed_loop_figure_is_made_of_its_own_runs(number):
     name = f"fig{number}"
@@ -200,7 +190,7 @@ def test_without_p_o_fprc_is_left_out_everywhere():
     assert plan.models == ["esn", "fuzzy_linear"]
     assert plan.left_out == {"fprc": "needs p_o_kpa, which sweep.h5 and complex.h5 do not have"}
     assert set(plan.unavailable_targets) - CLOSED_LOOP - OF_RIGS == {
-        "readout", "fig2", "fig5", "fig8", "fig9", "fig11"
+        "readout", "fig5", "fig8", "fig9", "fig11"
     }  # fmt: skip
     assert set(plan.targets["table2"]) == (
         {"results/tables/table2.md"} | DATA | judged("sweep", plan.models)
