@@ -17,51 +17,41 @@ _CLIPPED = 0.9
 _FRAMES = {"lowest error": MARK, "setting of the paper": "white"}
 
 
-def plot_errors_over(table: DataFrame, setting: str, ax: Axes) -> None:
-    """Draw training, validation and test RMSE over a setting.
+def plot_over(table: DataFrame, ax: Axes, *, times: bool = False) -> None:
+    """Draw training, validation and test RMSE, or execution times, over a setting.
 
-    A line style is a model, a marker is a phase, a band is a standard deviation either way. If
-    there are several models, each is named at the end of its training errors.
+    A line style is a model, a marker is a phase. The standard deviation of an error is a band
+    either way, that of a time a bar: on a logarithmic axis, a band that reaches below zero would
+    cover the rest. If there are several models, each is named at the end of its first phase.
 
     Parameters
     ----------
     table : DataFrame
-        ``model``, the setting, ``phase``, ``mean``, ``std``, ``unit``.
+        ``model``, ``value`` of the setting, ``phase``, ``mean``, ``std``, ``unit``.
     """
-    _plot_over(table, setting, ax, bands=True)
-    ax.set_ylabel(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
-
-
-def plot_times_over(table: DataFrame, setting: str, ax: Axes) -> None:
-    """Draw training and test times over a setting; ``table`` is as for ``plot_errors_over``.
-
-    Deviations are bars: on a logarithmic axis, a band that reaches below zero would cover the rest.
-    """
-    _plot_over(table, setting, ax, bands=False)
-    ax.set_ylabel("Time [s]")
-    ax.set_yscale("log")
-    ax.set_ylim(table["mean"].min() / 2.0, 2.0 * table["mean"].max())
-
-
-def _plot_over(table: DataFrame, setting: str, ax: Axes, *, bands: bool) -> None:
     ends: dict[str, tuple[float, float]] = {}
     for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
-        rows = rows.sort_values(setting)
-        x, mean, std = rows[setting], rows["mean"], rows["std"]
+        rows = rows.sort_values("value")
+        x, mean, std = rows["value"], rows["mean"], rows["std"]
         look = line_of(model)
         ends.setdefault(model, (x.iloc[-1], mean.iloc[-1]))
         label = _PHASES[phase] if len(ends) == 1 else ""
         ax.plot(x, mean, **look, **PHASES[phase], linewidth=0.8, label=label)
-        if bands:
-            ax.fill_between(x, mean - std, mean + std, color=look["color"], alpha=0.3, linewidth=0)
-        else:
+        if times:
             ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=look["color"], elinewidth=0.6)
+        else:
+            ax.fill_between(x, mean - std, mean + std, color=look["color"], alpha=0.3, linewidth=0)
     ax.margins(y=0.12)
     if len(ends) > 1:
         upwards = sorted(ends, key=lambda model: ends[model][1])
         for model, shift in zip(upwards, np.linspace(-4.0, 4.0, len(ends)), strict=True):
             ax.annotate(title_of(model), ends[model], (8.0, shift), va="center",
                         textcoords="offset points")  # fmt: skip
+    if times:
+        ax.set_yscale("log")
+        ax.set_ylim(table["mean"].min() / 2.0, 2.0 * table["mean"].max())
+    quantity = "Time" if times else "RMSE"
+    ax.set_ylabel(f"{quantity} [{escape.figure(table['unit'].iloc[0])}]")
 
 
 def plot_grid(table: DataFrame, phase: str, ax: Axes, papers: tuple[int, int]) -> None:

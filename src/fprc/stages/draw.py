@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
@@ -11,9 +12,8 @@ from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
 from fprc.figures.grids import (
     explain_frames,
-    plot_errors_over,
     plot_grid,
-    plot_times_over,
+    plot_over,
 )
 from fprc.figures.hysteresis import add_frequency_bar, plot_loop
 from fprc.figures.tracking import plot_fit
@@ -23,12 +23,14 @@ from fprc.signals import swing_frequency, turning_points
 from fprc.tables.figure_data import (
     fit_errors,
     grid_errors,
-    grid_times,
-    panels,
+    times_over_n_c,
     weight_shares,
 )
 from fprc.yaml_file import read_yaml
 
+_TITLES_OF_SETTINGS = {
+    "a": "Errors of FPRC", "b": "Errors", "c": "Execution times, batch"
+}  # fmt: skip
 _TITLES_OF_FITS = {"train": "(a) Training: first and last tenth", "test": "(b) Test"}
 _DATA = ("time_s", "p_target_kpa", "theta_deg")
 #: Symbol and unit of a channel.
@@ -150,30 +152,29 @@ def draw_settings(
     epsilon, when there is no FPRC, only (b) and (c) are drawn.
     """
     reports = [read_json(path) for path in grids]
-    tables = {"b": grid_errors(reports, "n_c"), "c": grid_times(read_json(times), "n_c")}
-    by_epsilon = grid_errors(reports, "epsilon")
-    if len(by_epsilon):
-        tables = {"a": by_epsilon, **tables}
-    write_csv(csv, panels(tables))
-    fig, axes = style.figure(len(tables), 1, style.COLUMN_IN, 5.0 if "a" in tables else 3.6)
-    if "a" in tables:
-        plot_errors_over(tables["a"], "epsilon", axes[0])
-        axes[0].set_xscale("log")
-        axes[0].set_xlabel(r"$\epsilon$")
-        style.letter(axes[0], "(a) Errors of FPRC")
-        axes[0].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=1.4)
-    errors, seconds = axes[-2:]
-    plot_errors_over(tables["b"], "n_c", errors)
-    plot_times_over(tables["c"], "n_c", seconds)
-    for ax in (errors, seconds):
-        ax.set_xscale("log", base=2)
-        ax.set_xlabel("$n_c$")
-        ax.set_xticks(sorted(tables["b"]["n_c"].unique()))
-        ax.xaxis.set_major_formatter("{x:g}")
-    style.letter(errors, "(b) Errors")
-    style.letter(seconds, "(c) Execution times, batch")
-    if "a" not in tables:
-        style.share_legend(fig, errors)
+    panels = {
+        "a": grid_errors(reports, "epsilon"),
+        "b": grid_errors(reports, "n_c"),
+        "c": times_over_n_c(read_json(times)),
+    }
+    if panels["a"].empty:
+        del panels["a"]
+    write_csv(csv, pd.concat(panels, names=["panel"]).reset_index("panel"))
+    fig, axes = style.figure(len(panels), 1, style.COLUMN_IN, 5.0 if "a" in panels else 3.6)
+    for (panel, table), ax in zip(panels.items(), axes, strict=True):
+        plot_over(table, ax, times=panel == "c")
+        style.letter(ax, f"({panel}) {_TITLES_OF_SETTINGS[panel]}")
+        if panel == "a":
+            ax.set_xscale("log")
+            ax.set_xlabel(r"$\epsilon$")
+            ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=1.4)
+        else:
+            ax.set_xscale("log", base=2)
+            ax.set_xlabel("$n_c$")
+            ax.set_xticks(sorted(table["value"].unique()))
+            ax.xaxis.set_major_formatter("{x:g}")
+    if "a" not in panels:
+        style.share_legend(fig, axes[0])
     return style.save(fig, _seeds_of(reports), pdf, png)
 
 

@@ -133,13 +133,13 @@ def grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> pd.DataFrame
     Returns
     -------
     DataFrame
-        ``model``, the settings, ``phase``, ``mean``, ``std`` (sample; NaN for a single value),
-        ``values`` (their number), ``unit``, ``source``.
+        ``model``, name and value of the ``setting`` or the values of several, ``phase``, ``mean``,
+        ``std`` (sample; NaN for a single value), ``values`` (their number), ``unit``, ``source``.
     """
     return pd.DataFrame(
         {
             "model": cells[0]["model"],
-            **{name: cells[0][name] for name in GRID_SETTINGS[grid]},
+            **_settings_of(cells[0], grid),
             "phase": phase,
             **_spread([cell[f"{phase}_rmse_kpa"] for cell in cells]),
             "unit": reports[0].get("unit", "kPa"),
@@ -150,12 +150,20 @@ def grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> pd.DataFrame
     )
 
 
-def grid_times(report: Mapping[str, Any], setting: str) -> pd.DataFrame:
+def _settings_of(cell: Mapping[str, Any], grid: str) -> dict[str, Any]:
+    names = GRID_SETTINGS[grid]
+    if len(names) == 1:
+        return {"setting": grid, "value": cell[grid]}
+    return {name: cell[name] for name in names}
+
+
+def times_over_n_c(report: Mapping[str, Any]) -> pd.DataFrame:
     """Mean and standard deviation over repeats of the batch execution times (Fig. 10c)."""
     return pd.DataFrame(
         {
             "model": entry["model"],
-            setting: entry[setting],
+            "setting": "n_c",
+            "value": entry["n_c"],
             "phase": entry["phase"],
             **_spread(entry["seconds"]),
             "unit": "s",
@@ -164,23 +172,6 @@ def grid_times(report: Mapping[str, Any], setting: str) -> pd.DataFrame:
         for entry in report["times"]
         if entry["mode"] == "batch"
     )
-
-
-def panels(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Join the tables of a figure's panels; ``setting`` and ``value`` replace the setting's column.
-
-    Parameters
-    ----------
-    tables : Mapping
-        Tables of ``grid_errors`` or ``grid_times`` over one setting, by panel.
-    """
-    renamed = []
-    for panel, table in tables.items():
-        setting = table.columns[1]
-        renamed.append(table.rename(columns={setting: "value"}))
-        renamed[-1].insert(1, "setting", setting)
-        renamed[-1].insert(0, "panel", panel)
-    return pd.concat(renamed, ignore_index=True)
 
 
 def _spread(values: Sequence[Any]) -> dict[str, float | int]:
