@@ -71,14 +71,13 @@ def write_report(
     names = {part["anchor"]: part["short"] for part in (*pages.values(), *shown)}
     drawn_from = {figure["source"] for figure in shown} - {"none"}
     kinds = in_words(SOURCES[source] for source in sorted(drawn_from))
-    simulated = "sim" in drawn_from
     page = (
         _environment(Path(template[0]).parent)
         .get_template(Path(template[0]).name)
         .render(
-            banner=banner(drawn_from),
             kinds=kinds,
-            simulated=simulated,
+            # the workflow refuses logs of which some are simulated and others are not
+            simulated="sim" in drawn_from,
             missing=missing,
             pages=pages.values(),
             figures=shown,
@@ -107,15 +106,6 @@ def _environment(templates: Path) -> jinja2.Environment:
     environment.filters["symbols"] = symbols
     environment.globals["zip"] = zip
     return environment
-
-
-def banner(sources: set[str]) -> str:
-    """Return the kind of the page's data, in capitals."""
-    if sources == {"sim"}:
-        return "SIMULATED DATA"
-    if "sim" in sources:
-        return "PARTLY SIMULATED DATA"
-    return "MEASURED DATA"
 
 
 _NOT_COMPARED = ("source", "seed", "folders", "rig", "fitted", "calibration", "drawn")

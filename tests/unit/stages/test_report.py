@@ -213,11 +213,6 @@ def test_whatever_a_text_holds_it_adds_no_other_tag_and_loses_nothing(text):
     [
         (["sim", "none"], "SIMULATED DATA", "simulated rig, not hardware"),
         (["rig", "none"], "MEASURED DATA", "recorded on the rig"),
-        (
-            ["rig", "sim"],
-            "PARTLY SIMULATED DATA",
-            "recorded on the rig and simulated rig, not hardware",
-        ),
         (["import", "rig"], "MEASURED DATA", "imported recordings and recorded on the rig"),
     ],
 )
