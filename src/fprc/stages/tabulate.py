@@ -191,12 +191,13 @@ def tabulate_readout(
     report = read_json(cells)
     table = readout.readout(report)
     settings = report["own"]
+    (held_out,) = {_FOLDS[split] for split in table["split"] if split in _FOLDS}
     note = (
         "Readout value: FPRC with P_o, without it and with substitutes for it, at epsilon = "
         f"{settings['epsilon']:g} and n_u = {settings['n_u']}, mean ± standard deviation over "
         "folds.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
-        f"tested on {parts[1]}. {_FOLDS[readout.held_out(table)]}{_failed(failed_checks(quality))}"
+        f"tested on {parts[1]}. {held_out}{_failed(failed_checks(quality))}"
     )
     write_table(table, readout.readout_page(table), note, **files)
 

@@ -32,11 +32,6 @@ def readout(report: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def held_out(table: pd.DataFrame) -> str:
-    """Return the split whose validation rows are apart in time from those that train."""
-    return "recordings" if "recordings" in set(table["split"]) else "blocked"
-
-
 def readout_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the readouts as a page."""
     return pd.DataFrame(
