@@ -8,7 +8,7 @@ import numpy as np
 from fprc.artifacts import write_csv
 from fprc.figures import style
 from fprc.figures.tracking import plot_error, plot_following, plot_reference_loops
-from fprc.logs import Columns, read_run
+from fprc.logs import read_run
 from fprc.logs.isolated import isolated_each
 from fprc.paper import LOOPS, REFERENCE_NAMES
 from fprc.signals import repeat_cycle, settled
@@ -61,15 +61,16 @@ def draw_following(
 
 
 def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
-    """Figure 16: actual angle over reference, PD against FPRC+PD."""
+    """Figure 16: actual angle over reference, PD against FPRC+PD.
+
+    ``runs`` are the logs of PD and of FPRC+PD for each of ``LOOPS``, in this order.
+    """
     logs = isolated_each(read_run, runs)
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.1, sharex=True, sharey=True)
-    for ax, letter, reference in zip(axes, "ab", LOOPS, strict=True):
-        pair = [
-            (label, controller, _judged(logs, reference, controller))
-            for controller, label in (("pd", "PD alone"), ("fprc_pd", "FPRC+PD"))
-        ]
-        plot_reference_loops(pair, ax)
+    pairs = zip(axes, "ab", LOOPS, logs[::2], logs[1::2], strict=True)
+    for ax, letter, reference, *pair in pairs:
+        alone, both = (settled(log.channels, log.attributes["settle_s"]) for log in pair)
+        plot_reference_loops([("PD alone", "pd", alone), ("FPRC+PD", "fprc_pd", both)], ax)
         ax.label_outer()
         style.letter(ax, f"({letter}) {REFERENCE_NAMES[reference]}")
     axes[0].legend(loc="lower right", handlelength=1.4, labelspacing=0.2, borderaxespad=0.1)
@@ -121,10 +122,3 @@ def draw_disturbance(
         "Time [s]\nyellow: undisturbed, grey: pushed; pale band: last undisturbed cycle"
     )
     return style.save(fig, log.attributes, pdf, png)
-
-
-def _judged(logs: Sequence[Columns], reference: str, controller: str) -> dict[str, np.ndarray]:
-    """Return the channels of one run after settling."""
-    wanted = {"reference": reference, "controller": controller}
-    log = next(log for log in logs if wanted.items() <= log.attributes.items())
-    return settled(log.channels, log.attributes["settle_s"])
