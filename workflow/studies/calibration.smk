@@ -20,8 +20,7 @@ STUDY_RESULTS["measure_sensitivity"] = judgement_spec(
         "seeds": SETTINGS["evaluation"]["replicate_seeds"][:2],
         "models": paper_models(SETTINGS),
         "tracking": SETTINGS["tracking"],
-        "surrogate": pick(SETTINGS["calibration"], "stride", "esn_nodes", "restarts", "taps"),
-        "grids": pick(SETTINGS["grids"], "epsilon", "n_c"),
+        "grids": pick(SETTINGS["grids"], "epsilon", "n_c") | pick(SETTINGS["calibration"], "taps"),
     },
 )
 

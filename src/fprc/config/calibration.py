@@ -7,32 +7,6 @@ from pydantic import Field, model_validator
 from fprc.config.rig import free_ranges
 from fprc.config.section import Distinct, NotEmpty, Rising, Section, quantity
 
-
-class Plausible(Section):
-    """Plausible ranges of a fitted rig's properties."""
-
-    angle_deg: Rising[float] = quantity(
-        (57, 63), (1, 120), "largest angle of the sweep", "paper: about 60 deg"
-    )
-    loop_kpa: Rising[float] = quantity(
-        (45, 75), (1, 400), "width of the loop at mid-angle", "Fuzzy-linear's printed error"
-    )
-    loop_growth: Rising[float] = quantity(
-        (0.87, 1.15), (0.1, 10), "growth of that width from the first to the last quarter",
-        "paper, Sec. II-B: independent of frequency",
-    )  # fmt: skip
-    p_o_swing_kpa: Rising[float] = quantity(
-        (40, 80), (1, 400), "swing of P_o in the sweep", "size of the chambers"
-    )
-    p_o_loop: Rising[float] = quantity(
-        (0.17, 0.4), (0.001, 2), "width of P_o's loop over its swing", "paper, Fig. 5"
-    )
-    p_o_loop_growth: Rising[float] = quantity(
-        (0.87, 1.15), (0.1, 10), "growth of that width from the first to the last quarter",
-        "paper, Sec. II-B: independent of frequency",
-    )  # fmt: skip
-
-
 #: Terms of the objective, see ``fprc.studies.calibration.objective``.
 Term = Literal[
     "tables", "orders", "plausible", "C8", "C9a", "C9b", "C11", "C12", "C18", "C18c", "open_loop",
@@ -166,14 +140,6 @@ class Calibration(Section):
         2, (1, 100), "how often both searches are made, each time from where they ended"
     )
     rounds: int = quantity(20, (1, 1000), "rounds of the search for calibration.fit")
-    stride: int = quantity(5, (1, 1000), "the surrogate models fit every n-th row", unit="samples")
-    esn_nodes: int = quantity(100, (1, 4000), "reservoir size of the surrogate ESN")
-    restarts: int = quantity(
-        5, (1, 1000),
-        "starts of the surrogate's clusterings; with one, errors jump where a clustering ends "
-        "elsewhere, and slopes are noise",
-    )  # fmt: skip
-    plausible: Plausible = Plausible()
 
     @model_validator(mode="after")
     def _free_parameters_exist(self) -> "Calibration":

@@ -230,8 +230,8 @@ class Judge(NamedTuple):
         return [
             judge_by_surrogate(
                 on_rig, seed, self.measures(), centers.setdefault(seed, {}),
-                models=self.judgement["models"], surrogate=self.calibration, grids=self.grids,
-                tracking=self.tracking,
+                models=self.judgement["models"], tracking=self.tracking,
+                grids={**self.grids, "taps": self.calibration["taps"]},
             )
             for seed in self.calibration["seeds"]
         ]  # fmt: skip

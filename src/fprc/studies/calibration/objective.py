@@ -47,6 +47,17 @@ _SMALLEST = 1e-3
 _MARGIN, _WIDE = 0.05, 0.12
 
 
+#: Plausible ranges of a fitted rig's ``properties``.
+PLAUSIBLE = {
+    "angle_deg": (57.0, 63.0),  # paper: about 60 deg
+    "loop_kpa": (45.0, 75.0),  # Fuzzy-linear's printed error
+    "loop_growth": (0.87, 1.15),  # paper, Sec. II-B: independent of frequency
+    "p_o_swing_kpa": (40.0, 80.0),  # size of the chambers
+    "p_o_loop": (0.17, 0.4),  # paper, Fig. 5
+    "p_o_loop_growth": (0.87, 1.15),  # paper, Sec. II-B: independent of frequency
+}
+
+
 class Aim(NamedTuple):
     """Targets of the search: numbers that the paper prints, and plausible ranges."""
 
@@ -68,7 +79,7 @@ def aim_of(published: Mapping[str, Any], calibration: Mapping[str, Any]) -> Aim:
             "open_loop": {name: tracking["fprc"][name] for name in REFERENCES},
             "closed_loop": {name: tracking["fprc_pd"][name] for name in REFERENCES},
         },
-        ranges=calibration["plausible"],
+        ranges=PLAUSIBLE,
         fit=calibration["fit"],
     )
 

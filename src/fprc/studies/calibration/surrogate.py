@@ -1,6 +1,6 @@
 """Cheap surrogates of the models, judged on one simulated rig and seed.
 
-Instead of five readouts for five folds, one is fitted to every ``stride``-th row, with the ridge
+Instead of five readouts for five folds, one is fitted to every fifth row, with the ridge
 parameter scaled to the number of rows; the ESN is smaller. Features have memory: they are computed
 over whole logs. The clusterings may begin at those of another rig: then the numbers of neighbouring
 rigs do not jump where a clustering ends elsewhere.
@@ -27,6 +27,16 @@ from fprc.studies.calibration.objective import properties
 #: Share of the rows that trains a readout in the full models' cross-validation.
 _TRAINED = 0.8
 
+#: The readouts are fitted to every n-th row.
+STRIDE = 5
+
+#: Nodes of the smaller ESN.
+ESN_NODES = 100
+
+#: Starts of each clustering; with one, errors jump where a clustering ends elsewhere, and slopes
+#: are noise.
+RESTARTS = 5
+
 #: Length of the blocks over which errors in open loop are averaged, s.
 _BLOCK_S = 0.25
 
@@ -48,7 +58,6 @@ def judge_by_surrogate(
     centers: dict[str, np.ndarray],
     *,
     models: Mapping[str, Any],
-    surrogate: Mapping[str, Any],
     grids: Mapping[str, Sequence[float]],
     tracking: Mapping[str, Any],
 ) -> dict[str, Any]:
@@ -61,10 +70,8 @@ def judge_by_surrogate(
     centers : dict
         Centres of every clustering. One that is in it begins there, and all others begin at random
         and are added.
-    surrogate : Mapping
-        ``stride``, ``esn_nodes``, ``restarts``, and ``taps``, the values of n_u and n_y.
     grids : Mapping
-        Values of ``epsilon`` and ``n_c``.
+        Values of ``epsilon`` and ``n_c``, and ``taps``, those of n_u and n_y.
     tracking : Mapping
         Section ``tracking`` of the configuration.
 
@@ -81,7 +88,7 @@ def judge_by_surrogate(
         and in ``control`` what ``measure_control`` returns for FPRC.
     """
     logs = simulate(on_rig, seed)
-    thinned = _Thinned(logs, _adapted(models, surrogate), seed, surrogate["stride"], centers)
+    thinned = _Thinned(logs, _adapted(models), seed, centers)
     prepared = {name: thinned.prepare(name, logs) for name in MODELS}
     readouts = {
         (train, name): thinned.readout(prepared[name], train, f"{train}, {name}")
@@ -122,7 +129,7 @@ def judge_by_surrogate(
             for name in ("fprc", "fuzzy_linear")
         }
     if "taps" in measures:
-        sizes = sorted(surrogate["taps"])
+        sizes = sorted(grids["taps"])
         judged["taps"] = [
             [thinned.training_error(n_u=n_u, n_y=n_y) for n_y in sizes] for n_u in sizes
         ]
@@ -142,23 +149,22 @@ def judge_by_surrogate(
     return judged
 
 
-def _adapted(models: Mapping[str, Any], surrogate: Mapping[str, Any]) -> dict[str, Any]:
+def _adapted(models: Mapping[str, Any]) -> dict[str, Any]:
     """Return the section ``models``, with the surrogate's ridge, nodes and starts."""
     return {
         **models,
-        "alpha": models["alpha"] / (_TRAINED * surrogate["stride"]),
-        "esn": {**models["esn"], "r": surrogate["esn_nodes"]},
-        "fprc": {**models["fprc"], "restarts": surrogate["restarts"]},
+        "alpha": models["alpha"] / (_TRAINED * STRIDE),
+        "esn": {**models["esn"], "r": ESN_NODES},
+        "fprc": {**models["fprc"], "restarts": RESTARTS},
     }
 
 
 class _Thinned(NamedTuple):
-    """Models on every ``stride``-th row of two logs."""
+    """Models on every n-th row of two logs, see ``STRIDE``."""
 
     logs: Mapping[str, Data]
     models: Mapping[str, Any]
     seed: int
-    stride: int
     centers: dict[str, np.ndarray]
 
     def prepare(self, name: str, logs: Iterable[str], **changed: Any) -> Prepared:
@@ -166,7 +172,7 @@ class _Thinned(NamedTuple):
         model = build(name, self.models, self.seed, **changed)
         whole = prepare(model, {log: self.logs[log].samples(name) for log in logs})
         rows, y = (
-            {log: values[:: self.stride] for log, values in of_logs.items()}
+            {log: values[::STRIDE] for log, values in of_logs.items()}
             for of_logs in (whole.rows, whole.y)
         )
         return whole._replace(rows=rows, y=y)

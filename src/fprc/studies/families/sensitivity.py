@@ -176,7 +176,7 @@ def judge_parameter(
     Parameters
     ----------
     **how
-        ``models``, ``surrogate``, ``grids`` and ``tracking`` of ``judge_by_surrogate``.
+        ``models``, ``grids`` and ``tracking`` of ``judge_by_surrogate``.
 
     Returns
     -------

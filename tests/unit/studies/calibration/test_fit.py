@@ -18,6 +18,7 @@ from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.provenance import hash_of
 from fprc.studies.calibration import fit as stage
+from fprc.studies.calibration import objective, surrogate
 from fprc.studies.calibration.full_models import judge_fully
 from fprc.studies.calibration.objective import TERMS, aim_of, deviations, printed_errors
 from fprc.studies.calibration.space import decode, encode, free_parameters, resolved
@@ -27,7 +28,6 @@ pytestmark = pytest.mark.slow  # whole fits
 
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
 RIG = Rig().model_dump(mode="json")
-SURROGATE = {"stride": 7, "esn_nodes": 8, "restarts": 1}
 ROUNDS = 2
 SEARCH = importlib.import_module("fprc.studies.calibration.search")
 
@@ -35,6 +35,14 @@ SEARCH = importlib.import_module("fprc.studies.calibration.search")
 def rigs(rounds):
     """Return how many rigs a search judges: where rounds begin and end, neighbours, and steps."""
     return 1 + rounds * (1 + 3 + 18)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_surrogate():
+    with pytest.MonkeyPatch.context() as small:
+        for name, value in (("STRIDE", 7), ("ESN_NODES", 8), ("RESTARTS", 1)):
+            small.setattr(surrogate, name, value)
+        yield
 
 
 # --- tiny configuration ---------------------------------------------------------------------------
@@ -57,7 +65,6 @@ def settings():
         "first": {"fit": [], "rounds": 1, "starts": 1},
         "passes": 1,
         "rounds": ROUNDS,
-        **SURROGATE,
     }
     signals = {name: signal | {"duration_s": 8.0} for name, signal in found["experiments"].items()}
     signals["sweep"]["f_start_hz"] = 0.8  # whole loops in its first quarter
@@ -187,8 +194,8 @@ def remeasured(fitted, report, settings, on_rig):
     """Return what the surrogate measures on the fitted rig, with the ratios of the report."""
     seed = judge_by_surrogate(
         replace(on_rig, rig=written(fitted)), 21, MEASURES, {},
-        models=settings["judgement"]["models"], surrogate=settings["calibration"],
-        grids=settings["grids"], tracking=settings["tracking"],
+        models=settings["judgement"]["models"], tracking=settings["tracking"],
+        grids=settings["grids"] | {"taps": settings["calibration"]["taps"]},
     )  # fmt: skip
     for measure, ratios in report["surrogate_ratios"].items():
         for key, ratio in ratios.items():
@@ -273,7 +280,7 @@ def test_surrogate_is_corrected_by_its_ratios_on_the_fitted_rig(
     models, on_rig = settings["judgement"]["models"], replace(on_rig, rig=written(fitted))
     measures = {"shares", *LOOPS}
     cheap = judge_by_surrogate(
-        on_rig, 21, measures, {}, models=models, surrogate=SURROGATE, grids={},
+        on_rig, 21, measures, {}, models=models, grids={},
         tracking=settings["tracking"],
     )  # fmt: skip
     assert set(report["surrogate_ratios"]) == {"errors", *measures}
@@ -403,11 +410,11 @@ def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, 
         return estimate(judge, *given)
 
     monkeypatch.setattr(stage.Judge, "estimate", noting)
+    monkeypatch.setattr(objective, "PLAUSIBLE", {"angle_deg": (50.0, 70.0)})
     quick.deviation = lambda point, seeds: 1.0 + 0.3 * np.sum(point)
     first = {"fit": ["tables"], "rounds": 3, "starts": 2}
     changes = with_calibration(
         quick.settings, first=first, fit=["tables", "plausible"], rounds=4, seeds=[21, 22],
-        plausible={"angle_deg": [50.0, 70.0]},
     )  # fmt: skip
     found = quick.fit(tmp_path, **changes)
     assert [search["rounds"] for search in found["searches"]] == [2 + 1 + 1, 4]

@@ -9,11 +9,13 @@ from fprc.experiments.tracking import Track
 from fprc.models import ESN, FPRC, FuzzyLinear
 from fprc.models.competitors import on_bank, ridge_p_o
 from fprc.paper import REFERENCES
+from fprc.studies.calibration import surrogate
 from fprc.studies.calibration.surrogate import FURTHER, MEASURES, judge_by_surrogate
 
 STRIDE, NODES, SEED = 4, 15, 5
 N_Y, ALPHA, N_C, N_U = 2, 0.01, 3, 2
-GRIDS, TAPS = {"epsilon": [0.02, 1.0], "n_c": [4, 1]}, [5, 1, 3]
+TAPS = [5, 1, 3]
+GRIDS = {"epsilon": [0.02, 1.0], "n_c": [4, 1], "taps": TAPS}
 OTHER = {"sweep": "complex", "complex": "sweep"}
 INPUTS = {"esn": ["theta_deg"], "fprc": ["theta_deg", "p_o_kpa"], "fuzzy_linear": ["theta_deg"]}
 CASES = [
@@ -61,9 +63,11 @@ def models():
 def judge(on_rig, models, tracking):
     def call(seed=SEED, stride=STRIDE, nodes=NODES, measures=(), centers=None):
         centers = {} if centers is None else centers
-        surrogate = {"stride": stride, "esn_nodes": nodes, "restarts": 1, "taps": TAPS}
-        how = {"models": models, "surrogate": surrogate, "grids": GRIDS, "tracking": tracking}
-        return judge_by_surrogate(on_rig, seed, measures, centers, **how)
+        how = {"models": models, "grids": GRIDS, "tracking": tracking}
+        with pytest.MonkeyPatch.context() as small:
+            for name, value in (("STRIDE", stride), ("ESN_NODES", nodes), ("RESTARTS", 1)):
+                small.setattr(surrogate, name, value)
+            return judge_by_surrogate(on_rig, seed, measures, centers, **how)
 
     return call
 
