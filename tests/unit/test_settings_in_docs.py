@@ -38,11 +38,11 @@ def quoted():
     return {
         "data/raw/README.md": [f"memory ({isolated._LIMIT_BYTES >> 30} GB)"],
         "docs/benchmark.md": [
-            f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.seeds - 1}, "
+            f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.units - 1}, "
         ],
         "docs/beyond-details.md": [
-            f"on {seeds.seeds} seeds each, *near print* on {seeds.rigs} rigs",
-            f"on {seeds.rigs} rigs with {seeds.seeds_per_rig} seeds each",
+            f"on {seeds.units} seeds each, *near print* on {seeds.units} rigs",
+            f"on {seeds.units} rigs with {seeds.seeds_per_rig} seeds each",
         ],
         "docs/decisions/0022-another-processor.md": [
             f"by more than {checked._LEVELS} levels and accepts up to {checked._PIXELS}:"

@@ -73,9 +73,9 @@ def test_families_stand_side_by_side(studied):
     assert {family["name"]: len(family["errors"]) for family in families} == dict.fromkeys(
         ("paper", "dry", "viscous", "near_print", "drawn"), 26
     )
-    for family, rigs in zip(families[3:], (2, 4), strict=True):
+    for family in families[3:]:
         held = {claim["id"]: claim["holds"] for claim in family["claims"]}
-        assert {of_claim["rigs"] for of_claim in held.values()} == {rigs}
+        assert {of_claim["rigs"] for of_claim in held.values()} == {2}
         assert all(claim["low"] <= claim["share"] <= claim["high"] for claim in held.values())
         assert {"C1a", "C7a", "C13a", "C18b", "B1"} <= set(held)
     assert len(pd.read_csv(folder / "answer.csv")) == 5

@@ -35,7 +35,7 @@ STUDY_RESULTS["beyond_world"] = judgement_spec(
     *COMPETITORS,
     given={"near_print": NEAR_PRINT, "tuned": TUNED},
     families=lambda wildcards: [family_named(wildcards.world)],
-    units=lambda wildcards: list(range(BEYOND["rigs" if wildcards.world in SETS else "seeds"])),
+    units=list(range(BEYOND["units"])),
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
 )
 
@@ -44,10 +44,10 @@ STUDY_RESULTS["beyond_capacity"] = judgement_spec(
     "Beyond the paper: memory and nonlinear capacity",
     "beyond.driven_states.judge_capacity",
     families=lambda wildcards: [family_named(name) for name in (CONFIGURED_FAMILY, *OTHER_RIGS)],
-    units=list(range(BEYOND["capacity"]["seeds"])),
+    units=list(range(BEYOND["slow"])),
     how={
         "models": pick(SETTINGS["models"], "n_y", "fprc", "esn"),
-        "capacity": {key: value for key, value in BEYOND["capacity"].items() if key != "seeds"},
+        "holds": BEYOND["capacity_holds"],
     },
 )
 

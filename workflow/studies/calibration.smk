@@ -1,6 +1,6 @@
 # What the numbers owe to each parameter of the rig. None of this is part of `all`.
 
-DRAWN, BEYOND = SETTINGS["drawn"], SETTINGS["beyond"]
+BEYOND = SETTINGS["beyond"]
 #: How the paper's models are judged, with any seed.
 EVERY_SEED = judgement(SETTINGS, without="seed", models=paper_models(SETTINGS))
 
@@ -16,7 +16,7 @@ STUDY_RESULTS["measure_sensitivity"] = judgement_spec(
     units=list(range(len(SETTINGS["calibration"]["free"]))),
     how={
         "paths": SETTINGS["calibration"]["free"],
-        "steps": DRAWN["sensitivity_steps"],
+        "steps": BEYOND["sensitivity_steps"],
         "seeds": SETTINGS["evaluation"]["replicate_seeds"][:2],
         "models": paper_models(SETTINGS),
         "tracking": SETTINGS["tracking"],

@@ -7,24 +7,21 @@ OTHER_RIGS = {
 }
 #: Those of them that were fitted, with a report of the fit.
 FITTED_RIGS = [name for name, path in OTHER_RIGS.items() if path.with_suffix(".json").exists()]
-#: Families of many rigs: for readers, what they were fitted to, the number of rigs, and what
+#: Families of many rigs: for readers, what they were fitted to, and what
 #: ``fprc.studies.families.family.unit_of`` needs.
 SETS = {
     "near_print": {
         "title": "Near print",
         "description": "rigs near the training and test errors of Tables II and III",
         "terms": ["tables"],
-        "rigs": BEYOND["rigs"],
         "family": {},
     },
     "drawn": {
         "title": "Drawn",
         "description": "rigs drawn at random from the physical ranges, not fitted",
         "terms": [],
-        "rigs": DRAWN["rigs"],
         "family": {
             "seeds_per_rig": BEYOND["seeds_per_rig"],
-            "drawn": pick(DRAWN, "seed", "angle_deg", "p_o_swing_kpa"),
             "free": {
                 "paths": SETTINGS["calibration"]["free"],
                 "ranges": SETTINGS["calibration"]["ranges"],
@@ -65,7 +62,7 @@ STUDY_RESULTS["judge_family"] = judgement_spec(
     *MODELS,
     given={"near_print": NEAR_PRINT},
     families=lambda wildcards: [family_named(wildcards.family)],
-    units=lambda wildcards: list(range(SETS[wildcards.family]["rigs"])),
+    units=list(range(BEYOND["units"])),
     how={"tracking": SETTINGS["tracking"], "judgement": EVERY_SEED},
 )
 

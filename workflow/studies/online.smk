@@ -1,6 +1,7 @@
 # A model that learns while it runs, on families of rigs with a disturbed P_o.
 
-ONLINE = SETTINGS["online"]
+#: First seed of the study; no other study has seen it.
+FIRST_ONLINE = 1001
 
 
 STUDY_RESULTS["judge_online"] = judgement_spec(
@@ -10,9 +11,9 @@ STUDY_RESULTS["judge_online"] = judgement_spec(
     *COMPETITORS,
     given={"near_print": NEAR_PRINT},
     families=lambda wildcards: [
-        family_named(wildcards.world) | {"first_seed": ONLINE["first_seed"], "seeds_per_rig": 1}
+        family_named(wildcards.world) | {"first_seed": FIRST_ONLINE, "seeds_per_rig": 1}
     ],
-    units=list(range(ONLINE["units"])),
+    units=list(range(BEYOND["slow"])),
     how={"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
 )
 

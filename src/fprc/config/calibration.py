@@ -1,11 +1,11 @@
-"""Settings of the rig's calibration, of rigs drawn at random, and of rigs near print."""
+"""Settings of the rig's calibration."""
 
 from typing import Literal
 
 from pydantic import Field, model_validator
 
 from fprc.config.rig import free_ranges
-from fprc.config.section import Distinct, NotEmpty, Rising, Section, quantity
+from fprc.config.section import Distinct, NotEmpty, Section, quantity
 
 #: Terms of the objective, see ``fprc.studies.calibration.objective``.
 Term = Literal[
@@ -145,19 +145,3 @@ class Calibration(Section):
     def _free_parameters_exist(self) -> "Calibration":
         free_ranges(self.free, self.ranges)
         return self
-
-
-class Drawn(Section):
-    """Rigs whose free parameters are drawn from their ranges instead of fitted."""
-
-    rigs: int = quantity(40, (1, 1_000_000), "number of rigs")
-    seed: int = quantity(1000, (0, 2**31), "seed of the draws")
-    angle_deg: Rising[float] = quantity(
-        (50, 70), (1, 120), "range of the largest angle; other rigs are rejected"
-    )
-    p_o_swing_kpa: Rising[float] = quantity(
-        (30, 100), (1, 400), "range of the swing of P_o; other rigs are rejected"
-    )
-    sensitivity_steps: int = quantity(
-        5, (2, 100), "values over each parameter's range in the sensitivity table"
-    )

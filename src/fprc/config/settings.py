@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from fprc.config.beyond import Beyond, OnlineStudy
-from fprc.config.calibration import Calibration, Drawn, Fitted
+from fprc.config.beyond import Beyond
+from fprc.config.calibration import Calibration, Fitted
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.models import Evaluation, Grids, Models
@@ -152,9 +152,7 @@ class Settings(Section):
     grids: Grids = Grids()
     tracking: Tracking = Tracking()
     calibration: Calibration = Calibration()
-    drawn: Drawn = Drawn()
     beyond: Beyond = Beyond()
-    online: OnlineStudy = OnlineStudy()
     hardware: Hardware = Hardware()
     rig: Rig = Rig()
     fitted: Fitted = Fitted()

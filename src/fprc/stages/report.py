@@ -108,7 +108,7 @@ def _environment(templates: Path) -> jinja2.Environment:
     return environment
 
 
-_NOT_COMPARED = ("source", "seed", "folders", "rig", "fitted", "calibration", "drawn")
+_NOT_COMPARED = ("source", "seed", "folders", "rig", "fitted", "calibration")
 
 
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:

@@ -23,6 +23,10 @@ from fprc.studies.calibration.space import Free, decode, free_parameters
 
 _MOST_DRAWS = 2000
 
+#: Seed of the first drawn rig, and ranges outside which a drawn rig is rejected.
+FIRST_DRAWN = 1000
+ACCEPTED = {"angle_deg": (50.0, 70.0), "p_o_swing_kpa": (30.0, 100.0)}
+
 #: Second seed of the random numbers that draw the rigs' parameters.
 _PARAMETERS = 20241
 
@@ -34,8 +38,8 @@ def unit_of(number: int, family: Mapping[str, Any], near_print: str = "") -> Uni
     ----------
     family : Mapping
         ``rigs`` (one, near_print or drawn), ``first_seed``, ``seeds_per_rig``, ``on_rig``
-        (arguments of ``RigSettings``); and, for drawn rigs, ``drawn`` (that section of the
-        configuration) and ``free`` (arguments of ``free_parameters``).
+        (arguments of ``RigSettings``); and, for drawn rigs, ``free`` (arguments of
+        ``free_parameters``).
     near_print : str
         File of the rigs near print, JSON.
 
@@ -50,13 +54,11 @@ def unit_of(number: int, family: Mapping[str, Any], near_print: str = "") -> Uni
         if number >= len(known):
             raise FprcError(
                 f"{near_print}: has {len(known)} rigs, and rig {number} is needed; reduce "
-                "beyond.rigs"
+                "beyond.units"
             )
         on_rig = replace(on_rig, rig=Rig.model_validate(known[number]).model_dump(mode="json"))
     elif family["rigs"] == "drawn":
-        drawn = family["drawn"]
-        free = free_parameters(**family["free"])
-        on_rig = draw_rig(drawn["seed"] + number, drawn, free, on_rig)
+        on_rig = draw_rig(FIRST_DRAWN + number, free_parameters(**family["free"]), on_rig)
     first = family["first_seed"] + number * family["seeds_per_rig"]
     seeds = range(first, first + family["seeds_per_rig"])
     return Unit(number, family, [(on_rig, seed) for seed in seeds])
@@ -91,9 +93,7 @@ def judge_tables(
     return [{"seed": seed, "compared": compared | source, "measured": measured | source}]
 
 
-def draw_rig(
-    seed: int, drawn: Mapping[str, Any], free: Sequence[Free], on_rig: RigSettings
-) -> RigSettings:
+def draw_rig(seed: int, free: Sequence[Free], on_rig: RigSettings) -> RigSettings:
     """Draw rigs until one bends and squeezes plausibly; return ``on_rig`` with that rig.
 
     Free parameters are uniform over their ranges, or log-uniform where a range
@@ -115,10 +115,9 @@ def draw_rig(
             measured = properties(logs["sweep"].channels)
         except (ValidationError, FprcError):
             continue
-        limits = {name: drawn[name] for name in ("angle_deg", "p_o_swing_kpa")}
-        if all(low <= measured[name] <= high for name, (low, high) in limits.items()):
+        if all(low <= measured[name] <= high for name, (low, high) in ACCEPTED.items()):
             return replace(on_rig, rig=rig)
     raise EvaluationError(
-        f"none of {_MOST_DRAWS} rigs bends by {drawn['angle_deg']} deg and swings P_o by "
-        f"{drawn['p_o_swing_kpa']} kPa; widen drawn.angle_deg or drawn.p_o_swing_kpa"
+        f"none of {_MOST_DRAWS} rigs bends by {ACCEPTED['angle_deg']} deg and swings P_o by "
+        f"{ACCEPTED['p_o_swing_kpa']} kPa; change calibration.ranges or calibration.free"
     )

@@ -105,7 +105,6 @@ def _tuned(path: str, family: Mapping[str, Any], units: Sequence[int]) -> Any:
     if twice := judged.intersection(known["chosen_on"][kind]):
         raise FprcError(
             f"{path}: its settings were chosen on the {kind} {sorted(twice)}, which would judge "
-            "them too; reduce beyond.seeds or beyond.rigs, or, of seeds, "
-            "change beyond.first_seed"
+            "them too; reduce beyond.units or, of seeds, change beyond.first_seed"
         )
     return known[family["name"]]

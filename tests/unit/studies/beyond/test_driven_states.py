@@ -4,36 +4,35 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
+from fprc.config.section import limits_of
+from fprc.config.settings import Control
 from fprc.devices.sim import SimulatedRig
-from fprc.errors import EvaluationError
 from fprc.experiments.settings import RigSettings, Unit
 from fprc.studies.beyond import driven_states as experiment
 from fprc.studies.beyond.driven_states import judge_capacity
 
 MODELS = Settings().models.model_dump()
 SMALL = {
-    "hold_s": 0.1,
-    "angle_range_deg": (5.0, 60.0),
-    "samples": 600,
-    "washout": 10,
-    "max_delay": 4,
-    "max_degree": 2,
-    "p": 1e-4,
-    "virtual_nodes": 4,
-    "bank_epsilons": (0.03,),
-    "esn_nodes": 8,
+    "HOLD_S": 0.1,
+    "_WASHOUT": 10,
+    "_VIRTUAL_NODES": 4,
+    "_EPSILONS": (0.03,),
+    "_ESN_NODES": 8,
+    "_TARGETS": {"max_delay": 4, "max_degree": 2, "p": 1e-4},
 }
 
 
 @pytest.fixture
-def judge(rig, control):
+def judge(rig, control, monkeypatch):
     """Judge a rig whose parameters of a section are replaced."""
 
-    def judge(seed=1, capacity=SMALL, **sections):
+    def judge(seed=1, holds=600, changed=(), **sections):
+        for name, value in (SMALL | dict(changed)).items():
+            monkeypatch.setattr(experiment, name, value)
         for section, changed in sections.items():
             rig[section] |= changed
         on_rig = RigSettings(rig, control, {}, "command")
-        (found,) = judge_capacity(Unit(0, {}, [(on_rig, seed)]), models=MODELS, capacity=capacity)
+        (found,) = judge_capacity(Unit(0, {}, [(on_rig, seed)]), models=MODELS, holds=holds)
         return found
 
     return judge
@@ -41,9 +40,8 @@ def judge(rig, control):
 
 def test_lowpass_of_held_input_has_the_memory_of_its_impulse_response(judge):
     """A hold of 20 samples makes one step of it, with the pole (1 - epsilon)^20."""
-    bank = judge(capacity=SMALL | {"samples": 2500, "max_degree": 1, "esn_nodes": 1})["sets"][
-        "bank"
-    ]
+    targets = SMALL["_TARGETS"] | {"max_degree": 1}
+    bank = judge(holds=2500, changed={"_TARGETS": targets, "_ESN_NODES": 1})["sets"]["bank"]
     pole = 0.97**20
     expected = (1.0 - pole**2) * pole ** (2 * np.arange(5))
     np.testing.assert_allclose(bank["by_delay"], expected, atol=0.04)
@@ -76,7 +74,8 @@ def test_p_o_of_a_reservoir_without_friction_or_noise_forgets_every_earlier_hold
     judged = judge(
         reservoir={"friction_kpa": 0.0, "friction_per_kpa": 0.0, "bending_time_s": 0.02},
         pressure_sensor={"noise_kpa": 0.0},
-        capacity=SMALL | {"hold_s": 0.3, "samples": 300},
+        holds=300,
+        changed={"HOLD_S": 0.3},
     )
     assert judged["sets"]["p_o"]["by_delay"][0] > 0.97
     assert judged["sets"]["p_o"]["by_delay"][1:] == [0.0] * 4
@@ -92,7 +91,7 @@ def test_noise_of_p_o_is_that_of_its_sensor(judge, quiet_rig, control):
 
 
 def test_network_at_the_end_of_a_long_hold_knows_the_held_angle_alone(judge):
-    found = judge(capacity=SMALL | {"hold_s": 0.4, "samples": 100})["sets"]["esn"]
+    found = judge(holds=100, changed={"HOLD_S": 0.4})["sets"]["esn"]
     assert found["by_delay"] == pytest.approx([1.0, 0.0, 0.0, 0.0, 0.0])
 
 
@@ -103,13 +102,12 @@ def test_noise_makes_the_network_lose_capacity(judge):
 
 
 def test_states_of_the_network_do_not_depend_on_the_parts(judge, monkeypatch):
-    few = SMALL | {"samples": 150}
-    whole = judge(capacity=few)["sets"]["esn"]
+    whole = judge(holds=150)["sets"]["esn"]
     monkeypatch.setattr(experiment, "_AT_ONCE", 37)
-    parts = judge(capacity=few)["sets"]["esn"]
+    parts = judge(holds=150)["sets"]["esn"]
     assert parts["by_degree"] == pytest.approx(whole["by_degree"], abs=1e-6)
 
 
-def test_refuses_more_virtual_nodes_than_samples_in_a_hold(judge):
-    with pytest.raises(EvaluationError, match="virtual nodes"):
-        judge(capacity=SMALL | {"virtual_nodes": 21})
+def test_a_hold_has_enough_samples_for_the_virtual_nodes_at_the_lowest_sample_rate():
+    lowest, _ = limits_of(Control.model_fields["sample_rate_hz"])
+    assert experiment.HOLD_S * lowest >= experiment._VIRTUAL_NODES

@@ -24,8 +24,14 @@ PATHS = [
 RANGES = {"bending.stiffness_kpa_per_deg": [2.5, 4.0]}
 FREE = free_parameters(PATHS, RANGES)
 SEED = 1000
-WIDE = {"angle_deg": (1.0, 120.0), "p_o_swing_kpa": (1.0, 400.0)}
 SETTINGS = Settings().model_dump(mode="json")
+
+
+@pytest.fixture
+def wide(monkeypatch):
+    """Accept nearly every rig."""
+    ranges = {"angle_deg": (1.0, 120.0), "p_o_swing_kpa": (1.0, 400.0)}
+    monkeypatch.setattr(families, "ACCEPTED", ranges)
 
 
 @pytest.fixture
@@ -44,13 +50,14 @@ def test_each_unit_of_one_rig_is_a_seed(family):
     assert units[0][0][0].rig == SETTINGS["rig"]
 
 
+@pytest.mark.usefixtures("wide")
 def test_drawn_rig_has_its_own_seeds_and_is_that_of_its_number(family):
-    family |= {"rigs": "drawn", "seeds_per_rig": 3, "drawn": WIDE | {"seed": SEED}}
+    family |= {"rigs": "drawn", "seeds_per_rig": 3}
     family["free"] = {"paths": PATHS, "ranges": RANGES}
     first, second = (unit_of(number, family).rigs for number in (0, 1))
     assert [seed for _, seed in first + second] == [601, 602, 603, 604, 605, 606]
     assert first[0][0] == first[2][0] != second[0][0]
-    assert second[0][0] == draw_rig(SEED + 1, WIDE, FREE, RigSettings(**family["on_rig"]))
+    assert second[0][0] == draw_rig(SEED + 1, FREE, RigSettings(**family["on_rig"]))
 
 
 def test_rig_near_print_gets_the_keys_that_it_lacks(family, tmp_path):
@@ -90,10 +97,11 @@ def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(family, monkeypatc
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_first_plausible_draw_within_the_ranges_is_taken(on_rig, seed):
+def test_first_plausible_draw_within_the_ranges_is_taken(on_rig, seed, monkeypatch):
     windows = {"angle_deg": (52.0, 66.0), "p_o_swing_kpa": (50.0, 85.0)}
+    monkeypatch.setattr(families, "ACCEPTED", windows)
     rng = stream(seed)
-    drawn = draw_rig(seed, windows, FREE, on_rig)
+    drawn = draw_rig(seed, FREE, on_rig)
     plausible = False
     while not plausible:
         rig = decode(rng.uniform(size=len(FREE)), on_rig.rig, FREE)
@@ -106,6 +114,7 @@ def test_first_plausible_draw_within_the_ranges_is_taken(on_rig, seed):
     assert 2.5 <= drawn.rig["bending"]["stiffness_kpa_per_deg"] <= 4.0
 
 
+@pytest.mark.usefixtures("wide")
 @pytest.mark.parametrize(
     "failure", [SimulationError("no"), EvaluationError("no"), RunAbortedError("no", {})]
 )
@@ -118,12 +127,13 @@ def test_draw_that_cannot_be_simulated_is_thrown_away(on_rig, monkeypatch, failu
         return simulate(*arguments)
 
     monkeypatch.setattr(families, "simulate", simulate_once)
-    drawn = draw_rig(SEED, WIDE, FREE, on_rig)
+    drawn = draw_rig(SEED, FREE, on_rig)
     rng = stream(SEED)
     rng.uniform(size=len(FREE))
     assert drawn.rig == decode(rng.uniform(size=len(FREE)), on_rig.rig, FREE)
 
 
+@pytest.mark.usefixtures("wide")
 def test_draw_that_breaks_a_rule_is_thrown_away(on_rig):
     narrow = {
         "reservoir.squeeze_damping_kpa_s_per_ml": [0.3, 2.0],
@@ -133,7 +143,7 @@ def test_draw_that_breaks_a_rule_is_thrown_away(on_rig):
     rng, broken = stream(2), 0
     while breaks_a_rule(rig := decode(rng.uniform(size=2), on_rig.rig, free)):
         broken += 1
-    assert draw_rig(2, WIDE, free, on_rig).rig == rig
+    assert draw_rig(2, free, on_rig).rig == rig
     assert broken > 0
 
 
@@ -147,8 +157,10 @@ def breaks_a_rule(rig):
 
 def test_no_plausible_rig_is_an_error(on_rig, monkeypatch):
     monkeypatch.setattr(families, "_MOST_DRAWS", 2)
-    with pytest.raises(EvaluationError, match=r"drawn\.angle_deg"):
-        draw_rig(SEED, {"angle_deg": (119.0, 120.0), "p_o_swing_kpa": (1.0, 2.0)}, FREE, on_rig)
+    ranges = {"angle_deg": (119.0, 120.0), "p_o_swing_kpa": (1.0, 2.0)}
+    monkeypatch.setattr(families, "ACCEPTED", ranges)
+    with pytest.raises(EvaluationError, match=r"calibration\.ranges"):
+        draw_rig(SEED, FREE, on_rig)
 
 
 def test_share_and_wilson_interval():
