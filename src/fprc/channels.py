@@ -41,6 +41,8 @@ _ALL = frozenset({"sim", "rig", "import"})
 _RECORDED = frozenset({"sim", "rig"})
 _SIMULATED = frozenset({"sim"})
 
+_EFFORT_KPA = (-1000.0, 1000.0)
+
 # fmt: off
 #: Every channel, in the order of a log. A sensor that is needed by no source may be added without
 #: making earlier logs incomplete; ``Readings`` has a field for each sensor.
@@ -56,16 +58,16 @@ CHANNELS = (
     Channel("p_i_kpa", "sensor", "measured pressure of PAM A", "pressure_range_kpa", _RECORDED),
     Channel("p_o_kpa", "sensor", "pressure of the sealed PAM B", "pressure_range_kpa", _RECORDED),
     Channel("phi_deg", "sensor", "bending angle of the reservoir itself",
-            "reservoir_angle_range_deg", _SIMULATED),
+            (-120.0, 120.0), _SIMULATED),
     Channel("valve_main_v", "valve", "voltage written to the actuator's valve",
-            "voltage_range_v", _RECORDED),
+            (0.0, 10.0), _RECORDED),
     Channel("valve_reservoir_v", "valve", "voltage written to the reservoir's valve",
-            "voltage_range_v", _RECORDED),
+            (0.0, 10.0), _RECORDED),
     Channel("theta_d_deg", "tracking", "reference", "angle_range_deg", _ALL),
-    Channel("p_ff_kpa", "tracking", "feedforward", "effort_range_kpa", _ALL),
-    Channel("p_fb_kpa", "tracking", "feedback", "effort_range_kpa", _ALL),
+    Channel("p_ff_kpa", "tracking", "feedforward", _EFFORT_KPA, _ALL),
+    Channel("p_fb_kpa", "tracking", "feedback", _EFFORT_KPA, _ALL),
     Channel("p_learned_kpa", "learning", "part of the feedforward that was learned in the run",
-            "effort_range_kpa", frozenset()),
+            _EFFORT_KPA, frozenset()),
     Channel("learned_norm", "learning", "Euclidean norm of what the weights have learned",
             (0.0, 1e9), frozenset()),
 )

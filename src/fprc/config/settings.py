@@ -118,15 +118,6 @@ class Quality(Section):
     angle_range_deg: Rising[float] = quantity(
         (-45, 120), (-360, 360), "theta and theta_d outside are implausible"
     )
-    reservoir_angle_range_deg: Rising[float] = quantity(
-        (-120, 120), (-360, 360), "phi outside is implausible"
-    )
-    voltage_range_v: Rising[float] = quantity(
-        (0, 10), (-20, 20), "voltages of the valves outside are implausible"
-    )
-    effort_range_kpa: Rising[float] = quantity(
-        (-1000, 1000), (-10000, 10000), "P_ff and P_fb outside are implausible"
-    )
     leak_kpa_per_min: float = quantity(
         5.0, (0, 100), "fastest fall of P_o at equal P_i that is no leak"
     )

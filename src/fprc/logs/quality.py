@@ -33,8 +33,8 @@ def assess(
     ----------
     **ranges
         Lowest and highest plausible value: ``pressure_range_kpa`` of commanded and measured
-        pressures, ``angle_range_deg`` of theta and theta_d, ``reservoir_angle_range_deg``
-        of phi, ``voltage_range_v`` of the valves, ``effort_range_kpa`` of P_ff and P_fb.
+        pressures, ``angle_range_deg`` of theta and theta_d. Other channels have theirs in
+        ``fprc.channels``.
     """
     outside = _outside(log, ranges)
     plausible = [name for name, count in outside["samples"].items() if not count]
