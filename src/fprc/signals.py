@@ -39,9 +39,7 @@ def multisine(
 
 def pressure_command(experiment: Mapping[str, Any], sample_rate_hz: float) -> np.ndarray:
     """Return P_exp of a hysteresis experiment in kPa, one value per sample (Fig. 4)."""
-    is_chirp = experiment["form"] == "chirp"
-    f_hz = [experiment["f_start_hz"], experiment["f_end_hz"]] if is_chirp else experiment["f_hz"]
-    return _signal(experiment, "kpa", f_hz, sample_rate_hz)
+    return _signal(experiment, "kpa", sample_rate_hz)
 
 
 def reference_angle(reference: Mapping[str, Any], sample_rate_hz: float) -> np.ndarray:
@@ -49,15 +47,13 @@ def reference_angle(reference: Mapping[str, Any], sample_rate_hz: float) -> np.n
 
     It begins at its lowest value, which it holds for ``settle_s``.
     """
-    moving = _signal(reference, "deg", reference["f_hz"], sample_rate_hz)
+    moving = _signal(reference, "deg", sample_rate_hz)
     settling = np.full(round(reference["settle_s"] * sample_rate_hz), moving[0])
     return np.concatenate([settling, moving])
 
 
-def _signal(
-    settings: Mapping[str, Any], unit: str, f_hz: Sequence[float], sample_rate_hz: float
-) -> np.ndarray:
-    duration_s = settings["duration_s"]
+def _signal(settings: Mapping[str, Any], unit: str, sample_rate_hz: float) -> np.ndarray:
+    f_hz, duration_s = settings["f_hz"], settings["duration_s"]
     t_s = sample_times(duration_s, sample_rate_hz)
     level = {"amplitude": settings[f"amplitude_{unit}"], "offset": settings[f"offset_{unit}"]}
     if settings["form"] == "chirp":

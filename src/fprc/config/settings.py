@@ -10,42 +10,27 @@ from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.models import Evaluation, Grids, Models
 from fprc.config.rig import Rig
-from fprc.config.section import NotEmpty, Rising, Section, quantity
-from fprc.config.tracking import Tracking
+from fprc.config.section import Rising, Section, quantity
+from fprc.config.tracking import Sines, Tracking
 
 
-class Chirp(Section):
-    """Linear frequency sweep that starts at its lowest value."""
+class Signal(Sines):
+    """Pressure command of a hysteresis experiment, Fig. 4."""
 
-    form: Literal["chirp"] = Field("chirp", description="linear frequency sweep")
-    duration_s: float = quantity(120, (1, 3600), "length", "paper, Fig. 4(a)")
-    f_start_hz: float = quantity(0.1, (0.001, 10), "first frequency", "paper, Fig. 4(a)")
-    f_end_hz: float = quantity(1.0, (0.001, 10), "last frequency", "paper, Fig. 4(a)")
     amplitude_kpa: float = quantity(
-        175, (0, 225), "half of the range", "not printed; the span of the complex signal"
+        35, (0, 225), "amplitude of each sine", "printed for complex; the sweep has its span"
     )
     offset_kpa: float = quantity(
-        175, (0, 450), "mean", "not printed; the mean of the complex signal"
+        175, (0, 450), "mean", "printed for complex; the sweep has the same"
     )
-
-
-class Multisine(Section):
-    """Sum of equal sines that starts at its lowest value."""
-
-    form: Literal["multisine"] = Field("multisine", description="sum of equal sines")
-    duration_s: float = quantity(80, (1, 3600), "length", "paper, Fig. 4(c)")
-    f_hz: NotEmpty[float] = quantity(
-        (0.12, 0.04, 0.31, 0.29, 0.25), (0.001, 10), "frequencies", "paper, Fig. 4(c)"
-    )
-    amplitude_kpa: float = quantity(35, (0, 225), "of each sine", "paper, Fig. 4(c)")
-    offset_kpa: float = quantity(175, (0, 450), "mean", "paper, Fig. 4(c)")
+    duration_s: float = quantity(80, (1, 3600), "length", "paper, Fig. 4")
 
 
 class Experiments(Section):
     """The two hysteresis experiments, Sec. II-B: training data and test data."""
 
-    sweep: Chirp = Chirp()
-    complex: Multisine = Multisine()
+    sweep: Signal = Signal(form="chirp", f_hz=(0.1, 1.0), amplitude_kpa=175, duration_s=120)
+    complex: Signal = Signal(f_hz=(0.12, 0.04, 0.31, 0.29, 0.25))
 
 
 class PressureLoop(Section):
@@ -163,10 +148,9 @@ class Settings(Section):
     @model_validator(mode="after")
     def _commands_are_within_the_limit(self) -> "Settings":
         limit = self.tracking.pressure_limit_kpa
-        sines = {"sweep": 1, "complex": len(self.experiments.complex.f_hz)}
         problems = []
-        for name, count in sines.items():
-            signal = getattr(self.experiments, name)
+        for name, signal in self.experiments:
+            count = 1 if signal.form == "chirp" else len(signal.f_hz)
             low, high = (signal.offset_kpa + k * count * signal.amplitude_kpa for k in (-1, 1))
             if low < 0.0 or high > limit:
                 problems.append(

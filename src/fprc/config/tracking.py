@@ -1,14 +1,14 @@
 """Settings of the closed-loop runs, Sec. IV."""
 
-from typing import Literal
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
 from fprc.config.section import NotEmpty, Rising, Section, quantity
 
 
-class Reference(Section):
-    """Reference of the bending angle, which starts at its lowest value."""
+class Sines(Section):
+    """Signal that starts at its lowest value."""
 
     form: Literal["multisine", "chirp"] = Field(
         "multisine", description="sum of equal sines, or linear frequency sweep"
@@ -16,6 +16,17 @@ class Reference(Section):
     f_hz: NotEmpty[float] = quantity(
         (0.2,), (0.001, 10), "frequencies of the sum, or first and last of the sweep"
     )
+
+    @model_validator(mode="after")
+    def _sweep_has_two_ends(self) -> Self:
+        if self.form == "chirp" and len(self.f_hz) != 2:
+            raise ValueError(f"a chirp needs two frequencies in f_hz, not {len(self.f_hz)}")
+        return self
+
+
+class Reference(Sines):
+    """Reference of the bending angle, which starts at its lowest value."""
+
     amplitude_deg: float = quantity(
         27.5, (0, 40), "amplitude of each sine", "printed for sweep and complex"
     )
@@ -24,12 +35,6 @@ class Reference(Section):
     settle_s: float = quantity(
         5, (0, 60), "time at the first value before; recorded, not evaluated", "assumed"
     )
-
-    @model_validator(mode="after")
-    def _sweep_has_two_ends(self) -> "Reference":
-        if self.form == "chirp" and len(self.f_hz) != 2:
-            raise ValueError(f"a chirp needs two frequencies in f_hz, not {len(self.f_hz)}")
-        return self
 
 
 class References(Section):

@@ -169,6 +169,11 @@ def test_command_below_zero_or_beyond_the_limit_is_refused(key, value):
     assert "tracking.pressure_limit_kpa" in message
 
 
+@pytest.mark.parametrize("signal", ["experiments.sweep", "tracking.references.sweep"])
+def test_chirp_has_a_first_and_a_last_frequency(signal):
+    assert f"  {signal}: " in refused(f"{signal}.f_hz", [0.1])
+
+
 @pytest.mark.parametrize(
     ("key", "pair"),
     [

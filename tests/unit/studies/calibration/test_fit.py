@@ -67,7 +67,7 @@ def settings():
         "rounds": ROUNDS,
     }
     signals = {name: signal | {"duration_s": 8.0} for name, signal in found["experiments"].items()}
-    signals["sweep"]["f_start_hz"] = 0.8  # whole loops in its first quarter
+    signals["sweep"]["f_hz"] = [0.8, 1.0]  # whole loops in its first quarter
     tracking = found["tracking"]
     for name, described in tracking["references"].items():
         f_hz = [0.5, 1.0] if name == "sweep" else described["f_hz"]

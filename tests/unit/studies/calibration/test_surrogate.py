@@ -31,7 +31,7 @@ def on_rig():
     """Both experiments cut to 8 s; of different lengths, since the paper's are."""
     settings = Settings().model_dump(mode="json")
     signals = settings["experiments"]
-    signals["sweep"] |= {"duration_s": 8.0, "f_start_hz": 0.8}
+    signals["sweep"] |= {"duration_s": 8.0, "f_hz": [0.8, 1.0]}
     signals["complex"] |= {"duration_s": 7.0}
     return RigSettings(settings["rig"], settings["control"], signals, "command")
 
