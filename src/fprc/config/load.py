@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +53,8 @@ def check(config: Mapping[str, Any]) -> Settings:
     ------
     ConfigError
         Lists every unknown key with the nearest valid one, and every value
-        that is of the wrong type or out of range with the limit and a remedy.
+        that is of the wrong type or out of range with the limit and a remedy. What
+        does not go together is listed once each value is right by itself.
     """
     return from_files([], config)
 
@@ -68,50 +68,28 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
         Lists every file that cannot be read, and why, and the errors that ``check`` lists.
     """
     merged = Settings().model_dump()
-    unread = []
+    problems = []
     for layer in ({"rig": RIG}, *paths, over or {}):
+        content: Mapping[str, Any] = {}
         try:
-            _merge_layer(merged, layer if isinstance(layer, Mapping) else read_yaml(layer))
+            content = layer if isinstance(layer, Mapping) else read_yaml(layer)
+            if isinstance(name := content.get("rig"), str):
+                # all else is checked even if there is no such rig
+                content = {**content, "rig": {}, "fitted": {}}
+                content |= _merged({"fitted": {"name": name}}, read_yaml(rig_file(name)))
         except ConfigError as error:
-            unread.append(str(error))
-    problems: dict[str, None] = {}
-    restored: set[tuple[Any, ...]] = set()
-    while True:
-        try:
-            settings = Settings.model_validate(merged)
-            break
-        except ValidationError as error:
-            items = [item for item in error.errors() if item["loc"] not in restored]
-            problems |= dict.fromkeys(explained(item, Settings, _PAGE) for item in items)
-            # checks across several keys run only once each key is valid by itself
-            single = [item["loc"] for item in items if _restore_default(merged, item)]
-            restored.update(single)
-            if not single:
-                break
-    if problems:
+            problems.append(str(error))
+        merged = _with_layer(merged, content)
+    try:
+        settings = Settings.model_validate(merged)
+    except ValidationError as error:
+        lines = dict.fromkeys(explained(item, Settings, _PAGE) for item in error.errors())
         sources = [*map(str, paths), *(["the command line"] if over else [])]
         files = f" ({', '.join(sources)})" if paths else ""
-        unread.append(str(ConfigError.listing(problems, f"configuration{files}")))
-    if unread:
-        raise ConfigError("\n".join(unread))
+        problems.append(str(ConfigError.listing(lines, f"configuration{files}")))
+    if problems:
+        raise ConfigError("\n".join(problems))
     return settings
-
-
-def _restore_default(config: Any, item: Mapping[str, Any]) -> bool:
-    """Replace a wrong value by its default; return False if the error has no single value."""
-    *sections, last = [part for part in item["loc"] if isinstance(part, str)] or [""]
-    default: Any = Settings().model_dump()
-    for part in sections:
-        config, default = (
-            inner.get(part) if isinstance(inner, dict) else None for inner in (config, default)
-        )
-    if not isinstance(config, dict) or last not in config:
-        return False
-    if isinstance(default, dict) and last in default:
-        config[last] = default[last]
-    else:
-        del config[last]
-    return True
 
 
 def rig_file(name: str) -> Path:
@@ -129,34 +107,27 @@ def rig_file(name: str) -> Path:
     return files[name]
 
 
-def _merge_layer(merged: dict[str, Any], content: Mapping[str, Any]) -> None:
-    """Merge a file over those before.
+def _with_layer(merged: Mapping[str, Any], content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings with a layer over them.
 
-    The name of a rig stands for the contents of its file. These, or numbers beside ``fitted``, are
-    a whole rig, completed by the defaults. Numbers alone change the rig of the layers before,
-    which then counts as not fitted.
+    A rig beside ``fitted`` is a whole one, completed by the defaults. Numbers alone change the rig
+    of the layers before, which then counts as not fitted.
     """
-    rig = content.get("rig")
-    if isinstance(rig, str):
-        # first all else: it is checked even if there is no such rig
-        _merge(merged, deepcopy({key: value for key, value in content.items() if key != "rig"}))
-        content = {**content, "rig": {}, **read_yaml(rig_file(rig))}
-        merged |= {"rig": Settings().rig.model_dump(), "fitted": {"name": rig}}
-    elif isinstance(rig, Mapping) and "fitted" in content:
-        merged |= {"rig": Settings().rig.model_dump(), "fitted": {}}
-    elif isinstance(rig, Mapping):
-        merged["fitted"] = {"name": "changed"}
-    _merge(merged, deepcopy(dict(content)))  # wrong values in it are replaced later
+    if "rig" not in content:
+        return _merged(merged, content)
+    whole = {"rig": Settings().rig.model_dump(), "fitted": {}}
+    changed = {"fitted": {"name": "changed"}}
+    return _merged({**merged, **(whole if "fitted" in content else changed)}, content)
 
 
 #: Mappings with keys that the user chooses: a given one replaces the whole default.
 _REPLACED_KEYS = ("ranges",)
 
 
-def _merge(into: dict[str, Any], other: Mapping[str, Any]) -> None:
-    for key, value in other.items():
-        nested = isinstance(value, Mapping) and isinstance(into.get(key), dict)
-        if nested and key not in _REPLACED_KEYS:
-            _merge(into[key], value)
-        else:
-            into[key] = value
+def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    found = dict(below)
+    for key, value in above.items():
+        nested = isinstance(value, Mapping) and isinstance(below.get(key), Mapping)
+        is_replaced = key in _REPLACED_KEYS or not nested
+        found[key] = value if is_replaced else _merged(below[key], value)
+    return found

@@ -74,13 +74,11 @@ def test_every_error_is_reported_at_once():
             "experiments": {"sweep": {"duration_s": float("nan")}},
             "rig": {"valve": {"leak": 3}, "bending": {"slip_weight": [1.0]}},
             "calibration": {"ranges": {"friction_law": [0.0, 1.0]}},
-            "evaluation": {"replicate_seeds": [1, 2]},
         }
     )
     assert set(keys_of(text)) == {
         "seed", "modles", "models.fprc.n_c", "models.fprc.epsilom",
         "experiments.sweep.duration_s", "rig.valve.leak", "rig.bending", "calibration",
-        "evaluation.replicate_seeds",
     }  # fmt: skip
 
 

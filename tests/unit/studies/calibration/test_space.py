@@ -184,7 +184,7 @@ WRONG_PATHS = ["bending", "bending.friciton_kpa", "models.esn.r", "bending.relax
     ("paths", "ranges", "refused"),
     [
         *(
-            (["drift.time_s"], {"drift.time_s": limits}, ["ranges: drift.time_s"])
+            (["drift.time_s", "step_s"], {"drift.time_s": limits}, ["ranges: drift.time_s"])
             for limits in [(5.0, 5.0), (6.0, 5.0), (0.9, 5.0), (5.0, 60.1), (-1.0, 99.0)]
         ),
         *(
