@@ -1,4 +1,4 @@
-"""Write the tables of recordings in docs/chamber.md: ``make recordings DATASETS=folder``.
+"""Write the table of recordings in docs/chamber.md: ``make recordings DATASETS=folder``.
 
 The folder has the two public recordings of ``config/maps``, each in a folder of its map's name.
 """
@@ -21,10 +21,6 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs/chamber.md"
 #: Public recordings: file below the folder of its map's name.
 FILES = {"byu_bellows_arm": "bellows_arm_whitened.mat", "pneusim_antagonistic_pam": "data.mat"}
-SIMULATED_SWEEP = "sweep of the simulated rig"
-#: Rates at which two recordings are evaluated again, with every second and every fourth sample.
-RATES_HZ = {SIMULATED_SWEEP: (200, 100, 50), "`byu_bellows_arm`": (100, 50, 25)}
-CLAIMS = ("B1", "B4", "R1")
 SIMULATED = {
     "experiment": "complex",
     "time": {"column": "time_s"},
@@ -78,28 +74,16 @@ def recordings(datasets: Path, folder: str) -> Iterator[tuple[str, list[str], di
     test, train = (str(Path(folder, f"{experiment}.h5")) for experiment in ("complex", "sweep"))
     for log in (test, train):
         main(["simulate", Path(log).stem, "--out", log])
-    yield SIMULATED_SWEEP, [test, "--train", train], SIMULATED
-
-
-def tables(datasets: Path) -> dict[str, pd.DataFrame]:
-    """Evaluate the recordings, two of them at lower rates too; return tables by their blocks."""
-    at_own_rate, at_rates = [], []
-    with tempfile.TemporaryDirectory() as folder:
-        for name, files, mapping in recordings(datasets, folder):
-            report = readout(*files, mapping=mapping)
-            at_own_rate.append(row(name, report))
-            for hz in RATES_HZ.get(name, ()):
-                report = readout(*files, mapping=mapping | {"sample_rate_hz": hz})
-                verdicts = {key: text for key, text in row(name, report).items() if key in CLAIMS}
-                at_rates.append({"recording": name, "rate": f"{hz} Hz", **verdicts})
-    return {"recordings": pd.DataFrame(at_own_rate), "rates": pd.DataFrame(at_rates)}
+    yield "sweep of the simulated rig", [test, "--train", train], SIMULATED
 
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
-    page = PAGE.read_text(encoding="utf-8")
-    for block, table in tables(Path(sys.argv[1])).items():
-        text = table.to_markdown(index=False, disable_numparse=True)
-        page = replace_block(page, block, text, str(PAGE))
-    write_text(PAGE, page)
+    with tempfile.TemporaryDirectory() as scratch:
+        rows = [
+            row(name, readout(*files, mapping=mapping))
+            for name, files, mapping in recordings(Path(sys.argv[1]), scratch)
+        ]
+    text = pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)
+    write_text(PAGE, replace_block(PAGE.read_text("utf-8"), "recordings", text, str(PAGE)))
