@@ -45,89 +45,69 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
     Raises
     ------
     ConfigError
-        The file cannot be read, is not YAML, or has no keys and values. All duplicate keys
-        and all other refused content are listed with their lines.
+        The file cannot be read, is not YAML, or has no keys and values; or the first duplicate
+        key or other refused content, with its line.
     """
     content = read_given(path, error=ConfigError, most_bytes=_LIMIT_BYTES)
     try:
-        settings, problems = _parse(content.decode("utf-8"))
+        settings = _parsed(content.decode("utf-8"))
     except (ValueError, yaml.YAMLError) as error:
         # PyYAML puts every place on a line after the sentence
         message = re.sub(r'\n\s+in "<.*>", (.*)', r" (\1)", str(error)).replace("\n", ", ")
-        tab = "; indent with blanks, not with tabs" if b"\n\t" in content else ""
+        by_tab = isinstance(error, yaml.YAMLError) and b"\n\t" in content
+        tab = "; indent with blanks, not with tabs" if by_tab else ""
         raise ConfigError(f"{path}: cannot be read as YAML: {message}{tab}") from error
-    if problems:
-        lines = [f"line {line}: {what}" for line, what in sorted(problems)]
-        raise ConfigError.listing(lines, "file", file=path)
     if not isinstance(settings, dict | None):
         raise ConfigError(f"{path}: must hold keys and values, not a {type(settings).__name__}")
     return settings or {}
 
 
-def _parse(text: str) -> tuple[Any, list[tuple[int, str]]]:
-    """Return the parsed content, and the problems with their line numbers."""
-    content, problems = None, []
-    has_document = False
-    # parse events, not nodes: this stops at deep nesting, and shows aliases
+def _parsed(text: str) -> Any:
+    content, documents = None, 0
+    # events, not nodes: this stops at deep nesting, and shows aliases
     events = yaml.parse(text, Loader=_LOADER)
     for event in events:
         if isinstance(event, yaml.DocumentStartEvent):
-            if has_document:
-                line = event.start_mark.line + 1
-                problems.append((line, "--- begins another document; use one file for each"))
-            has_document = True
-            content = _value(next(events), events, [], problems)
-    return content, problems
+            documents += 1
+            if documents > 1:
+                raise _refused(event, "--- begins another document; use one file for each")
+            content = _value(next(events), events, 0)
+    return content
 
 
-def _value(
-    event: yaml.Event,
-    events: Iterator[yaml.Event],
-    keys: list[Any],
-    problems: list[tuple[int, str]],
-) -> Any:
+def _value(event: yaml.Event, events: Iterator[yaml.Event], level: int) -> Any:
     """Return the value that begins with an event; consumes its remaining events."""
-    line = event.start_mark.line + 1
-    if len(keys) > _LIMIT_LEVELS:
-        raise ValueError(f"line {line}: more than {_LIMIT_LEVELS} levels, the limit for settings")
+    if level > _LIMIT_LEVELS:
+        raise _refused(event, f"more than {_LIMIT_LEVELS} levels, the limit for settings")
     if isinstance(event, yaml.AliasEvent):
-        what = f"*{event.anchor} is an alias of another value; write out the value"
-        problems.append((line, f"{_dotted(keys)}: {what}"))
-        return None
+        raise _refused(event, f"*{event.anchor} is an alias of another value; write out the value")
     if event.tag is not None:
-        problems.append((line, f"{_dotted(keys)}: remove the tag {event.tag}"))
-    if isinstance(event, yaml.MappingStartEvent):
-        return _mapping(events, keys, problems)
+        raise _refused(event, f"remove the tag {event.tag}")
     if isinstance(event, yaml.SequenceStartEvent):
         items: list[Any] = []
         while not isinstance(event := next(events), yaml.SequenceEndEvent):
-            items.append(_value(event, events, [*keys, len(items)], problems))
+            items.append(_value(event, events, level + 1))
         return items
+    if isinstance(event, yaml.MappingStartEvent):
+        content: dict[Any, Any] = {}
+        while not isinstance(event := next(events), yaml.MappingEndEvent):
+            key = _value(event, events, level + 1)
+            if isinstance(key, dict | list):
+                raise _refused(event, f"{_shown(key)}: a key must be a single word")
+            if key in content:
+                raise _refused(event, f"{_shown(key)} is a duplicate; remove one of them")
+            content[key] = _value(next(events), events, level + 1)
+        return content
     is_plain, _ = event.implicit
     return _scalar(event.value) if is_plain else event.value
 
 
-def _mapping(
-    events: Iterator[yaml.Event], keys: list[Any], problems: list[tuple[int, str]]
-) -> dict[Any, Any]:
-    content: dict[Any, Any] = {}
-    lines: dict[Any, int] = {}
-    while not isinstance(event := next(events), yaml.MappingEndEvent):
-        line = event.start_mark.line + 1
-        key = _value(event, events, [*keys, "?"], problems)
-        if isinstance(key, dict | list):
-            problems.append((line, f"{_dotted([*keys, key])}: a key must be a single word"))
-            key = str(key)
-        elif key in lines:
-            what = f"is a duplicate of line {lines[key]}; remove one of them"
-            problems.append((line, f"{_dotted([*keys, key])} {what}"))
-        lines.setdefault(key, line)
-        content[key] = _value(next(events), events, [*keys, key], problems)
-    return content
+def _shown(key: Any) -> str:
+    return visible(str(key))[:40]
 
 
-def _dotted(keys: list[Any]) -> str:
-    return ".".join(visible(str(key))[:40] for key in keys)
+def _refused(event: yaml.Event, why: str) -> ValueError:
+    return ValueError(f"line {event.start_mark.line + 1}: {why}")
 
 
 def _scalar(text: str) -> Any:

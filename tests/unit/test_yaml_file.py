@@ -79,46 +79,27 @@ def test_duplicate_key_is_refused_for_any_values(read, content):
     whole = json.dumps(content, ensure_ascii=False)
     for key in content:
         again = f"{whole[:-1]}, {json.dumps(key)}: 1}}"
-        assert any(f" {key} is a duplicate of " in line for line in refused(read, again))
-
-
-def test_every_duplicate_key_is_reported_with_its_lines(read):
-    text = (
-        "seed: 2\n"
-        "seed: 3\n"
-        "models: {n_y: 7}\n"
-        "tracking:\n"
-        "  references:\n"
-        "  - {form: chirp, 'form': multisine}\n"
-        "models:\n"
-        "  fprc: {n_c: 4}\n"
-        "'seed': 3\n"
-    )
-    assert refused(read, text) == [
-        "4 errors in the file:",
-        "  line 2: seed is a duplicate of line 1; remove one of them",
-        "  line 6: tracking.references.0.form is a duplicate of line 6; remove one of them",
-        "  line 7: models is a duplicate of line 3; remove one of them",
-        "  line 9: seed is a duplicate of line 1; remove one of them",
-    ]
+        (line,) = refused(read, again)
+        assert f"line 1: {key} is a duplicate" in line
 
 
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("a: &x 1\nb: *x\n", "  line 2: b: *x is an alias"),
-        ("a: &x {c: 1}\nb:\n  <<: *x\n", "  line 3: b.<<: *x is an alias"),
-        ("a: &x [*x]\n", "  line 1: a.0: *x is an alias"),
-        ("a: !!int 010\n", "  line 1: a: remove the tag"),
-        ("a: 1\n---\nb: 2\n", "  line 2: --- begins another document"),
-        ("? [1, 2]\n: 3\n", "  line 1: [1, 2]: a key must be a single word"),
-        ("? {1: 2}\n: 3\n", "  line 1: {1: 2}: a key must be a single word"),
+        ("a: &x 1\nb: *x\n", "line 2: *x is an alias"),
+        ("a: &x {c: 1}\nb:\n  <<: *x\n", "line 3: *x is an alias"),
+        ("a: &x [*x]\n", "line 1: *x is an alias"),
+        ("a: !!int 010\n", "line 1: remove the tag"),
+        ("a: 1\n---\nb: 2\n", "line 2: --- begins another document"),
+        ("seed: 2\nmodels: {}\n'seed': 3\n", "line 3: seed is a duplicate"),
+        ("a:\n- {form: 1, 'form': 2}\n", "line 2: form is a duplicate"),
+        ("? [1, 2]\n: 3\n", "line 1: [1, 2]: a key must be a single word"),
+        ("? {1: 2}\n: 3\n", "line 1: {1: 2}: a key must be a single word"),
     ],
 )
 def test_yaml_features_that_settings_do_not_need_are_refused_with_their_line(read, text, line):
-    first, second = refused(read, text)
-    assert first == "1 error in the file:"
-    assert second.startswith(line)
+    (found,) = refused(read, text)
+    assert line in found
 
 
 @pytest.mark.parametrize(
