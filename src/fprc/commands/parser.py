@@ -150,8 +150,14 @@ def _add_command(commands: Any, name: str, run: str) -> None:
         strict=True,
     ):
         name, annotation = ast.unparse(parameter).split(": ")
-        is_option = parameter in parameters.kwonlyargs
-        _add_argument(command, name, annotation, default, *described[name], is_option=is_option)
+        settings = _settings(annotation, default, *described[name])
+        if parameter in parameters.kwonlyargs:
+            option = f"--{name.rstrip('_').replace('_', '-')}"
+            command.add_argument(option, dest=name, required=default is None, **settings)
+            continue
+        if default is not None:
+            settings["nargs"] = "*" if "nargs" in settings else "?"
+        command.add_argument(name, **settings)
 
 
 def _read(module: str, function: str) -> tuple[ast.arguments, str]:
@@ -163,16 +169,10 @@ def _read(module: str, function: str) -> tuple[ast.arguments, str]:
     return node.args, textwrap.dedent(f"    {docstring}")
 
 
-def _add_argument(
-    command: argparse.ArgumentParser,
-    name: str,
-    annotation: str,
-    default: ast.expr | None,
-    placeholder: str,
-    text: str,
-    *,
-    is_option: bool,
-) -> None:
+def _settings(
+    annotation: str, default: ast.expr | None, placeholder: str, text: str
+) -> dict[str, Any]:
+    """Return what a parameter means to argparse."""
     if annotation.startswith("Literal"):
         settings: dict[str, Any] = {"choices": ast.literal_eval(annotation.removeprefix("Literal"))}
     else:
@@ -182,14 +182,7 @@ def _add_argument(
     if default is not None:
         settings["default"] = value = ast.literal_eval(default)
         text += f" (default: {value})" if isinstance(value, str) else ""
-    settings["help"] = text.replace("%", "%%")
-    if is_option:
-        option = name.rstrip("_").replace("_", "-")
-        command.add_argument(f"--{option}", dest=name, required=default is None, **settings)
-    else:
-        if default is not None:
-            settings["nargs"] = "*" if "nargs" in settings else "?"
-        command.add_argument(name, **settings)
+    return settings | {"help": text.replace("%", "%%")}
 
 
 def _call(module: str, function: str, options: argparse.Namespace) -> Any:
