@@ -4,10 +4,10 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from joblib import effective_n_jobs
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import is_json_with, refuse_output
-from fprc.commands.processes import processes
 from fprc.commands.terminal import messages_on_terminal
 from fprc.config import PUBLISHED, from_files, local_files
 from fprc.errors import ConfigError
@@ -59,7 +59,7 @@ def calibrate_from_files(
         ``out`` or the report exists and no fit wrote it, or they cannot be written.
     """
     settings = from_files(files or local_files()).model_dump(mode="json")
-    count = processes(workers)
+    count = effective_n_jobs(workers or -1)
     if not re.fullmatch(r"[\w.-]+\.yaml", Path(out).name):
         raise ConfigError(
             f"--out {out}: must end in .yaml, after letters, digits, -, _ and . only: it names the "

@@ -6,13 +6,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from joblib import effective_n_jobs
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_text
 from fprc.claims.recording import answer, sentences
 from fprc.commands.import_recording import import_mapped, own_rate
 from fprc.commands.models import refuse_repeats
-from fprc.commands.processes import processes
 from fprc.commands.readout_page import (
     Recordings,
     cautions,
@@ -107,7 +107,7 @@ def report_readout(
     mapping = read_map(map_)
     if problems := _problems_of_map(map_, mapping, more=bool(train)):
         raise ConfigError("\n".join(problems))
-    count = processes(workers)
+    count = effective_n_jobs(workers or -1)
     folder = Path(out or Path("results", Path(source).stem))
     refuse_unwritable([folder])
     rate_hz, duration_s = own_rate(mapping, source)
