@@ -2,11 +2,8 @@
 
 import io
 import os
-import signal
 import sys
-import threading
 from collections.abc import Sequence
-from typing import Any
 
 #: Exit codes that shells report for a program that Ctrl-C, or SIGPIPE, ended.
 _STOPPED, _BROKEN_PIPE = 130, 141
@@ -17,33 +14,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # figures go to files; with an unknown backend, Matplotlib cannot be imported
     os.environ["MPLBACKEND"] = "agg"
     _prepare_output()
-    interrupts: list[int] = []
-
-    def note(number: int, frame: Any) -> None:
-        interrupts.append(number)
-        raise KeyboardInterrupt
-
-    before = signal.getsignal(signal.SIGINT)
-    usual = before is signal.default_int_handler  # not under nohup
-    if usual and threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGINT, note)
     try:
-        code = _run(arguments)
-        if not interrupts:  # a library may have ignored the interrupt
-            return code
-    except BaseException as error:
-        # the interrupted code may have raised another error instead
-        if not interrupts and not isinstance(error, KeyboardInterrupt):
-            raise
-    finally:
-        if signal.getsignal(signal.SIGINT) is note:
-            signal.signal(signal.SIGINT, before)
-    print("stopped; finished results are kept", file=sys.stderr)
-    return _STOPPED
+        return _run(arguments)
+    except KeyboardInterrupt:
+        print("stopped; finished results are kept", file=sys.stderr)
+        return _STOPPED
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    # imported here, where Ctrl-C is recorded
+    # imported here, where Ctrl-C ends the command without a traceback
     from fprc.commands.parser import parser
     from fprc.errors import FprcError
 
