@@ -22,10 +22,10 @@ def read_arrays(path: Path, *, matlab: bool) -> Source:
     A matrix is split into columns ``name[:, 0]`` or rows ``name[0, :]``: its longer dimension is
     taken to be time.
 
-    Structs, struct arrays and cell arrays are split into parts, which are named as in
-    MATLAB: ``s.y``, ``s(2).y``, ``c{1}.y``, and so are tables and timetables: ``T.y``. A field
-    that is a scalar in every element of a struct array becomes an array, ``[s.y]``. Durations
-    become seconds, dates seconds since 1970. Links in an HDF5 file are not followed.
+    Structs and cell arrays are split into parts, which are named as in MATLAB: ``s.y``,
+    ``c{1}.y``, and so are tables and timetables: ``T.y``. A struct array of several elements is
+    not split. Durations become seconds, dates seconds since 1970. Links in an HDF5 file are not
+    followed.
 
     Raises
     ------
@@ -99,43 +99,16 @@ def _parts(name: str, thing: Any) -> Iterator[_Part]:
             yield f"{name}.{column}", table[column].to_numpy()
     elif not isinstance(thing, np.ndarray):
         yield name, f"MATLAB's {getattr(thing, 'classname', type(thing).__name__)}; save numbers"
-    elif thing.dtype.names and thing.size:
+    elif thing.dtype.names and thing.size == 1:
         for field in thing.dtype.names:
-            yield from _field(name, field, _elements(thing[field]))
+            yield from _parts(f"{name}.{field}", thing[field].item())
+    elif thing.dtype.names and thing.size:
+        yield name, f"a struct array of {thing.size} elements; save each as a variable of its own"
     elif thing.dtype == object and thing.size:
-        for index, element in _elements(thing):
+        for index, element in enumerate(thing.ravel("F"), 1):
             yield from _parts(f"{name}{{{index}}}", element)
     else:
         yield name, thing
-
-
-def _field(name: str, field: str, by_index: list[tuple[str, Any]]) -> Iterator[_Part]:
-    """Yield the parts of a field of a struct array, given with the index of each element."""
-    if len(by_index) == 1:
-        yield from _parts(f"{name}.{field}", by_index[0][1])
-        return
-    elements = [element for _, element in by_index]
-    if all(
-        isinstance(x, np.ndarray) and x.size == 1 and x.dtype.kind in "fiubmM" for x in elements
-    ):
-        yield f"[{name}.{field}]", np.concatenate([element.ravel() for element in elements])
-        return
-    for index, element in by_index:
-        yield from _parts(f"{name}({index}).{field}", element)
-
-
-def _elements(array: np.ndarray) -> list[tuple[str, Any]]:
-    """Return the elements of an array, column by column, each with its index as in MATLAB.
-
-    MATLAB counts from 1; a vector has one index.
-    """
-    vector = sum(n > 1 for n in array.shape) < 2
-    found = []
-    for reverse in np.ndindex(*reversed(array.shape)):
-        index = reverse[::-1]
-        numbers = [max(index, default=0)] if vector else index
-        found.append((",".join(str(1 + i) for i in numbers), array[index]))
-    return found
 
 
 def _numbers_of(part: np.ndarray | h5py.Dataset | str) -> np.ndarray | str:

@@ -49,15 +49,14 @@ def columns(source):
 
 def test_parts_have_the_names_that_matlab_gives_them(read, matlab_files):
     """Every name listed can be used in a map."""
-    Cells, Structs = matlab_files.Cells, matlab_files.Structs  # noqa: N806
+    Cells = matlab_files.Cells  # noqa: N806
     steps = [{"y": k * Y, "u": {"p": -k * Y}} for k in (1, 2, 3)]
     source = read(
         {
             "x": Y,
             "train": Cells((1, 3), steps),
-            "test": Structs((3, 1), steps),
             "grid": Cells((2, 2), [1 * Y, 2 * Y, 3 * Y, 4 * Y]),
-            "deep": {"a": {"b": Cells((2, 1), [Y, {"c": Structs((1, 2), steps[:2])}])}},
+            "deep": {"a": {"b": Cells((2, 1), [Y, {"c": steps[0]}])}},
             "one": Cells((1, 1), [Y]),
             "q": np.arange(6.0).reshape(3, 2),
         }
@@ -66,24 +65,18 @@ def test_parts_have_the_names_that_matlab_gives_them(read, matlab_files):
     expected = {"x": y, "one{1}": y, "deep.a.b{1}": y}
     for k in (1, 2, 3):
         expected |= {f"train{{{k}}}.y": k * y, f"train{{{k}}}.u.p": -k * y}
-        expected |= {f"test({k}).y": k * y, f"test({k}).u.p": -k * y}
-    for k in (1, 2):
-        expected |= {f"deep.a.b{{2}}.c({k}).y": k * y, f"deep.a.b{{2}}.c({k}).u.p": -k * y}
-    expected |= {"grid{1,1}": y, "grid{2,1}": 2 * y, "grid{1,2}": 3 * y, "grid{2,2}": 4 * y}
+    expected |= {"deep.a.b{2}.c.y": y, "deep.a.b{2}.c.u.p": -y}
+    expected |= {f"grid{{{k}}}": k * y for k in (1, 2, 3, 4)}
     expected |= {"q[:, 0]": np.array([0.0, 2.0, 4.0]), "q[:, 1]": np.array([1.0, 3.0, 5.0])}
     assert columns(source) == {name: values.tolist() for name, values in expected.items()}
     assert all(pick(source, name).tolist() == values.tolist() for name, values in expected.items())
     assert source.others == {}
 
 
-def test_table_as_a_struct_array_of_rows_is_columns(read, matlab_files):
-    rows = [{"Time": 0.1 * k, "p": 2.0 * k, "note": "a" if k < 3 else "b"} for k in range(5)]
-    source = read({"tt": matlab_files.Structs((5, 1), rows)})
-    assert columns(source) == {
-        "[tt.Time]": [row["Time"] for row in rows],
-        "[tt.p]": [row["p"] for row in rows],
-    }
-    assert set(source.others) == {f"tt({k}).note" for k in range(1, 6)}
+def test_struct_array_is_named_and_leaves_the_rest_of_the_file(read, matlab_files):
+    rows = [{"Time": 0.1 * k, "p": Y} for k in range(5)]
+    source = read({"x": Y, "run": matlab_files.Structs((5, 1), rows)})
+    assert (list(source.columns), list(source.others)) == (["x"], ["run"])
 
 
 def test_empty_and_non_numeric_parts_leave_the_rest_of_the_file(read, matlab_files):
