@@ -12,8 +12,8 @@ from fprc.given import open_given
 from fprc.logs.columns import refuse_never_written
 from fprc.logs.source import Source
 
-#: Name of an array in a file; and the array, its dataset, or why it cannot be a channel.
-_Part = tuple[str, np.ndarray | h5py.Dataset | str]
+#: Name of an array in a file; and the array, or why it cannot be a channel.
+_Part = tuple[str, np.ndarray | str]
 
 
 def read_arrays(path: Path, *, matlab: bool) -> Source:
@@ -75,7 +75,7 @@ def _parts_of_hdf5(path: Path) -> Iterator[_Part]:
             elif isinstance(member := group[name], h5py.Group):
                 yield from within(member, f"{prefix}{name}/")
             else:
-                yield f"{prefix}{name}", member
+                yield f"{prefix}{name}", _read(member)
 
     with h5py.File(path, "r") as file:
         yield from within(file)
@@ -111,10 +111,8 @@ def _parts(name: str, thing: Any) -> Iterator[_Part]:
         yield name, thing
 
 
-def _numbers_of(part: np.ndarray | h5py.Dataset | str) -> np.ndarray | str:
+def _numbers_of(part: np.ndarray | str) -> np.ndarray | str:
     """Return the numbers of a part, or why it cannot be a channel."""
-    if isinstance(part, h5py.Dataset):
-        part = _read(part)
     if isinstance(part, str):
         return part
     if not part.size:
