@@ -35,10 +35,11 @@ def read_text(
     header_line: int | None = None,
     data_line: int | None = None,
 ) -> Source:
-    """Read a text table with one header and one row per line; fields may be quoted.
+    """Read a text table with one line of names and one line per row; fields may be quoted.
 
-    Lines that begin with ``#`` or ``%`` are comments. A separator at the end of a
-    line adds no field. A last line without a line end is left out: it may be cut short.
+    Lines that begin with ``#``, ``%``, or ``sep=``, which spreadsheets write, are comments. A
+    separator at the end of a line adds no field. A last line without a line end is left out: it
+    may be cut short.
 
     Parameters
     ----------
@@ -55,26 +56,19 @@ def read_text(
     content = {
         number: line
         for number, line in enumerate(lines, 1)
-        if number == header_line or not line.lstrip().startswith(("#", "%"))
+        if number == header_line or not line.lstrip().startswith(("#", "%", "sep="))
     }
-    named = re.fullmatch(r"sep=(.)\s*", lines[0]) if lines and not header_line else None
-    if named:  # which spreadsheets write
-        separator = separator or named[1]
-        content.pop(1, None)
     top = header_line or next((number for number, line in content.items() if line.strip()), 0)
     if not content.get(top, "").strip("\r\n"):
         raise LogError(
             f"{path}: no samples; the file is empty, or csv.header_line is a blank line or past "
             "its end"
         )
-    header, end = content[top], top
-    while header.count('"') % 2 and end < len(lines):  # a line end between quotation marks
-        header, end = header + lines[end], end + 1
-    if data_line is not None and data_line <= end:
-        raise LogError(f"{path}: csv.data_line = {data_line}; must be below the header, line {end}")
-    below = ((number, line) for number, line in content.items() if number >= (data_line or end + 1))
+    if data_line is not None and data_line <= top:
+        raise LogError(f"{path}: csv.data_line = {data_line}; must be below the header, line {top}")
+    below = ((number, line) for number, line in content.items() if number >= (data_line or top + 1))
     body = dict(dropwhile(lambda row: not row[1].strip(), below))
-    text = {top: header, **body}
+    text = {top: content[top], **body}
     delimiter = separator or _separator_of(path, dict(islice(text.items(), 1 + _TRIED)))
     names, *rows = _split(path, text, delimiter)
     numbers = list(body)
@@ -96,7 +90,7 @@ def read_text(
     columns = _columns_of(path, names, table) if table else {}
     if not columns:
         raise LogError(
-            f"{path}: no samples below line {end}; check csv.header_line, "
+            f"{path}: no samples below line {top}; check csv.header_line, "
             "csv.data_line, and that the last line ends in a line end"
         )
     usable, others = _numbers_of(columns, numbers, delimiter, decimal)

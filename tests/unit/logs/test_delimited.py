@@ -45,7 +45,7 @@ def columns(source):
     return {name: values.tolist() for name, values in source.columns.items()}
 
 
-def test_first_line_of_a_spreadsheet_names_the_separator(table):
+def test_first_line_of_a_spreadsheet_may_name_the_separator(table):
     source = table("sep=;\nt;p,kPa\n0;1,5\n1;2,5\n")
     assert columns(source) == {"t": [0.0, 1.0], "p,kPa": [1.5, 2.5]}
     assert source.lines.tolist() == [3, 4]
@@ -53,9 +53,9 @@ def test_first_line_of_a_spreadsheet_names_the_separator(table):
 
 # --- names and numbers ----------------------------------------------------------------------
 
-#: Any text; without characters that files cannot hold, and line ends that reading unifies.
-MARKS = st.characters(exclude_categories=["Cs"], exclude_characters="\0\r")
-NAMES = st.text(MARKS, max_size=6) | st.text('",;|\t #%"a.1\n', max_size=6)
+#: Any text; without characters that files cannot hold, and line ends, which a name has not.
+MARKS = st.characters(exclude_categories=["Cs"], exclude_characters="\0\r\n")
+NAMES = st.text(MARKS, max_size=6) | st.text('",;|\t #%"a.1', max_size=6)
 
 
 def is_number(text):
@@ -73,7 +73,7 @@ def is_number(text):
     seed=st.integers(0, 9),
 )
 @example(separator=",", names=["t", "a,deg", "p", "z"], rows=3, seed=0)
-@example(separator=",", names=['5" pipe', "a;b", "line\n#2"], rows=3, seed=0)
+@example(separator=",", names=['5" pipe', "a;b", "line#2"], rows=3, seed=0)
 @example(separator=" ", names=["a,b", '"', "c d"], rows=3, seed=0)
 @example(separator=";", names=["a", "b"], rows=1, seed=3)
 def test_table_of_any_names_comes_back_as_it_was_written(
@@ -82,7 +82,7 @@ def test_table_of_any_names_comes_back_as_it_was_written(
     stripped = [name.strip() for name in names]
     # no name, no letter in any, a comment, or a blank line: the ambiguous cases
     assume(all(stripped) and not all(map(is_number, stripped)))
-    assume(not stripped[0].startswith(("#", "%")))
+    assume(not stripped[0].startswith(("#", "%", "sep=")))
     # unquoted, a tab is a blank
     assume(separator != " " or not any("\t" in name for name in names))
     numbers = np.random.default_rng(seed).standard_normal((rows, len(names)))
@@ -232,6 +232,7 @@ def test_column_that_is_no_number_is_named_with_its_line(table):
         ("t,t\n0,1\n1,2\n", {}, "column t"),
         ("t,x\0\n", {}, "not a text file"),
         ('t,"x\n0,1\n1,2\n', {}, "line 1"),
+        ('t,"x\n[deg]"\n0,1\n1,2\n', {}, "line 1"),
         ('t,"x"y\n0,1\n1,2\n', {}, "line 1"),
         ('t,x\n0,1\n1,"2"3\n3,4\n', {}, "line 3"),
         ('t,x\n0,"1\n1,"2\n3,4\n', {}, "line 2"),
