@@ -93,7 +93,8 @@ def read_text(
             f"{path}: no samples below line {top}; check csv.header_line, "
             "csv.data_line, and that the last line ends in a line end"
         )
-    usable, others = _numbers_of(columns, numbers, delimiter, decimal)
+    decimal = decimal or _decimal_of(columns.values(), delimiter)
+    usable, others = _numbers_of(columns, numbers, decimal)
     kind = f"text separated by {_SEPARATORS.get(delimiter, delimiter)}"
     return Source(path, kind, usable, others, np.array(numbers), notes)
 
@@ -187,17 +188,17 @@ def _columns_of(
     return dict(columns)
 
 
-def _number(text: str, decimal: str) -> float | None:
-    """Return a number with this decimal mark; NaN for a missing value.
+def _number(text: str, decimal: str | None) -> float | None:
+    """Return a number with this decimal mark, or with none; NaN for a missing value.
 
     None for another text, and for a number that a float cannot tell from 0, such as 1e-400.
     """
     if _is_missing(text):
         return np.nan
-    if "_" in text or (decimal == "," and "." in text):
+    if "_" in text or (decimal != "." and "." in text):
         return None
     try:
-        value = float(text.replace(decimal, "."))
+        value = float(text.replace(",", ".") if decimal == "," else text)
     except ValueError:
         return None
     return None if value == 0.0 and re.search("[1-9]", text.lower().partition("e")[0]) else value
@@ -212,55 +213,43 @@ def _is_number(text: str, decimals: str = ".,") -> bool:
 
 
 def _numbers_of(
-    columns: Mapping[str, Sequence[str]], lines: Sequence[int], separator: str, decimal: str | None
+    columns: Mapping[str, Sequence[str]], lines: Sequence[int], decimal: str | None
 ) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Return the numbers of each column that has them, and for each other the reason.
-
-    Without ``decimal``, the mark is found out, the same for the whole file. If columns contradict
-    each other, or if all marks may group thousands, no column with a mark has numbers.
-    """
+    """Return the numbers of each column that has them, and for each other the reason."""
     numbers, others = {}, {}
-    marked: dict[str, tuple[str, int]] = {}  # mark, and the first row with it
+    doubt = "" if decimal else ", or its mark may group thousands"
     for name, texts in columns.items():
-        failed = []
-        for mark in decimal or ".,":
-            values = [_number(text, mark) for text in texts]
-            if None not in values:
-                numbers[name] = np.array(values, np.float64)
-                with_mark = (k for k, t in enumerate(texts) if mark in t and not _is_missing(t))
-                if (row := next(with_mark, None)) is not None:
-                    marked[name] = mark, row
-                break
-            failed.append(values.index(None))
-        else:
-            row = max(failed)  # with the decimal mark that fails last
-            others[name] = (
-                f"line {lines[row]} holds {texts[row]!r}, not a number; if the file is right, set "
-                "csv.decimal or csv.data_line, remove marks between thousands, and write dates as "
-                "seconds"
-            )
-    marks = {mark for mark, _ in marked.values()}
-    texts = [text for name in marked for text in columns[name]]
-    if decimal or not marks or (len(marks) == 1 and _is_decimal(min(marks), texts, separator)):
-        return numbers, others
-    why = "may group thousands" if len(marks) == 1 else "is not that of the other columns"
-    for name, (mark, row) in marked.items():
-        del numbers[name]
+        values = [_number(text, decimal) for text in texts]
+        if None not in values:
+            numbers[name] = np.array(values, np.float64)
+            continue
+        row = values.index(None)
         others[name] = (
-            f"line {lines[row]} holds {columns[name][row]!r}, and its {mark!r} {why}; set "
-            "csv.decimal to the file's one decimal mark, and remove marks between thousands"
+            f"line {lines[row]} holds {texts[row]!r}, not a number{doubt}; if the file is right, "
+            "set csv.decimal or csv.data_line, remove marks between thousands, and write dates as "
+            "seconds"
         )
     return numbers, others
 
 
-def _is_decimal(mark: str, texts: Sequence[str], separator: str) -> bool:
-    """Return whether the marks in these texts are decimal marks.
+def _decimal_of(columns: Iterable[Sequence[str]], separator: str) -> str | None:
+    """Return the one decimal mark of a file.
 
-    They may group thousands if there are three digits after each, as in 980, 990, 1,000. Columns
-    between semicolons usually have decimal commas, others decimal points.
+    None if columns contradict each other, or if all marks may group thousands: if there are three
+    digits after each, as in 980, 990, 1,000. Columns between semicolons usually have decimal
+    commas, others decimal points.
     """
-    if not all(_GROUPED.fullmatch(text) for text in texts if mark in text):
-        return True
+    marked: dict[str, list[str]] = {}  # the texts of columns that are numbers with this mark only
+    for texts in columns:
+        given = [text for text in texts if not _is_missing(text)]
+        for mark in (mark for mark in ".," if any(mark in text for text in given)):
+            if all(_is_number(text, mark) for text in given):
+                marked.setdefault(mark, []).extend(given)
+    if len(marked) != 1:
+        return None if marked else "."
+    ((mark, given),) = marked.items()
+    if not all(_GROUPED.fullmatch(text) for text in given if mark in text):
+        return mark
     if mark == ".":
-        return separator != ";"
-    return separator == ";" and all(mark in text or _is_missing(text) for text in texts)
+        return mark if separator != ";" else None
+    return mark if separator == ";" and all(mark in text for text in given) else None
