@@ -5,14 +5,13 @@ outside are therefore read in a child process.
 """
 
 import contextlib
-import io
 import math
 import os
 import pickle
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,8 +47,8 @@ def attempt_each(
 ) -> list[Any]:
     """Call a function on each of several files; return its result or ``LogError`` for each.
 
-    One child process reads all files. If a file crashes it, or exceeds a limit, a new one
-    continues with the next.
+    One child process reads all files. If that exceeds a limit or crashes, each file has one of its
+    own.
 
     Parameters
     ----------
@@ -62,23 +61,17 @@ def attempt_each(
     Exception
         Any exception but ``LogError`` that the function raised.
     """
-    results: list[Any] = []
-    while left := paths[len(results) :]:
-        request = pickle.dumps((function, left, keywords))
-        answers, ended = _ask(request, time_limit_s(left))
-        answered = list(_answers(answers))
-        for path, (result, error) in zip(left, answered, strict=False):
-            if isinstance(error, MemoryError):
-                error = LogError(
-                    f"{path}: reading it needs more than {_LIMIT_BYTES >> 20} MB of memory; it is "
-                    "damaged, or too large: split it"
-                )
-            if error and not isinstance(error, LogError):
+    if not paths:
+        return []
+    answers = _ask(pickle.dumps((function, paths, keywords)), time_limit_s(paths))
+    if isinstance(answers, list):
+        for error in answers:
+            if isinstance(error, Exception) and not isinstance(error, LogError):
                 raise error
-            results.append(error or result)
-        if len(answered) < len(left):
-            results.append(LogError(f"{left[len(answered)]}: {ended}"))
-    return results
+        return answers
+    if len(paths) == 1:
+        return [LogError(f"{paths[0]}: {answers}")]
+    return [result for path in paths for result in attempt_each(function, [path], **keywords)]
 
 
 def time_limit_s(paths: Sequence[Path | str]) -> float:
@@ -101,8 +94,8 @@ def _limit_process(limit_s: float) -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _ask(request: bytes, limit_s: float) -> tuple[bytes, str]:
-    """Send a request to a new process; return its answers, and why it ended early."""
+def _ask(request: bytes, limit_s: float) -> list[Any] | str:
+    """Return the answers of a new process to a request, or why it ended without them."""
     code = f"from fprc.logs.isolated import answer; answer({limit_s})"
     wall_s = _PATIENCE * limit_s
     try:
@@ -114,37 +107,36 @@ def _ask(request: bytes, limit_s: float) -> tuple[bytes, str]:
             check=False,
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread reserves memory
         )
-    except subprocess.TimeoutExpired as expired:
+    except subprocess.TimeoutExpired:
         busy = "the computer is busy, or the disk does not answer: repeat the command"
-        return expired.stdout or b"", f"not read within {wall_s:.3g} s; {busy}"
+        return f"not read within {wall_s:.3g} s; {busy}"
+    if done.returncode == 0:
+        answers: list[Any] = pickle.loads(done.stdout)
+        return answers
     if done.returncode == -getattr(signal, "SIGXCPU", 0):
         many = "it is damaged, or has very many arrays: restore it, or save one matrix"
-        return done.stdout, f"not read in {limit_s:.3g} s of processor time; {many}"
+        return f"not read in {limit_s:.3g} s of processor time; {many}"
     errors = done.stderr.decode(errors="replace").strip().splitlines()
     why = errors[-1] if done.returncode > 0 and errors else "the library crashed"
-    return done.stdout, f"cannot be read ({why}); the file is damaged: restore it, or record again"
-
-
-def _answers(stream: bytes) -> Iterator[tuple[Any, Any]]:
-    """Yield the answers that the process wrote completely."""
-    file = io.BytesIO(stream)
-    with contextlib.suppress(EOFError, pickle.UnpicklingError):
-        while True:
-            yield pickle.load(file)
+    return f"cannot be read ({why}); the file is damaged, or too large: restore it, or split it"
 
 
 def answer(limit_s: float) -> None:
-    """Read a request from standard input and write the answers to standard output, one by one."""
+    """Read a request from standard input; write a result or exception for each path to the output.
+
+    If the memory does not suffice, the process ends.
+    """
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # keep library prints out of the answers
     _limit_process(limit_s)
     function, paths, keywords = pickle.load(sys.stdin.buffer)
+    answers: list[Any] = []
+    for path in paths:
+        try:
+            answers.append(function(path, **keywords))
+        except MemoryError:
+            raise
+        except Exception as error:
+            answers.append(error)
     with output:
-        for path in paths:
-            result, error = None, None
-            try:
-                result = function(path, **keywords)
-            except Exception as raised:
-                error = raised
-            pickle.dump((result, error), output)
-            output.flush()
+        pickle.dump(answers, output)

@@ -36,7 +36,7 @@ def test_file_that_ends_the_process_is_named_and_the_others_are_read(monkeypatch
     for name, words in (
         ("crash", "crashed"),
         ("hang", "2 s of processor time"),
-        ("too much", "MB"),
+        ("too much", "MemoryError"),
     ):
         assert str(found[name]).startswith(f"{code[name]}: ")
         assert words in str(found[name])
