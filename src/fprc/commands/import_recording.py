@@ -24,7 +24,7 @@ from fprc.escape import terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import read_columns, write_raw
-from fprc.logs.clock import SECONDS, Recording, likely_rate, other_unit, refuse_length
+from fprc.logs.clock import SECONDS, Recording, likely_rate, oddities, refuse_length
 from fprc.logs.diagnosis import describe, diagnose
 from fprc.logs.gather import gather, read_source
 from fprc.logs.isolated import attempt_each
@@ -103,13 +103,13 @@ def own_rate(mapping: ImportMap, source: str) -> tuple[float, float]:
     Raises
     ------
     LogError
-        The file cannot be used with this map; or its rate is unlikely, another unit of time makes
-        it likely, and the map does not give the rate.
+        The file cannot be used with this map; or its clock is odd, and the map does not give the
+        rate.
     """
-    _, recording = _read(mapping, source)
-    hint = other_unit(recording.time_s, mapping.time.unit) if mapping.time.column else None
-    if hint and mapping.sample_rate_hz is None:
-        raise LogError(f"{source}: time: {hint}; give sample_rate_hz if it is not")
+    content, recording = _read(mapping, source)
+    odd = oddities(content, mapping.time.model_dump(), recording)
+    if odd and mapping.sample_rate_hz is None:
+        raise LogError(f"{source}: time: {'; '.join(odd)}; give sample_rate_hz if it is not")
     rate_hz = rate_of(recording.time_s)
     whole_hz = float(np.round(rate_hz))
     is_whole = abs(rate_hz - whole_hz) <= _INTEGER_TOLERANCE * rate_hz
@@ -154,8 +154,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         recording.time_s, recording.channels, recording.repeated_samples, quality=quality
     )
     lines = describe(diagnosis, units)
-    if mapping.time.column and (hint := other_unit(recording.time_s, mapping.time.unit)):
-        lines.insert(1, f"clock: {hint}")
+    lines[1:1] = [f"clock: {oddity}" for oddity in oddities(content, time, recording)]
     lines += content.notes
     time_s, channels = resample(recording.time_s, recording.channels, rate_hz)
     notes = {

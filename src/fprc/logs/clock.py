@@ -76,25 +76,45 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> R
         return Recording(since_s, {}, float(stamps[0] * factor), samples, int(repeated.size))
 
 
-def likely_rate(step: float) -> tuple[float, str] | None:
-    """Guess the rate in Hz and the unit of a clock from its step; None if no unit is plausible."""
-    for unit in ("s", "ms", "us", "ns"):
+def likely_rate(step: float, stated: str = "s") -> tuple[float, str] | None:
+    """Guess the rate in Hz and the unit of a clock from its step; None if no unit is plausible.
+
+    The stated unit is tried first.
+    """
+    for unit in (stated, "s", "ms", "us", "ns"):
         rate_hz = 1.0 / max(step * SECONDS[unit], 1e-12)
         if LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
             return rate_hz, unit
     return None
 
 
-def other_unit(time_s: np.ndarray, unit: str) -> str | None:
-    """Suggest a unit that makes the rate plausible; None if it already is or no unit does."""
-    step_s = float(np.median(np.diff(time_s)))
-    guess = likely_rate(step_s / SECONDS[unit])
-    if guess is None or LIKELY_HZ[0] * step_s <= 1.0 <= LIKELY_HZ[1] * step_s:
-        return None
-    return (
-        f"a step of {step_s:.4g} s is unusual; in {guess[1]} the rate would be "
-        f"{guess[0]:.4g} Hz: set time.unit: {guess[1]} if that is right"
-    )
+@np.errstate(all="ignore")  # steps of an implausible clock may overflow
+def oddities(source: Source, time: Mapping[str, Any], recording: Recording) -> list[str]:
+    """Say what is odd about the clock of a recording.
+
+    That is a jump over more than half of the recording, and a unit that makes the rate implausible
+    where another does not.
+    """
+    if not time.get("column"):
+        return []
+    unit, steps_s = time["unit"], np.diff(recording.time_s)
+    found = []
+    k = int(np.argmax(steps_s))
+    if len(steps_s) > 1 and steps_s[k] > 0.5 * steps_s.sum():
+        before, after = recording.samples[[k, k + 1]]
+        at = (recording.start_s + recording.time_s[[k, k + 1]]) / SECONDS[unit]
+        found.append(
+            f"the clock jumps from {at[0]:.10g} {unit} at {source.sample(before)} to "
+            f"{at[1]:.10g} {unit} at {source.sample(after)}: repair it there"
+        )
+    step_s = float(np.median(steps_s))
+    rate_hz, likely = likely_rate(step_s / SECONDS[unit], unit) or (0.0, unit)
+    if likely != unit:
+        found.append(
+            f"a step of {step_s:.4g} s is unusual; in {likely} the rate would be {rate_hz:.4g} Hz: "
+            f"set time.unit: {likely} if that is right"
+        )
+    return found
 
 
 def refuse_length(
@@ -110,10 +130,11 @@ def refuse_length(
     """
     time_s = recording.time_s
     duration_s = float(time_s[-1])
-    where = f"{source.path}: time: {time.get('column') or 'rate_hz'}"
+    column = time.get("column")
+    where = f"{source.path}: time{f': {column}' if column else '.rate_hz'}"
+    remedy = "".join(f"; {oddity}" for oddity in oddities(source, time, recording))
     with np.errstate(all="ignore"):
         points = points_of(time_s, rate_hz)
-        remedy = _remedy(source, time, recording)
     if duration_s * rate_hz < 1.0:
         raise LogError(
             f"{where}: {duration_s:.4g} s are shorter than one sample at sample_rate_hz = "
@@ -125,21 +146,3 @@ def refuse_length(
             f"samples in resampling; the limit is {MOST_POINTS:.2g} samples; shorten it with "
             f"start_s and end_s{remedy}"
         )
-
-
-def _remedy(source: Source, time: Mapping[str, Any], recording: Recording) -> str:
-    """Return what may be wrong with the clock, for the end of a message."""
-    if not time.get("column"):
-        return "; or correct time.rate_hz"
-    unit, steps_s = time["unit"], np.diff(recording.time_s)
-    hint = ""
-    k = int(np.argmax(steps_s))
-    if len(steps_s) > 1 and steps_s[k] > 0.5 * steps_s.sum():
-        before, after = recording.samples[[k, k + 1]]
-        at = (recording.start_s + recording.time_s[[k, k + 1]]) / SECONDS[unit]
-        hint = (
-            f"; the clock jumps from {at[0]:.10g} {unit} at {source.sample(before)} to "
-            f"{at[1]:.10g} {unit} at {source.sample(after)}: repair it there"
-        )
-    suggestion = other_unit(recording.time_s, unit)
-    return f"{hint}; {suggestion}" if suggestion else hint

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from fprc.errors import LogError
-from fprc.logs.clock import MOST_POINTS, SECONDS, likely_rate, other_unit, refuse_length
+from fprc.logs.clock import MOST_POINTS, SECONDS, likely_rate, oddities, refuse_length
 from fprc.logs.gather import gather
 from fprc.logs.resample import resample
 from fprc.logs.source import Source
@@ -22,6 +22,11 @@ def recorded(instants, unit="s", **more):
     source = Source(Path("log.csv"), "", columns, {}, np.arange(len(instants)) + 2)
     time = {"column": "t", "unit": unit, **more}
     return gather(source, time=time, channels=X), source, time
+
+
+def odd(instants, unit):
+    recording, source, time = recorded(instants, unit)
+    return oddities(source, time, recording)
 
 
 def refusal(call, *arguments, **named):
@@ -98,9 +103,9 @@ def test_implausible_unit_is_answered_with_the_likely_one(unit, stated, samples)
 
 
 def test_likely_clock_is_not_doubted():
-    assert other_unit(T, "s") is None
-    assert "time.unit: ns" in other_unit(1e3 * T, "us")
-    assert other_unit(1e-9 * T, "s") is None
+    assert odd(T, "s") == []
+    assert "time.unit: ns" in "".join(odd(1e9 * T, "us"))
+    assert odd(1e-9 * T, "s") == []
     assert likely_rate(5.0) == (pytest.approx(200.0), "ms")
 
 
