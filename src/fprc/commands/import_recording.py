@@ -1,6 +1,7 @@
 """`fprc import`: convert a recording of another program to a raw log."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from fprc.config.importing import (
     read_map,
 )
 from fprc.errors import ConfigError, LogError
-from fprc.escape import terminal, visible
+from fprc.escape import in_words, terminal, visible
 from fprc.figures import style
 from fprc.figures.diagnosis import draw_diagnosis
 from fprc.logs import read_columns, write_raw
@@ -230,10 +231,11 @@ def draft_map(content: Source) -> str:
     a unit that no name gives is marked: the user completes them. Comments describe each column.
     """
     columns = content.columns
-    guesses = {name: _guess_clock(name, values) for name, values in columns.items()}
-    clocks = [name for name, guess in guesses.items() if guess]
+    guesses = {
+        name: guess for name, values in columns.items() if (guess := _guess_clock(name, values))
+    }
     # a row's number is one too, so the name decides; else the first
-    clock = min(clocks, key=lambda name: not is_time(name), default=None)
+    clock = min(guesses, key=lambda name: not is_time(name), default=None)
     found: dict[str, str] = {}
     for name in columns:
         if name != clock and (likely := likely_channel(name)):
@@ -244,53 +246,39 @@ def draft_map(content: Source) -> str:
         "line; complete those with a ?, or delete them where the recording has no such channel",
         "experiment: sweep  # or complex; instead, for fprc readout: test_from_s, in seconds",
     ]
-    if guess := guesses.get(clock or ""):
-        lines.append(
-            f"# sample_rate_hz: {float(f'{guess[0]:.4g}'):.10g}  # of the file; the default is "
-            "200, as the workflow expects"
-        )
-        others = "".join(f", or {_quoted(name)}?" for name in clocks if name != clock)
-        doubt = "" if not others or is_time(clock or "") else f"  # this{others}"
-        lines.append(f"time: {{column: {_quoted(clock or '')}, unit: {guess[1]}}}{doubt}")
+    if clock is None:
+        lines.append(_line("time", {"rate_hz": "?"}, "or column and unit"))
     else:
-        for name, values in columns.items():
-            (back,) = np.nonzero(values[1:] < values[:-1])
-            # a channel that swings goes back half of the time
-            if 0 < back.size < 0.01 * len(values) and _guess_rate(values[: back[0] + 1]):
-                lines.append(
-                    f"# {visible(name)} goes back at sample {back[0] + 1}: a clock's reset?"
-                )
-        lines.append('time: {rate_hz: "?"}  # or column and unit')
+        rate_hz, unit = guesses[clock]
+        others = [] if is_time(clock) else [name for name in guesses if name != clock]
+        doubt = f"; or {in_words(others, 'or')}?" if others else ""
+        lines.append(_line("time", {"column": clock, "unit": unit}, f"{rate_hz:.5g} Hz{doubt}"))
     lines.append("channels:")
     for channel in CHANNELS:
-        if channel.name in found:
-            column = found[channel.name]
-            unit = likely_unit(column, channel.name)
-            spec = f"{{column: {_quoted(column)}, unit: {unit or channel.unit}}}"
-            doubt = "" if unit else "; unit?"
+        key = f"  {channel.name}"
+        column = found.get(channel.name)
+        if column is not None:
+            named = likely_unit(column, channel.name)
+            words = _in_words(columns[column]) + ("" if named else "; unit?")
             if channel.unit == "kPa" and is_absolute(column):
-                doubt += "; absolute? then offset: minus the air's, -101.325 kPa"
-            lines.append(f"  {channel.name}: {spec}  # {_in_words(columns[column])}{doubt}")
+                words += "; absolute? then offset: minus the air's, -101.325 kPa"
+            lines.append(_line(key, {"column": column, "unit": named or channel.unit}, words))
         elif channel.name in _DRAFTED and not (
             channel.name == TARGETS["measured"] and TARGETS["command"] in found
         ):
-            spec = f'{{column: "?", unit: {channel.unit}}}'
-            lines.append(f"  {channel.name}: {spec}  # {channel.meaning}")
-    lines += [
-        f"# column left: {_quoted(name)}  # {_in_words(values)}"
+            lines.append(_line(key, {"column": "?", "unit": channel.unit}, channel.meaning))
+    more = [
+        f"{json.dumps(name, ensure_ascii=False)}: {_in_words(values)}"
         for name, values in columns.items()
         if name not in (clock, *found.values())
     ]
-    lines += [
-        visible(f"# {name}: cannot be a channel: {why}") for name, why in content.others.items()
-    ]
-    lines += [f"# {note}" for note in content.notes]
-    return "\n".join(lines)
+    more += [f"{name}: cannot be a channel: {why}" for name, why in content.others.items()]
+    return "\n".join([*lines, *(visible(f"# {text}") for text in (*more, *content.notes))])
 
 
-def _quoted(name: str) -> str:
-    """Return a name as YAML, with unprintable characters as escapes, which YAML has too."""
-    return visible(json.dumps(name, ensure_ascii=False))
+def _line(key: str, value: Mapping[str, str], comment: str) -> str:
+    """Return a line of YAML; names are in quotes, with unprintable characters as its escapes."""
+    return visible(f"{key}: {json.dumps(value, ensure_ascii=False)}  # {comment}")
 
 
 def _in_words(values: np.ndarray) -> str:
@@ -303,18 +291,9 @@ def _in_words(values: np.ndarray) -> str:
     return f"{words}, {missing} not finite" if missing else words
 
 
-def _guess_clock(name: str, values: np.ndarray) -> tuple[float, str] | None:
-    """Guess rate and unit of a column that increases as a clock; its name may have the unit."""
-    if (guess := _guess_rate(values)) is None:
-        return None
-    rate_hz, unit = guess
-    named = likely_time_unit(name) or unit
-    return rate_hz * SECONDS[unit] / SECONDS[named], named
-
-
 @np.errstate(all="ignore")  # differences of large values may overflow, and are no steps of a clock
-def _guess_rate(values: np.ndarray) -> tuple[float, str] | None:
-    """Guess rate and unit of a column that increases as a clock does.
+def _guess_clock(name: str, values: np.ndarray) -> tuple[float, str] | None:
+    """Guess rate and unit of a column that increases as a clock does; its name may have the unit.
 
     Nine of ten steps are about equal, or, where a clock jitters more, its stamps are near a
     straight line. Repeated stamps are allowed.
@@ -326,8 +305,10 @@ def _guess_rate(values: np.ndarray) -> tuple[float, str] | None:
     if (steps < 0.0).any() or span <= 0.0:
         return None
     step = float(np.median(steps))
-    if (np.abs(steps - step) < 0.5 * step).mean() > 0.9:
-        return likely_rate(step)
-    line = np.linspace(values[0], values[-1], len(values))
-    straight = float(np.abs(values - line).max()) < _OFF_LINE * span
-    return likely_rate(span / len(steps)) if straight else None
+    if (np.abs(steps - step) < 0.5 * step).mean() <= 0.9:
+        line = np.linspace(values[0], values[-1], len(values))
+        if not np.abs(values - line).max() < _OFF_LINE * span:
+            return None
+        step = span / len(steps)
+    guess, named = likely_rate(step), likely_time_unit(name)
+    return (1.0 / (step * SECONDS[named]), named) if guess and named else guess
