@@ -10,7 +10,7 @@ from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import assess, read_raw
 from fprc.logs.isolated import attempt_each
-from fprc.logs.quality import finding, warnings
+from fprc.logs.quality import warnings
 from fprc.logs.recovery import recover
 from fprc.paper import SOURCES
 
@@ -62,7 +62,7 @@ def _page(path: str, record: Mapping[str, Any]) -> list[str]:
     ]
     for name, check in checks.items():
         result = "ok" if check["passed"] else "FAILED"
-        lines.append(f"  {name:21} {result:6} {finding(name, check)}".rstrip())
+        lines.append(f"  {name:21} {result:6} {check['finding']}".rstrip())
     if "no_checksum" in record:
         lines.append(f"  {'without checksum':28} {', '.join(record['no_checksum'])}")
     for channel, note in record.get("notes", {}).items():

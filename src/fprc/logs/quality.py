@@ -24,10 +24,10 @@ def assess(
 ) -> dict[str, Any]:
     """Return the quality record of a readable raw log.
 
-    Each check has ``passed``, the measured numbers, and the limit. A failed check is
-    recorded and printed, and does not stop the workflow. A check skips channels that an import
-    left out, or that hold another quantity. ``loop`` has the statistics of a real rig's control
-    loop, ``no_checksum`` the channels in which damage would go unnoticed.
+    Each check has ``passed``, the ``finding`` in words, the measured numbers, and the limit. A
+    failed check is recorded and printed, and does not stop the workflow. A check skips channels
+    that an import left out, or that hold another quantity. ``loop`` has the statistics of a real
+    rig's control loop, ``no_checksum`` the channels in which damage would go unnoticed.
 
     Parameters
     ----------
@@ -104,99 +104,80 @@ def noted_unit(name: str, attributes: Mapping[str, Any]) -> str:
 def warnings(record: Mapping[str, Any]) -> list[str]:
     """Return one line for each failed check of a quality record."""
     return [
-        visible(f"{record['log']}: {name}: {finding(name, check)}")
+        visible(f"{record['log']}: {name}: {check['finding']}")
         for name, check in record["checks"].items()
         if not check["passed"]
     ]
 
 
-def finding(name: str, check: Mapping[str, Any]) -> str:
-    """Describe what one check of a quality record found; empty if there is nothing to say."""
-    if name == "complete":
-        lost = f"; lost samples: {check['lost_samples']}" if check["lost_samples"] else ""
-        return "" if check["passed"] else f"{check['reason']}{lost}"
-    if name == "rate":
-        return f"{check['mean_hz']:.6g} Hz, jitter {1e3 * check['jitter_s']:.3f} ms"
-    if name == "gaps":
-        begin = f"{check['count']} gaps, the first before sample {check['first_sample']}; "
-        longest = f"longest step {check['longest_s']:.4g} s, limit {check['limit_s']:.4g} s"
-        return longest if check["passed"] else begin + longest
-    if name == "range":
-        return "; ".join(
-            f"channel {channel}: sample {first['sample']} is {first['value']:g} "
-            f"{unit_of(channel)}, outside of {first['limits'][0]:g} to {first['limits'][1]:g}, in "
-            f"all {check['samples'][channel]}"
-            for channel, first in check["first"].items()
-        )
-    if name == "stuck":
-        longest = check["longest_unchanged_samples"]
-        channel = max(longest, key=longest.__getitem__)
-        return (
-            f"channel {channel}: unchanged for {longest[channel]} samples, limit "
-            f"{check['limit_samples']}"
-        )
-    if check["kpa_per_min"] is None:
-        return f"not checked, {check['why']}"
-    return f"{check['kpa_per_min']:.3g} kPa/min, limit {check['limit_kpa_per_min']:g} kPa/min"
-
-
 def _complete(log: Columns) -> dict[str, Any]:
-    attributes = log.attributes
-    complete = attributes.get("complete", True)
+    complete, lost = log.attributes.get("complete", True), log.attributes.get("lost_samples", 0)
+    reason = None if complete else log.attributes.get("incomplete_reason", "unknown")
+    more = f"; lost samples: {lost}" if lost else ""
     return {
         "passed": complete,
-        "reason": None if complete else attributes.get("incomplete_reason", "unknown"),
-        "lost_samples": attributes.get("lost_samples", 0),
+        "finding": "" if complete else f"{reason}{more}",
+        "reason": reason,
+        "lost_samples": lost,
     }
 
 
 def _rate(log: Columns, expected_hz: float, tolerance: float) -> dict[str, Any]:
     steps = np.diff(log.channels["time_s"])
     rate_hz = float(1.0 / steps.mean()) if steps.size else expected_hz
+    jitter_s = float(steps.std()) if steps.size else 0.0
     return {
         "passed": abs(rate_hz / expected_hz - 1.0) <= tolerance,
+        "finding": f"{rate_hz:.6g} Hz, jitter {1e3 * jitter_s:.3f} ms",
         "mean_hz": rate_hz,
         "expected_hz": expected_hz,
-        "jitter_s": float(steps.std()) if steps.size else 0.0,
+        "jitter_s": jitter_s,
     }
 
 
 def _gaps(log: Columns, limit_s: float) -> dict[str, Any]:
     time_s = log.channels["time_s"]
     gaps = gaps_of(time_s, limit_s)
+    longest_s = float(np.diff(time_s).max(initial=0.0))
+    begin = f"{gaps.size} gaps, the first before sample {gaps[0] + 1}; " if gaps.size else ""
     return {
         "passed": gaps.size == 0,
+        "finding": f"{begin}longest step {longest_s:.4g} s, limit {limit_s:.4g} s",
         "count": int(gaps.size),
         "first_sample": int(gaps[0]) + 1 if gaps.size else None,
-        "longest_s": float(np.diff(time_s).max(initial=0.0)),
+        "longest_s": longest_s,
         "limit_s": limit_s,
     }
 
 
 def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, Any]:
-    limits = {
-        name: ranges[plausible] if isinstance(plausible, str) else plausible
-        for name, _, _, plausible, _ in CHANNELS
-        if plausible is not None
-        and name in log.channels
-        and substitute(name, log.attributes) is None
-    }
-    counts, first = {}, {}
-    for name, (low, high) in limits.items():
+    counts, first, findings = {}, {}, []
+    for name, _, _, plausible, _ in CHANNELS:
+        other = substitute(name, log.attributes) is not None
+        if plausible is None or name not in log.channels or other:
+            continue
+        low, high = ranges[plausible] if isinstance(plausible, str) else plausible
         values = log.channels[name]
         outside = np.flatnonzero((values < low) | (values > high))
         counts[name] = int(outside.size)
         if outside.size:
             k = int(outside[0])
             first[name] = {"sample": k, "value": float(values[k]), "limits": [low, high]}
-    return {"passed": not first, "samples": counts, "first": first}
+            findings.append(
+                f"channel {name}: sample {k} is {values[k]:g} {unit_of(name)}, outside of {low:g} "
+                f"to {high:g}, in all {outside.size}"
+            )
+    return {"passed": not first, "finding": "; ".join(findings), "samples": counts, "first": first}
 
 
 def _stuck(log: Columns, limit: float) -> dict[str, Any]:
     present = [name for name in NEEDED_SENSORS if name in log.channels]
     longest = {name: int(runs(log.channels[name])[1].max()) for name in present}
+    channel = max(longest, key=longest.__getitem__)
     return {
-        "passed": max(longest.values()) <= limit,
+        "passed": longest[channel] <= limit,
+        "finding": f"channel {channel}: unchanged for {longest[channel]} samples, limit "
+        f"{int(limit)}",
         "longest_unchanged_samples": longest,
         "limit_samples": int(limit),
     }
@@ -224,5 +205,10 @@ def _leak(log: Columns, limit: float, plausible: Container[str]) -> dict[str, An
         sealed = fit_sealed(log.channels["time_s"], log.channels)
     slope = sealed["slope_kpa_per_min"] if sealed else None
     if slope is None:
-        return {"passed": True, "kpa_per_min": None, "why": why}
-    return {"passed": slope >= -limit, "kpa_per_min": slope, "limit_kpa_per_min": -limit}
+        return {"passed": True, "finding": f"not checked, {why}", "kpa_per_min": None}
+    return {
+        "passed": slope >= -limit,
+        "finding": f"{slope:.3g} kPa/min, limit {-limit:g} kPa/min",
+        "kpa_per_min": slope,
+        "limit_kpa_per_min": -limit,
+    }

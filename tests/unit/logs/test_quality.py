@@ -201,7 +201,9 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
 def test_log_that_is_not_complete_fails_with_its_reason(log, attributes, reason, lost):
     log.attributes.update(attributes)
     expected = {"passed": reason is None, "reason": reason, "lost_samples": lost}
-    assert judge(log)["checks"]["complete"] == expected
+    found = judge(log)["checks"]["complete"]
+    assert {name: found[name] for name in expected} == expected
+    assert (reason or "") in found["finding"]
     assert failed(log) == ({"complete"} if reason else set())
 
 

@@ -280,7 +280,7 @@ READOUT = {
 
 @pytest.mark.parametrize("below", ["comparison", "readout"])
 def test_failed_checks_of_the_logs_stand_below_the_tables(tmp_path, below):
-    cut = {"passed": False, "reason": "the computer went off", "lost_samples": 3}
+    cut = {"passed": False, "finding": "the computer went off"}
     whole = {"log": "monday.h5", "checks": {"complete": cut | {"passed": True}}}
     half = {"log": "tuesday.h5", "checks": {"complete": cut}}
     written = {"one": whole, "joined": {"recordings": [whole, half]}}
