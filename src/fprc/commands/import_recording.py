@@ -150,10 +150,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     content, recording = _read(mapping, source)
     refuse_length(content, time, recording, rate_hz)
     units = {name: "" if spec["unit"] == "1" else unit_of(name) for name, spec in columns.items()}
-    quality = Settings().quality.model_dump()
-    diagnosis = diagnose(
-        recording.time_s, recording.channels, recording.repeated_samples, quality=quality
-    )
+    diagnosis = diagnose(recording, quality=Settings().quality.model_dump())
     lines = describe(diagnosis, units)
     lines[1:1] = [f"clock: {oddity}" for oddity in oddities(content, time, recording)]
     lines += content.notes
@@ -183,9 +180,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     with replacing_all(diagnosed, picture, raw) as (page, png, log):
         file = {"source": Path(source).name, "log": Path(raw).name, "words": lines}
         write_json(page, file | diagnosis)
-        fig = draw_diagnosis(
-            recording.time_s, recording.channels, diagnosis, titles=titles, units=units
-        )
+        fig = draw_diagnosis(recording, diagnosis, titles=titles, units=units)
         style.save(fig, {"source": "import"}, str(png))
         write_raw(log, {"time_s": time_s, **channels}, **attributes)
     if all(np.array_equal(channels[name], recording.channels[name]) for name in channels):

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from fprc import escape
 from fprc.figures import style
 from fprc.figures.hysteresis import plot_loop
+from fprc.logs.clock import Recording
 from fprc.logs.diagnosis import MARKS
 
 #: Colours of gaps and steps, and of the stretches of a channel.
@@ -21,8 +22,7 @@ _POINTS = 20000
 
 
 def draw_diagnosis(
-    time_s: np.ndarray,
-    channels: Mapping[str, np.ndarray],
+    recording: Recording,
     diagnosis: Mapping[str, Any],
     *,
     titles: Mapping[str, str],
@@ -37,6 +37,7 @@ def draw_diagnosis(
     titles, units : Mapping
         Title and unit of each channel; the unit is empty for another quantity.
     """
+    time_s, channels = recording.time_s, recording.channels
     rows = max(len(channels), 3)
     fig, axes = style.figure(
         rows, 2, 2 * style.COLUMN_IN, 0.3 + 0.85 * rows, width_ratios=(2.0, 1.0), squeeze=False

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fprc.logs.clock import Recording
 from fprc.logs.quality import gaps_of, runs
 from fprc.logs.resample import rate_of
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
@@ -19,23 +20,11 @@ CLIPPED_RATIO = 12.0
 LEAK_KPA_PER_MIN = 2.0
 
 
-def diagnose(
-    time_s: np.ndarray,
-    channels: Mapping[str, np.ndarray],
-    repeated_samples: int,
-    *,
-    quality: Mapping[str, Any],
-) -> dict[str, Any]:
+def diagnose(recording: Recording, *, quality: Mapping[str, Any]) -> dict[str, Any]:
     """Measure clock, channels and sealed chamber of a recording.
 
     Parameters
     ----------
-    time_s : ndarray
-        Time stamps, increasing.
-    channels : Mapping
-        Arrays of the same length, in the units of their names.
-    repeated_samples : int
-        Samples that were left out, see ``fprc.logs.clock.Recording``.
     quality : Mapping
         ``gap_periods`` and ``stuck_s`` of the section ``quality`` of the configuration.
 
@@ -46,7 +35,9 @@ def diagnose(
         range, the rate of new values, and the stretches of each of ``MARKS``; ``identical`` pairs;
         ``sealed``, leak and re-fills of ``p_o_kpa``, or None.
     """
-    clock = {**_clock(time_s, quality["gap_periods"]), "repeated_samples": repeated_samples}
+    time_s, channels = recording.time_s, recording.channels
+    clock = _clock(time_s, quality["gap_periods"])
+    clock |= {"repeated_samples": recording.repeated_samples}
     longest = max(quality["stuck_s"] * clock["median_hz"], 20.0)  # of a slow log too
     diagnoses = {name: _channel(time_s, values, longest) for name, values in channels.items()}
     pairs = [[a, b] for a, b in combinations(channels, 2) if (channels[a] == channels[b]).all()]

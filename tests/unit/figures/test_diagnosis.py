@@ -3,6 +3,7 @@ import pytest
 
 from fprc.figures import style
 from fprc.figures.diagnosis import plot_channel
+from fprc.logs.clock import Recording
 from fprc.logs.diagnosis import diagnose
 
 pytestmark = pytest.mark.usefixtures("figures")  # which closes them
@@ -25,7 +26,8 @@ def faulty():
         "p_o_kpa": 150.0 + 30.0 * wave + 20.0 * (time_s > 20.0),
     }
     quality = {"gap_periods": 1.5, "stuck_s": 2.0}
-    return time_s, channels, diagnose(time_s, channels, 0, quality=quality)
+    recording = Recording(time_s, channels, 0.0, kept, 0)
+    return time_s, channels, diagnose(recording, quality=quality)
 
 
 def drawn(faulty, name):

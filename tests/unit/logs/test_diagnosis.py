@@ -1,5 +1,4 @@
 import json
-from functools import partial
 
 import numpy as np
 import pytest
@@ -8,10 +7,17 @@ from hypothesis import strategies as st
 
 from fprc.logs import diagnosis
 from fprc.logs import sealed_chamber as sealed
+from fprc.logs.clock import Recording
 from fprc.logs.diagnosis import describe
 
 QUALITY = {"gap_periods": 1.5, "stuck_s": 2.0}
-diagnose = partial(diagnosis.diagnose, repeated_samples=0, quality=QUALITY)
+
+
+def diagnose(time_s, channels, repeated_samples=0):
+    recording = Recording(time_s, channels, 0.0, np.arange(len(time_s)), repeated_samples)
+    return diagnosis.diagnose(recording, quality=QUALITY)
+
+
 RATE_HZ = 200.0
 TIME_S = np.arange(8000) / RATE_HZ
 
