@@ -58,7 +58,7 @@ def _page(path: str, record: Mapping[str, Any]) -> list[str]:
     verdict = f"{failed} of {len(checks)} checks failed" if failed else "all checks passed"
     lines = [
         f"{path}: {record['experiment']}, {SOURCES[record['source']]}, {record['samples']} samples "
-        f"at {checks['rate']['expected_hz']:g} Hz; {verdict}"
+        f"at {record['sample_rate_hz']:g} Hz; {verdict}"
     ]
     for name, check in checks.items():
         result = "ok" if check["passed"] else "FAILED"

@@ -1,4 +1,4 @@
-"""Quality record of a raw log: completeness, rate, gaps, ranges, stuck sensors, leak."""
+"""Quality record of a raw log: completeness, gaps, ranges, stuck sensors, leak."""
 
 import re
 from collections.abc import Container, Mapping, Sequence
@@ -16,7 +16,6 @@ def assess(
     log: Columns,
     *,
     sample_rate_hz: float,
-    rate_tolerance: float,
     gap_periods: float,
     stuck_s: float,
     leak_kpa_per_min: float,
@@ -34,7 +33,7 @@ def assess(
     **ranges
         Lowest and highest plausible value: ``pressure_range_kpa`` of commanded and measured
         pressures, ``angle_range_deg`` of theta and theta_d. Other channels have theirs in
-        ``fprc.channels``.
+        ``fprc.channels``; other keys are ignored.
     """
     outside = _outside(log, ranges)
     plausible = [name for name, count in outside["samples"].items() if not count]
@@ -43,9 +42,9 @@ def assess(
         "experiment": log.attributes["experiment"],
         "source": log.attributes["source"],
         "samples": len(log.channels["time_s"]),
+        "sample_rate_hz": sample_rate_hz,
         "checks": {
             "complete": _complete(log),
-            "rate": _rate(log, sample_rate_hz, rate_tolerance),
             "gaps": _gaps(log, gap_periods / sample_rate_hz),
             "range": outside,
             "stuck": _stuck(log, stuck_s * sample_rate_hz),
@@ -119,19 +118,6 @@ def _complete(log: Columns) -> dict[str, Any]:
         "finding": "" if complete else f"{reason}{more}",
         "reason": reason,
         "lost_samples": lost,
-    }
-
-
-def _rate(log: Columns, expected_hz: float, tolerance: float) -> dict[str, Any]:
-    steps = np.diff(log.channels["time_s"])
-    rate_hz = float(1.0 / steps.mean()) if steps.size else expected_hz
-    jitter_s = float(steps.std()) if steps.size else 0.0
-    return {
-        "passed": abs(rate_hz / expected_hz - 1.0) <= tolerance,
-        "finding": f"{rate_hz:.6g} Hz, jitter {1e3 * jitter_s:.3f} ms",
-        "mean_hz": rate_hz,
-        "expected_hz": expected_hz,
-        "jitter_s": jitter_s,
     }
 
 
