@@ -44,7 +44,7 @@ subprocess.run([*fprc, *command.split()], cwd=folder, capture_output=True, check
 
 # %%
 # ``mine/report.md`` begins with the answer.
-print((folder / "mine/report.md").read_text(encoding="utf-8").partition("\n## Table")[0])
+print((folder / "mine/report.md").read_text(encoding="utf-8").partition("\n## The models")[0])
 
 # %%
 # The other models, on the same two parts of the recording:

@@ -114,13 +114,19 @@ COMPETITORS = MODELS | {
     "mlp": _competitor("mlp", (ANGLE,), ("n_y",), "MLP", **_BANK, hidden=[32], tolerance=1e-3),
 }
 
-#: How a competitor's settings were chosen for a comparison, by the suffix of its name: by
-#: cross-validation in training logs, to match FPRC's training error, or by test errors.
-CHOICES = {"tuned": "tuned", "matched": "matched in training", "oracle": "oracle"}
+#: What was chosen for a competitor in a comparison, by the suffix of its name: its settings, by
+#: cross-validation in training logs, to match FPRC's training error, or by test errors; or a P_o of
+#: another time.
+CHOICES = {
+    "tuned": "tuned",
+    "matched": "matched in training",
+    "oracle": "oracle",
+    "shifted": "P_o shifted in time",
+}
 
 
 def choice_of(name: str) -> str:
-    """Return the suffix that says how a competitor's settings were chosen; empty if it has none."""
+    """Return the suffix that says what was chosen for a competitor; empty if it has none."""
     base, _, suffix = name.rpartition("_")
     return suffix if base in COMPETITORS and suffix in CHOICES else ""
 
@@ -153,7 +159,7 @@ def entries(models: Settings | None = None) -> dict[str, Entry]:
 
 
 def title_of(name: str) -> str:
-    """Return a model's name for tables and figures, with how its settings were chosen."""
+    """Return a model's name for tables and figures, with what was chosen for it."""
     choice = choice_of(name)
     if choice:
         return f"{title_of(name.removesuffix(f'_{choice}'))}, {CHOICES[choice]}"

@@ -39,8 +39,6 @@ def figures(*numbers):
 MODELS = ESN | figures(*range(8, 18)) | {
     "judge": 3,
     "weigh": 1,
-    "measure_readout": 1,
-    "readout_table": 1,
     "track": 5,
     "tracking_table": 1,
 }  # fmt: skip

@@ -16,7 +16,6 @@ CONTRACT = [
     *(f"figures/{name}.{kind}" for name in FIGURES for kind in ("pdf", "png", "json")),
     "timing/table2_timing.csv",
     "report.html",
-    "readout/readout.csv",
     "claims.json",
     "claims.md",
 ]

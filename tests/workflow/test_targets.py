@@ -45,9 +45,9 @@ PLANNED = [
     (["table2", "table3"], {"comparison_table", "judge"}, {"measure_times", "replicate"}),
     (["seeds"], {"seeds_table", "replicate"}, {"judge", "record"}),
     (
-        ["timing", "fig4", "fig5", "fig9", "fig11", "readout"],
+        ["timing", "fig4", "fig5", "fig9", "fig11"],
         {"timing_table", "draw_fig4", "draw_fig5", "draw_fig9", "draw_fig11"}
-        | {"weigh", "readout_table", "measure_readout"},
+        | {"weigh"},
         {"judge", "track"},
     ),
     (["fig10"], {"draw_fig10", "replicate", "measure_times"}, {"grid", "track"}),
@@ -62,7 +62,7 @@ PLANNED = [
         {"judge_family", "families_figure", "replicate"},
         {"judge"},
     ),
-    ([*STUDIES, "readme"], {"readme", "timing_table", "ledger", "readout_table"}, {"judge_family"}),
+    ([*STUDIES, "readme"], {"readme", "timing_table", "ledger"}, {"judge_family"}),
 ]
 
 

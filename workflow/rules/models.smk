@@ -108,22 +108,3 @@ rule grid:
         "Grids of epsilon, n_c and taps"
     script:
         "../scripts/stage.py"
-
-
-rule measure_readout:
-    input:
-        **TRAIN_AND_TEST,
-    output:
-        cells=PATHS.below("readout/cells.json"),
-    log:
-        PATHS.messages("measure_readout"),
-    priority: LONG
-    resources:
-        mem_mb=2000,
-    params:
-        **stage("readout.measure_readout", "fprc", "fuzzy_linear"),
-        judgement=judgement(SETTINGS, "fprc", without="split"),
-    message:
-        "FPRC with P_o, without it, and with substitutes for it"
-    script:
-        "../scripts/stage.py"

@@ -54,13 +54,4 @@ TABLES = {
         **stage("tabulate.tabulate_tracking_seeds"),
         feedback=feedback_in_words(SETTINGS),
     ),
-    "readout_table": table_spec(
-        "readout/readout",
-        "Value of the readout: table",
-        {
-            "cells": PATHS.below("readout/cells.json"),
-            "quality": [PATHS.quality(log) for log in TRAINED_ON.values()],
-        },
-        **stage("tabulate.tabulate_readout"),
-    ),
 }

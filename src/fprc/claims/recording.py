@@ -17,7 +17,6 @@ from fprc.claims.paired import (
     SUPERIOR,
     Part,
     judge_together,
-    verdict_in_words,
 )
 from fprc.registry import title_of
 
@@ -58,7 +57,7 @@ def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     """
     errors = {cell["model"]: cell.get("validation_rmse_kpa", ()) for cell in report["cells"]}
     claims = {claim.id: (claim.text, [_part(claim, errors, report["overlap"])]) for claim in CLAIMS}
-    kept = ("id", "claim", "verdict", "p", "level", "stable", "turned")
+    kept = ("id", "claim", "verdict", "p", "level", "stable", "turned", "words")
     return [
         {
             **{key: row[key] for key in kept},
@@ -102,8 +101,7 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return each verdict in a few sentences."""
     lines = []
     for row in rows:
-        words = verdict_in_words(row["verdict"], True, row["turned"])
-        line = f"{row['claim']} ({row['id']}): {words}."
+        line = f"{row['claim']} ({row['id']}): {row['words']}."
         if row["ratio"] is not None:
             decides = row["blocks"] >= LEAST_UNITS  # the interval of a few blocks has no end
             interval = f"({row['low']:#.3g} to {row['high']:#.3g}) " if decides else ""

@@ -9,7 +9,7 @@ from typing import Any
 from joblib import effective_n_jobs
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_text
+from fprc.artifacts import exclusive, refuse_unwritable, write_text
 from fprc.claims.recording import answer, sentences
 from fprc.commands.import_recording import import_mapped, own_rate
 from fprc.commands.models import refuse_repeats
@@ -17,7 +17,6 @@ from fprc.commands.readout_page import (
     Recordings,
     cautions,
     log_names,
-    quality_records,
     rates_in_words,
     report_page,
 )
@@ -33,10 +32,8 @@ from fprc.logs import read_columns
 from fprc.plan.arguments import judgement, paper_models
 from fprc.provenance import sha256
 from fprc.registry import class_module
-from fprc.stages.competitors import compare_competitors, tabulate_competitors
+from fprc.stages.competitors import compare_competitors
 from fprc.stages.preprocess import preprocess
-from fprc.stages.readout import measure_readout
-from fprc.stages.tabulate import tabulate_readout
 
 log = logging.getLogger(__name__)
 
@@ -56,14 +53,14 @@ def report_readout(
 ) -> None:
     """Measure how much the readout P_o of a recording improves FPRC.
 
-    Imports a recording, trains FPRC with and without P_o and other models on its first part, tests
-    them on its second, and writes a report with verdicts. The map, which docs/own-data.md
-    describes, gives test_from_s, where the second part begins, by default the last third of what
-    it selects. Without a rate in the map, the models work at
+    Imports a recording, trains FPRC, with P_o, without it and with substitutes for it, and other
+    models on its first part, tests them on its second, and writes a report with verdicts. The map,
+    which docs/own-data.md describes, gives test_from_s, where the second part begins, by default
+    the last third of what it selects. Without a rate in the map, the models work at
     the recording's own rate, at most 200 Hz; settings in samples are scaled to the same time.
     Repeat the command to continue a run that was stopped.
 
-    Writes ``report.md``, ``readout/`` (tables, cells), ``raw/`` (the logs with their
+    Writes ``report.md``, ``readout/`` (table, errors), ``raw/`` (the logs with their
     diagnoses), ``data/`` and ``quality/``, in the workflow's formats.
 
     Parameters
@@ -132,21 +129,15 @@ def report_readout(
     _refuse_leftovers(folder / "raw", parts)
     lock = folder / ".lock"
     with exclusive(lock), threadpool_limits(1):
-        roles = ("the training part", "the test part")
-        if train:
-            roles = ("the training logs", "the test log")
+        roles = {"sweep": "training", "complex": "test"}
         data = {}
-        for (name, recordings), role in zip(parts.items(), roles, strict=True):
-            log.info("preparing %s", role)
+        for name, recordings in parts.items():
+            log.info("preparing the %s data", roles[name])
             data[name] = _prepare(name, recordings, settings, folder)
-        results_folder = folder / "readout"
-        results_folder.mkdir(parents=True, exist_ok=True)
-        competitors = _compete(data, results_folder, scaled, count)
-        results = _judge(data, results_folder, scaled, roles)
-        results |= {"competitors": competitors, "rates": rates}
+        report = _compete(data, folder / "readout", scaled, count)
         page = folder / "report.md"
-        write_text(page, report_page(parts, map_, mapping, settings, folder, results))
-        verdicts = competitors["verdicts"]
+        write_text(page, report_page(parts, map_, mapping, settings, folder, report, rates))
+        verdicts = report["verdicts"]
         doubts = [f"Doubtful: {line}" for line in cautions(folder, settings)]
         lines = [answer(verdicts).replace("**", ""), *doubts, *sentences(verdicts), str(page)]
         print(terminal("\n".join(lines)))
@@ -220,39 +211,20 @@ def _problems_of_map(path: str, mapping: ImportMap, *, more: bool) -> list[str]:
     return problems
 
 
-def _judge(
-    data: Mapping[str, str],
-    folder: Path,
-    settings: Mapping[str, Any],
-    parts: tuple[str, str],
-) -> dict[str, Any]:
-    """Judge FPRC with each readout, write their table, and return the errors."""
-    cells = str(folder / "cells.json")
-    measure_readout(
-        data["sweep"],
-        data["complex"],
-        cells,
-        judgement=judgement(settings, "fprc", without="split"),
-    )
-    files = {kind: str(folder / f"readout.{kind}") for kind in ("csv", "md")}
-    tabulate_readout(cells, quality_records(folder.parent), parts=parts, **files)
-    return read_json(cells)
-
-
 def _compete(
     data: Mapping[str, str], folder: Path, settings: Mapping[str, Any], workers: int
 ) -> dict[str, Any]:
     """Compare FPRC with its competitors, write their table, and return errors and verdicts."""
-    result = folder / "competitors.json"
-    compare_competitors(
+    names = ("competitors.json", "competitors.csv", "competitors.md", "competitors.partial.jsonl")
+    result, csv, md, checkpoint = (str(folder / name) for name in names)
+    return compare_competitors(
         data["sweep"],
         data["complex"],
-        str(result),
+        result,
         judgement=judgement({**settings, "models": paper_models(settings)}),
+        csv=csv,
+        md=md,
         workers=workers,
-        checkpoint=str(folder / "competitors.partial.jsonl"),
+        checkpoint=checkpoint,
         version=fingerprint("fprc.stages.competitors", *map(class_module, ON_RECORDINGS)),
     )
-    csv, md = (str(folder / f"competitors.{kind}") for kind in ("csv", "md"))
-    tabulate_competitors(str(result), csv, md)
-    return read_json(result)

@@ -36,7 +36,8 @@ def report_page(
     mapping: ImportMap,
     settings: Mapping[str, Any],
     folder: Path,
-    results: Mapping[str, Any],
+    report: Mapping[str, Any],
+    rates: str,
 ) -> str:
     """Return the report as Markdown, with links to the pictures of the recording."""
     ((source, _),) = parts["complex"]
@@ -45,25 +46,34 @@ def report_page(
     lines = [
         f"# Value of the readout in {code(Path(source).name)}",
         "",
-        f"Does P_o help the model on this recording? {answer(results['competitors']['verdicts'])}",
+        f"Does P_o help the model on this recording? {answer(report['verdicts'])}",
         *(f"\n- Doubtful: {line}" for line in cautions(folder, settings)),
         "",
         f"Recording: {_with_hash(source)}; map: {code(map_file)}.",
         *([f"Training logs: {', '.join(map(_with_hash, further))}."] if further else []),
-        f"Data: {SOURCES[results['source']]}.",
-        results["rates"],
+        f"Data: {SOURCES[report['source']]}.",
+        rates,
         f"{what_trained(mapping, further)}; models as in the paper"
         f"{'' if settings['models'] == default else ', except for the settings given'}. "
-        f"The models predict the {_TARGETS[results['target']]} P_exp.",
+        f"The models predict the {_TARGETS[report['target']]} P_exp.",
         "",
-        "## Table",
+        "## The models",
+        "",
+        *(f"- {line}" for line in sentences(report["verdicts"])),
+        "",
+        "Each ratio is the geometric mean over blocks; below 1 it favours FPRC. The chance that "
+        "any verdict is wrong is kept at 5 % (Holm), so an interval is wider than a 95 % interval. "
+        "It is wider still because the models of all blocks share training data; this correction "
+        "(Nadeau and Bengio 2003) is an approximation. A verdict holds for this recording and "
+        "these settings, not for the rig on another day. Test errors have no interval and enter no "
+        "verdict.",
         "",
         "Low-passed theta and P_o shifted in time are controls: P_o helps as a memory only if it "
-        "beats both. One test does not show the spread of the test error; the verdicts under "
-        "[Other models](#other-models) say which differences are more than chance.",
+        "beats both. Fuzzy-linear has no P_o.",
         "",
-        (folder / "readout/readout.md").read_text(encoding="utf-8"),
-        *_others(folder, results["competitors"]),
+        (folder / "readout/competitors.md").read_text(encoding="utf-8"),
+        "Every number: [readout/competitors.csv](readout/competitors.csv), errors of each block: "
+        "[readout/competitors.json](readout/competitors.json).",
         "",
         "## The recording",
     ]
@@ -75,26 +85,6 @@ def report_page(
             lines += ["", f"### {part[0].upper()}{part[1:]}", "", *(f"- {word}" for word in words)]
             lines += ["", f"![{part}](raw/{log}.diagnosis.png)"]
     return "\n".join(lines) + "\n"
-
-
-def _others(folder: Path, report: Mapping[str, Any]) -> list[str]:
-    """Return the section on FPRC and its competitors."""
-    return [
-        "## Other models",
-        "",
-        *(f"- {line}" for line in sentences(report["verdicts"])),
-        "",
-        "Each ratio is the geometric mean over blocks; below 1 it favours FPRC. The chance that "
-        "any verdict is wrong is kept at 5 % (Holm), so an interval is wider than a 95 % interval. "
-        "It is wider still because the models of all blocks share training data; this correction "
-        "(Nadeau and Bengio 2003) is an approximation. A verdict holds for this recording and "
-        "these settings, not for the rig on another day. Test errors have no interval and enter no "
-        "verdict.",
-        "",
-        (folder / "readout/competitors.md").read_text(encoding="utf-8"),
-        "Every number: [readout/competitors.csv](readout/competitors.csv), errors of each block: "
-        "[readout/competitors.json](readout/competitors.json).",
-    ]
 
 
 def _with_hash(path: str) -> str:
@@ -138,14 +128,10 @@ def what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
     return f"Trained before {mapping.test_from_s:g} s{also}, tested after"
 
 
-def quality_records(folder: Path) -> list[str]:
-    """Return the files with the quality records of both logs."""
-    return [str(folder / f"quality/{part}.json") for part in ("sweep", "complex")]
-
-
 def cautions(folder: Path, settings: Mapping[str, Any]) -> list[str]:
     """Return what makes the answer doubtful: failed checks, a narrow theta, P_o as a copy."""
-    lines = failed_checks(quality_records(folder))
+    quality = [str(folder / f"quality/{part}.json") for part in ("sweep", "complex")]
+    lines = failed_checks(quality)
     channels = read_columns(
         folder / "data/sweep.h5", ("theta_deg", "p_target_kpa"), optional=("p_o_kpa",)
     ).channels

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from fprc.errors import EvaluationError
 from fprc.evaluation.crossval import prepare
 from fprc.evaluation.folds import Fold, split_blocks
@@ -11,9 +13,12 @@ from fprc.experiments.rates import PAPER_HZ, scaled
 from fprc.experiments.settings import Judgement
 from fprc.registry import build, entry_of
 
+#: Control of what P_o is worth: it has P_o of another time, with its slow changes.
+SHIFTED = "fprc_shifted"
 #: Competitors that can be judged on a recording without tuning; the slowest first.
 ON_RECORDINGS = (
-    "esn", "fprc", "fprc_lowpass", "fuzzy_linear", "ridge_p_o", "bank_p_o", "bank", "plays", "nvar",
+    "esn", "fprc", SHIFTED, "fprc_lowpass", "fuzzy_linear", "ridge_p_o", "bank_p_o", "bank",
+    "plays", "nvar",
 )  # fmt: skip
 #: Number of blocks, if the recording is long enough.
 BLOCKS = 10
@@ -55,6 +60,8 @@ def judge_competitor(
     rate_hz = train.attributes.get("sample_rate_hz", PAPER_HZ)
     settings = scaled(entry_of(name).fixed, rate_hz / PAPER_HZ)
     model = build(name, judgement.models, judgement.seed, **settings)
+    if name == SHIFTED:
+        train, test = shifted(train, judgement.seed), shifted(test, judgement.seed + 1)
     logs = {key: log.samples(name) for key, log in (("train", train), ("test", test))}
     try:
         prepared = prepare(model, logs, _MOST_BYTES)
@@ -64,3 +71,14 @@ def judge_competitor(
         }
     except EvaluationError as error:
         return {"reason": str(error)}
+
+
+def shifted(data: Data, seed: int) -> Data:
+    """Rotate P_o of each recording by a random time, a quarter to three quarters of its length.
+
+    Samples in a random order would be no control for a P_o that leaks: their mean does not move.
+    """
+    rng = np.random.default_rng(seed)
+    parts = np.split(data.channels["p_o_kpa"], np.cumsum(data.lengths)[:-1])
+    rotated = [np.roll(part, int(rng.uniform(0.25, 0.75) * len(part))) for part in parts]
+    return data._replace(channels={**data.channels, "p_o_kpa": np.concatenate(rotated)})

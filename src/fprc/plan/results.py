@@ -48,8 +48,6 @@ RESULTS = (
     Result("table4_runs", "Table IV, some of its runs", part_of="table4"),
     Result("fprc", "FPRC in Tables II and III and in the execution times", part_of="table2",
            **_BOTH_WITH_P_O),
-    Result("readout", "Readout value", ("readout/readout.md",), ("data", "readout/cells.json"),
-           **_BOTH_WITH_P_O),
     Result("timing", "Execution times", ("timing/table2_timing.md",), ("data", _TIMES), **_BOTH),
     Result("seeds", "Tables II to IV over further seeds", _SEEDS, ("seeds",),
            on_rigs="needs source: sim: further seeds are further simulated rigs"),

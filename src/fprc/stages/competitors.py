@@ -6,23 +6,31 @@ from typing import Any
 
 import numpy as np
 
-from fprc.artifacts import read_json, write_csv, write_json, write_text
+from fprc.artifacts import write_json
 from fprc.claims.recording import judge_recording
 from fprc.evaluation.cells import judged_cells
 from fprc.experiments.competitors import ON_RECORDINGS, judge_competitor, recording_blocks
-from fprc.experiments.data import judge_files, read_data, refuse_mixture
+from fprc.experiments.data import judge_files, read_data
 from fprc.experiments.settings import Judgement
 from fprc.paper import SOURCES
 from fprc.tables.competitors import competitors_page, competitors_table
-from fprc.tables.text import markdown
+from fprc.tables.text import write_table
 
 
 def compare_competitors(
-    train: str, test: str, competitors: str, *, judgement: Mapping[str, Any], **run: Any
-) -> None:
+    train: str,
+    test: str,
+    competitors: str,
+    *,
+    judgement: Mapping[str, Any],
+    csv: str,
+    md: str,
+    **run: Any,
+) -> dict[str, Any]:
     """Judge FPRC and its competitors on blocks of the training log, and on the test log.
 
-    A model that cannot be judged on these logs has a ``reason`` in place of errors.
+    Writes errors and verdicts as JSON, and their table as CSV and Markdown. A model that cannot be
+    judged on these logs has a ``reason`` in place of errors.
 
     Parameters
     ----------
@@ -30,15 +38,20 @@ def compare_competitors(
         Arguments of ``fprc.experiments.settings.Judgement``.
     **run
         ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
+
+    Returns
+    -------
+    dict
+        What the JSON file holds.
     """
     data, how = read_data(train), Judgement(**judgement)
-    refuse_mixture(data, read_data(test))
     folds = recording_blocks(data, how)
     described = {
         "source": data.attributes["source"],
-        "seed": judgement["seed"],
+        "target": data.attributes["target"],
+        "seed": how.seed,
         "unit": data.unit,
-        "purge_s": judgement["purge_s"],
+        "purge_s": how.purge_s,
         "block_s": [len(block) * data.period_s for _, block in folds],
         # samples that judge per sample that trains
         "overlap": float(np.mean([len(block) / len(rows) for rows, block in folds])),
@@ -51,21 +64,20 @@ def compare_competitors(
         **run,
     ) as judged:
         report = described | {"cells": judged}
-        write_json(competitors, {**report, "verdicts": judge_recording(report)})
-
-
-def tabulate_competitors(competitors: str, csv: str, md: str) -> None:
-    """Write the errors of FPRC and its competitors as CSV and Markdown."""
-    report = read_json(competitors)
+        report["verdicts"] = judge_recording(report)
+        write_json(competitors, report)
     table = competitors_table(report)
-    write_csv(csv, table)
+    write_table(table, competitors_page(table), _note(report), csv, md)
+    return report
+
+
+def _note(report: Mapping[str, Any]) -> str:
     shortest, longest = min(report["block_s"]), max(report["block_s"])
     length = f"{shortest:.3g}" if longest - shortest < 0.1 else f"{shortest:.3g} to {longest:.3g}"
-    note = (
+    return (
         f"RMSE on the test data, and on {len(report['block_s'])} blocks of {length} s of the "
         "training data, mean ± standard deviation. Each block is predicted by a model trained on "
         f"the other blocks, without {report['purge_s']:g} s on each side of it.\n"
         f"Data: {SOURCES[report['source']]}, seed {report['seed']}. No model was tuned to this "
         "recording."
     )
-    write_text(md, markdown(competitors_page(table), note))

@@ -12,7 +12,7 @@ from fprc.logs.isolated import isolated_each
 from fprc.logs.quality import warnings, warnings_of_run
 from fprc.paper import SOURCES
 from fprc.registry import title_of
-from fprc.tables import readout, timing, tracking
+from fprc.tables import timing, tracking
 from fprc.tables.models import comparison, comparison_page, configuration, over_seeds
 from fprc.tables.text import write_table
 from fprc.yaml_file import read_yaml
@@ -168,38 +168,6 @@ def _tracking_over_starts(reports: Sequence[Mapping[str, Any]]) -> str:
         f"within a seed, mean over the references that the paper prints); at most, the worst "
         f"start's is {max(ratios):.2f} times the best one's."
     )
-
-
-_FOLDS = {
-    "blocked": "Blocked folds keep neighbours in time out of the validation.",
-    "recordings": "Folds of recordings validate on recordings that did not train.",
-}
-
-
-def tabulate_readout(
-    cells: str,
-    quality: Sequence[str],
-    *,
-    parts: tuple[str, str] = ("the sweep", "the complex log"),
-    **files: str,
-) -> None:
-    """Compare FPRC with P_o, without it, and with substitutes for it.
-
-    ``quality`` are the quality records of the logs; failed checks stand below the table.
-    ``parts`` are the names of the training log and the test log.
-    """
-    report = read_json(cells)
-    table = readout.readout(report)
-    settings = report["own"]
-    (held_out,) = {_FOLDS[split] for split in table["split"] if split in _FOLDS}
-    note = (
-        "Readout value: FPRC with P_o, without it and with substitutes for it, at epsilon = "
-        f"{settings['epsilon']:g} and n_u = {settings['n_u']}, mean ± standard deviation over "
-        "folds.\n"
-        f"Data: {SOURCES[report['source']]}, seed {report['seed']}; trained on {parts[0]}, "
-        f"tested on {parts[1]}. {held_out}{_failed(failed_checks(quality))}"
-    )
-    write_table(table, readout.readout_page(table), note, **files)
 
 
 def tabulate_times(

@@ -8,7 +8,7 @@ import pytest
 from fprc.config import Settings
 from fprc.evaluation import rmse
 from fprc.experiments import competitors
-from fprc.experiments.competitors import judge_competitor, recording_blocks
+from fprc.experiments.competitors import judge_competitor, recording_blocks, shifted
 from fprc.experiments.data import Data
 from fprc.experiments.settings import Judgement
 from fprc.models import RidgeReadout, TapFeatures
@@ -108,3 +108,33 @@ def test_network_at_too_many_samples_is_refused(seen, judgement, monkeypatch):
     train = data_of(seen["sweep"])
     found = judge_competitor({"model": "esn"}, train=train, test=train, judgement=judgement)
     assert "1,234" in found["reason"]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_shifted_p_o_is_that_of_another_time_of_the_same_recording(seed):
+    p_o = np.linspace(100.0, 60.0, 500)  # it leaks
+    theta, lengths = np.arange(500.0), (200, 300)
+    channels = {"time_s": theta / 200.0, "theta_deg": theta, "p_target_kpa": theta, "p_o_kpa": p_o}
+    X, y = shifted(data_of(channels, *lengths), seed).pair("fprc_shifted")
+    np.testing.assert_array_equal(X[:, 0], theta)
+    np.testing.assert_array_equal(y, theta)
+    begin = 0
+    for length in lengths:
+        whole, found = p_o[begin : begin + length], X[begin : begin + length, 1]
+        begin += length
+        (shift,) = np.flatnonzero(found == whole[0])
+        np.testing.assert_array_equal(np.roll(whole, shift), found)
+        assert 0.24 * length < shift < 0.76 * length
+
+
+def test_fprc_on_shifted_p_o_learns_nothing_from_p_o(judgement):
+    rng = np.random.default_rng(1)
+    time_s = np.arange(2000) / 200.0
+    theta, p_o = 20.0 * np.sin(3.0 * time_s), np.cumsum(rng.standard_normal(2000))
+    channels = {"time_s": time_s, "theta_deg": theta, "p_o_kpa": p_o, "p_target_kpa": theta + p_o}
+    log = data_of(channels)
+    fprc, control = (
+        judge_competitor({"model": name}, train=log, test=log, judgement=judgement)
+        for name in ("fprc", "fprc_shifted")
+    )
+    assert np.mean(fprc["test_rmse_kpa"]) < 0.5 * np.mean(control["test_rmse_kpa"])

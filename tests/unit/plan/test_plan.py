@@ -157,7 +157,7 @@ def test_without_closed_loops_what_shows_them_is_refused():
         f"fig{number:02}" for number in range(1, 12)
     ]
     assert [Path(page).stem for page in plan.pages] == [
-        "table1", "table2", "table3", "readout", "table2_timing"
+        "table1", "table2", "table3", "table2_timing"
     ]  # fmt: skip
 
 
@@ -190,7 +190,7 @@ def test_without_p_o_fprc_is_left_out_everywhere():
     assert plan.models == ["esn", "fuzzy_linear"]
     assert plan.left_out == {"fprc": "needs p_o_kpa, which sweep.h5 and complex.h5 do not have"}
     assert set(plan.unavailable_targets) - CLOSED_LOOP - OF_RIGS == {
-        "readout", "fig5", "fig8", "fig9", "fig11"
+        "fig5", "fig8", "fig9", "fig11"
     }  # fmt: skip
     assert set(plan.targets["table2"]) == (
         {"results/tables/table2.md"} | DATA | judged("sweep", plan.models)

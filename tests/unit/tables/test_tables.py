@@ -269,32 +269,19 @@ def test_table_names_its_data_and_says_neither_nan_nor_none(tmp_path, tabulated,
     assert "simulated rig, not hardware" in text
 
 
-READOUT = {
-    "source": "import", "seed": 1, "unit": "kPa", "own": {"epsilon": 0.01, "n_u": 3},
-    "cells": [
-        {"split": "blocked", "readout": "p_o",
-         "train_rmse_kpa": [1.0, 2.0], "validation_rmse_kpa": [1.0, 2.0], "test_rmse_kpa": [2.0]},
-    ],
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("below", ["comparison", "readout"])
-def test_failed_checks_of_the_logs_stand_below_the_tables(tmp_path, below):
+def test_failed_checks_of_the_logs_stand_below_the_table(tmp_path):
     cut = {"passed": False, "finding": "the computer went off"}
     whole = {"log": "monday.h5", "checks": {"complete": cut | {"passed": True}}}
     half = {"log": "tuesday.h5", "checks": {"complete": cut}}
     written = {"one": whole, "joined": {"recordings": [whole, half]}}
-    written |= {"errors": REPORTS[0], "cells": READOUT}
+    written |= {"errors": REPORTS[0]}
     paths = {name: str(tmp_path / f"{name}.json") for name in written}
     for name, path in paths.items():
         write_json(path, written[name])
     files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md")}
     quality = [paths["one"], paths["joined"]]
-    if below == "comparison":
-        published = str(config.PUBLISHED)
-        tabulate.tabulate_comparison(published, [paths["errors"]], quality, left_out={}, **files)
-    else:
-        tabulate.tabulate_readout(paths["cells"], quality, **files)
+    published = str(config.PUBLISHED)
+    tabulate.tabulate_comparison(published, [paths["errors"]], quality, left_out={}, **files)
     text = files["md"].read_text(encoding="utf-8")
     assert "tuesday.h5: complete: the computer went off" in text
     assert "monday.h5" not in text
