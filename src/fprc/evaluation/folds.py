@@ -3,44 +3,32 @@
 from collections.abc import Sequence
 
 import numpy as np
-from sklearn.model_selection import GroupKFold, KFold
+from sklearn.model_selection import KFold
 
 from fprc.errors import EvaluationError
 
 Fold = tuple[np.ndarray, np.ndarray]
 
 
-def split_rows(
-    samples: int,
-    folds: int,
-    split: str,
-    seed: int,
-    purge: int = 0,
-    lengths: Sequence[int] = (),
-) -> list[Fold]:
+def split_rows(samples: int, folds: int, split: str, seed: int, purge: int = 0) -> list[Fold]:
     """Return (training rows, validation rows) of each fold.
 
     Parameters
     ----------
-    split : {"shuffled", "blocked", "recordings"}
-        Random rows, contiguous blocks, or whole recordings. The paper does not say
+    split : {"shuffled", "blocked"}
+        Random rows, or contiguous blocks. The paper does not say
         which; shuffled rows have the validation spread that it prints, 0.05-0.15 kPa.
     purge : int
         Rows on each side of a contiguous block that do not train, because they resemble
         those that validate.
-    lengths : sequence of int
-        Samples of each recording. If there are fewer than ``folds``, every recording is one fold.
 
     Raises
     ------
     EvaluationError
-        Fewer samples than folds, an unknown split, a purge that leaves no rows to train, or
-        whole recordings where there is only one.
+        Fewer samples than folds, an unknown split, or a purge that leaves no rows to train.
     """
-    if split == "recordings":
-        return _split_recordings(lengths, folds)
     if split not in ("shuffled", "blocked"):
-        raise EvaluationError(f"split = {split!r}; must be 'shuffled', 'blocked' or 'recordings'")
+        raise EvaluationError(f"split = {split!r}; must be 'shuffled' or 'blocked'")
     if not 2 <= folds <= samples:
         raise EvaluationError(
             f"{samples} samples cannot be split into {folds} folds: a fold would be empty; "
@@ -49,16 +37,6 @@ def split_rows(
     if split == "blocked":
         return split_blocks([samples], folds, 1, purge)
     return list(KFold(folds, shuffle=True, random_state=seed).split(np.empty(samples)))
-
-
-def _split_recordings(lengths: Sequence[int], folds: int) -> list[Fold]:
-    if len(lengths) < 2:
-        raise EvaluationError(
-            "split = 'recordings' needs two training logs or more; add one, or use 'blocked'"
-        )
-    recording = np.repeat(np.arange(len(lengths)), lengths)
-    chooser = GroupKFold(min(folds, len(lengths)))
-    return list(chooser.split(recording, groups=recording))
 
 
 def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int) -> list[Fold]:

@@ -16,7 +16,7 @@ class Judgement:
 
     models: Mapping[str, Any]  #: section ``models`` of the configuration, or the part that is read
     folds: int  #: number of folds of the cross-validation
-    split: str  #: rows of a fold: ``shuffled``, ``blocked`` or ``recordings``
+    split: str  #: rows of a fold: ``shuffled`` or ``blocked``
     seed: int  #: seed of folds and models
     purge_s: float = 2.0  #: time on each side of a contiguous block that does not train
 
@@ -26,7 +26,7 @@ class Judgement:
         from fprc.evaluation.folds import split_rows
 
         samples, purge = len(data.channels["time_s"]), round(self.purge_s / data.period_s)
-        return split_rows(samples, self.folds, self.split, self.seed, purge, data.lengths)
+        return split_rows(samples, self.folds, self.split, self.seed, purge)
 
 
 @dataclass(frozen=True)

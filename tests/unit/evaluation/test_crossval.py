@@ -6,6 +6,7 @@ from sklearn.pipeline import make_pipeline
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import crossval, evaluate, prepare, rmse, split_rows
+from fprc.evaluation.folds import split_blocks
 from fprc.models import ESN, FPRC, FuzzyLinear, SequenceModel, TakagiSugenoReadout, TapFeatures
 
 MODELS = [
@@ -63,7 +64,7 @@ def test_errors_are_those_of_readouts_trained_fold_by_fold(model):
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: type(model).__name__)
 def test_features_of_several_recordings_restart_at_each(model):
     X, y, lengths = log(), pressure(), [120, 80]
-    folds = split_rows(200, 5, "recordings", 1, lengths=lengths)
+    folds = split_blocks(lengths, 2, 1, 0)
     judged = cross_validate(model, X, y, folds, lengths=lengths)
     rows = np.vstack([model.make_features().fit(X).transform(x) for x in (X[:120], X[120:])])
     prepared = prepare(model, {"log": (X, y, lengths)})

@@ -51,18 +51,6 @@ def test_purged_rows_neither_train_nor_neighbour_the_block(folds, samples, purge
         assert set(train) == set(before) - (near if split == "blocked" else set())
 
 
-@given(st.lists(st.integers(1, 9), min_size=2, max_size=7), st.integers(2, 8))
-def test_folds_of_recordings_keep_each_whole(lengths, folds):
-    recording = np.repeat(np.arange(len(lengths)), lengths)
-    pairs = split_rows(sum(lengths), folds, "recordings", 1, purge=3, lengths=lengths)
-    assert len(pairs) == min(folds, len(lengths))
-    validated = np.concatenate([validation for _, validation in pairs])
-    assert sorted(validated) == list(range(sum(lengths)))
-    for train, validation in pairs:
-        assert sorted([*train, *validation]) == list(range(sum(lengths)))
-        assert not set(recording[train]) & set(recording[validation])
-
-
 @pytest.mark.parametrize(
     ("samples", "folds", "split", "more"),
     [
@@ -72,8 +60,6 @@ def test_folds_of_recordings_keep_each_whole(lengths, folds):
         (0, 2, "blocked", {}),
         (10, 2, "random", {}),
         (40, 2, "blocked", {"purge": 30}),
-        (60, 2, "recordings", {"lengths": ()}),
-        (60, 2, "recordings", {"lengths": (60,)}),
     ],
 )
 def test_split_that_gives_no_folds_is_refused(samples, folds, split, more):

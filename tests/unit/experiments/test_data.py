@@ -1,4 +1,3 @@
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,7 @@ MODELS = {
         "epsilon": 0.1, "n_c": 2, "n_u": 2, "sigma": 2.0, "restarts": 1
     },
 }  # fmt: skip
-JUDGEMENT = Judgement(MODELS, folds=3, split="recordings", seed=1)
+JUDGEMENT = Judgement(MODELS, folds=3, split="blocked", seed=1, purge_s=0.0)
 
 
 def recording(samples=100, begin=5.0, without=(), **attributes):
@@ -100,12 +99,12 @@ def test_only_another_quantity_in_a_channel_that_is_read_is_warned_of(inputs, wa
 def test_models_are_not_compared_on_logs_of_different_kinds(other):
     logs = {"sweep": recording(60), "complex": recording(110, **other)}
     with pytest.raises(LogError, match="|".join(other.values())):
-        compare_models(logs, replace(JUDGEMENT, split="blocked", purge_s=0.0))
+        compare_models(logs, JUDGEMENT)
 
 
 def test_tables_restart_features_at_each_recording(joined):
     logs = {"sweep": joined, "complex": recording(110, experiment="complex")}
-    results, fitted = compare_models(logs, replace(JUDGEMENT, split="blocked", purge_s=0.0))
+    results, fitted = compare_models(logs, JUDGEMENT)
     reports = {(report["model"], report["trained_on"]): report for report in results["models"]}
     for name, model in fitted.items():
         report = reports[name, "sweep"]
@@ -119,7 +118,7 @@ def test_tables_restart_features_at_each_recording(joined):
 
 def test_models_of_all_starts_can_learn_online(joined):
     logs = {"sweep": joined, "complex": recording(110, experiment="complex")}
-    _, started = errors_over_starts(logs, replace(JUDGEMENT, split="blocked", purge_s=0.0), 2)
+    _, started = errors_over_starts(logs, JUDGEMENT, 2)
     assert [Online(model, Learning(), 0.005).learned.any() for model in started] == [False] * 2
 
 
