@@ -14,9 +14,8 @@ from fprc.claims.recording import answer, sentences
 from fprc.commands.import_recording import import_mapped, own_rate
 from fprc.commands.models import refuse_repeats
 from fprc.commands.readout_page import (
-    Recordings,
+    Parts,
     cautions,
-    log_names,
     rates_in_words,
     report_page,
 )
@@ -29,6 +28,7 @@ from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.rates import settings_at
 from fprc.fingerprint import fingerprint
 from fprc.logs import read_columns
+from fprc.paper import EXPERIMENTS
 from fprc.plan.arguments import judgement, paper_models
 from fprc.provenance import sha256
 from fprc.registry import class_module
@@ -129,11 +129,13 @@ def report_readout(
     _refuse_leftovers(folder / "raw", parts)
     lock = folder / ".lock"
     with exclusive(lock), threadpool_limits(1):
-        roles = {"sweep": "training", "complex": "test"}
-        data = {}
-        for name, recordings in parts.items():
-            log.info("preparing the %s data", roles[name])
-            data[name] = _prepare(name, recordings, settings, folder)
+        for name, (path, part) in parts.items():
+            log.info("importing %s as %s.h5", path, name)
+            import_mapped(part, path, str(folder / f"raw/{name}.h5"))
+        data = {
+            experiment: _prepare(experiment, parts, settings, folder, rate_hz)
+            for experiment in EXPERIMENTS
+        }
         report = _compete(data, folder / "readout", scaled, count)
         page = folder / "report.md"
         write_text(page, report_page(parts, map_, mapping, settings, folder, report, rates))
@@ -144,19 +146,27 @@ def report_readout(
         lock.unlink()
 
 
-def _refuse_leftovers(raw: Path, parts: Mapping[str, Recordings]) -> None:
+def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> Parts:
+    """Return the logs that train, ``sweep``, ``sweep_2``, ..., and the one that tests."""
+    training = [(path, mapping.of_whole("sweep")) for path in train]
+    if mapping.test_from_s is not None:
+        training.insert(0, (source, mapping.part("sweep")))
+        mapping = mapping.part("complex")
+    names = ["sweep", *(f"sweep_{number}" for number in range(2, len(training) + 1))]
+    return {**dict(zip(names, training, strict=True)), "complex": (source, mapping)}
+
+
+def _refuse_leftovers(raw: Path, parts: Parts) -> None:
     """Refuse a folder with logs of other recordings, or with more of them to train on."""
-    used = {
-        name: sha256(path)
-        for experiment, recordings in parts.items()
-        for name, (path, _) in zip(log_names(experiment, len(recordings)), recordings, strict=True)
-    }
-    found = [path for path in sorted(raw.glob("*.h5")) if path.stem.partition("_")[0] in parts]
     left = [
         str(path)
-        for path in found
-        if path.stem not in used
-        or read_columns(path, ()).attributes.get("imported_sha256") != used[path.stem]
+        for path in sorted(raw.glob("*.h5"))
+        if path.stem.partition("_")[0] in EXPERIMENTS
+        and (
+            path.stem not in parts
+            or read_columns(path, ()).attributes.get("imported_sha256")
+            != sha256(parts[path.stem][0])
+        )
     ]
     if left:
         raise LogError(
@@ -165,32 +175,18 @@ def _refuse_leftovers(raw: Path, parts: Mapping[str, Recordings]) -> None:
         )
 
 
-def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> dict[str, Recordings]:
-    """Return the recordings that train, and the one that tests."""
-    further = [(path, mapping.of_whole("sweep")) for path in train]
-    if mapping.test_from_s is None:
-        return {"sweep": further, "complex": [(source, mapping)]}
-    return {
-        "sweep": [(source, mapping.part("sweep")), *further],
-        "complex": [(source, mapping.part("complex"))],
-    }
-
-
 def _prepare(
-    experiment: str, recordings: Recordings, settings: Mapping[str, Any], folder: Path
+    experiment: str, parts: Parts, settings: Mapping[str, Any], folder: Path, rate_hz: float
 ) -> str:
-    """Import the recordings of one role and preprocess them; return the path of their data."""
-    logs = [str(folder / f"raw/{name}.h5") for name in log_names(experiment, len(recordings))]
-    for raw, (source, mapping) in zip(logs, recordings, strict=True):
-        import_mapped(mapping, source, raw)
+    """Preprocess the logs of one experiment; return the path of their data."""
     data = str(folder / "data" / f"{experiment}.h5")
     preprocess(
-        logs,
+        [str(folder / f"raw/{name}.h5") for name in parts if name.startswith(experiment)],
         data,
         str(folder / "quality" / f"{experiment}.json"),
         experiment=experiment,
         target=settings["evaluation"]["target"],
-        sample_rate_hz=recordings[0][1].rate_hz,
+        sample_rate_hz=rate_hz,
         limits=settings["quality"],
     )
     return data

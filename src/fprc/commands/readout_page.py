@@ -16,8 +16,8 @@ from fprc.paper import SOURCES
 from fprc.provenance import sha256
 from fprc.stages.tabulate import failed_checks
 
-#: Recordings of one role, training or test: files with their maps.
-Recordings = Sequence[tuple[str, ImportMap]]
+#: File and map of each raw log: those that train, ``sweep``, ``sweep_2``, ..., and ``complex``.
+Parts = Mapping[str, tuple[str, ImportMap]]
 _TARGETS = {"command": "commanded", "measured": "measured"}
 
 #: Share of the variance of another channel that P_o explains only if it is a copy. A pressure loop
@@ -25,13 +25,8 @@ _TARGETS = {"command": "commanded", "measured": "measured"}
 _COPIES = {"p_target_kpa": ("P_exp, the target", 0.99), "theta_deg": ("theta", 0.9999)}
 
 
-def log_names(experiment: str, count: int) -> list[str]:
-    """Return the names of an experiment's raw logs: ``sweep``, ``sweep_2``, ``sweep_3``, ..."""
-    return [experiment, *(f"{experiment}_{number}" for number in range(2, count + 1))]
-
-
 def report_page(
-    parts: Mapping[str, Recordings],
+    parts: Parts,
     map_file: str,
     mapping: ImportMap,
     settings: Mapping[str, Any],
@@ -40,8 +35,8 @@ def report_page(
     rates: str,
 ) -> str:
     """Return the report as Markdown, with links to the pictures of the recording."""
-    ((source, _),) = parts["complex"]
-    further = [path for path, _ in parts["sweep"] if path != source]
+    source = parts["complex"][0]
+    further = [path for path, _ in parts.values() if path != source]
     default = from_files([]).model_dump(mode="json")["models"]
     lines = [
         f"# Value of the readout in {code(Path(source).name)}",
@@ -77,13 +72,13 @@ def report_page(
         "",
         "## The recording",
     ]
-    for experiment, role in (("sweep", "training part"), ("complex", "test part")):
-        recordings = parts[experiment]
-        for log, (path, _) in zip(log_names(experiment, len(recordings)), recordings, strict=True):
-            part = role if path == source else f"training log {code(Path(path).name)}"
-            words = read_json(folder / f"raw/{log}.diagnosis.json")["words"]
-            lines += ["", f"### {part[0].upper()}{part[1:]}", "", *(f"- {word}" for word in words)]
-            lines += ["", f"![{part}](raw/{log}.diagnosis.png)"]
+    for log, (path, _) in parts.items():
+        part = "test part" if log == "complex" else "training part"
+        if path != source:
+            part = f"training log {code(Path(path).name)}"
+        words = read_json(folder / f"raw/{log}.diagnosis.json")["words"]
+        lines += ["", f"### {part[0].upper()}{part[1:]}", "", *(f"- {word}" for word in words)]
+        lines += ["", f"![{part}](raw/{log}.diagnosis.png)"]
     return "\n".join(lines) + "\n"
 
 
