@@ -13,7 +13,8 @@ import pandas as pd
 import yaml
 
 from fprc.artifacts import read_json, write_text
-from fprc.claims.paired import LEAST_UNITS, verdict_in_words
+from fprc.claims.paired import LEAST_UNITS
+from fprc.claims.recording import CLAIMS
 from fprc.cli import main
 from fprc.studies.blocks import replace_block
 
@@ -54,7 +55,7 @@ def row(name: str, report: Mapping[str, Any]) -> dict[str, str]:
     few = ", too few" if len(lengths) < LEAST_UNITS else ""
     verdicts = {
         claim["id"]: f"{claim['ratio']:.2f} ({claim['low']:.2f} to {claim['high']:.2f}), "
-        f"{verdict_in_words(claim['verdict'], True, claim['turned'])}"
+        f"{claim['words']}"
         for claim in report["verdicts"]
     }
     tests = {

@@ -5,7 +5,7 @@ docs/archive/preregistration.md states them with their limits.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from fprc.claims.finding import UNDECIDED
 from fprc.claims.paired import (
@@ -24,19 +24,13 @@ from fprc.registry import title_of
 LEFT_OUT = 2
 
 
-class Claim(NamedTuple):
-    """FPRC against one competitor."""
-
-    id: str  #: as in ``fprc.studies.beyond.claims``; R marks claims on recordings only
-    text: str
-    other: str  #: competitor
-
-
-CLAIMS = (
-    Claim("B1", "P_o beats low-passed theta", "fprc_lowpass"),
-    Claim("B4", "the fuzzy readout beats a ridge on the same features", "ridge_p_o"),
-    Claim("R1", "FPRC beats the same readout without P_o", "fuzzy_linear"),
-)
+#: FPRC against one competitor each: text and competitor by id, as in
+#: ``fprc.studies.beyond.claims``; R marks claims on recordings only.
+CLAIMS = {
+    "B1": ("P_o beats low-passed theta", "fprc_lowpass"),
+    "B4": ("the fuzzy readout beats a ridge on the same features", "ridge_p_o"),
+    "R1": ("FPRC beats the same readout without P_o", "fuzzy_linear"),
+}
 
 
 def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -56,18 +50,27 @@ def judge_recording(report: Mapping[str, Any]) -> list[dict[str, Any]]:
         ``low``, ``high``, which are None if it is not judged. A ratio below 1 supports the claim.
     """
     errors = {cell["model"]: cell.get("validation_rmse_kpa", ()) for cell in report["cells"]}
-    claims = {claim.id: (claim.text, [_part(claim, errors, report["overlap"])]) for claim in CLAIMS}
+    claims = {}
+    for name, (text, other) in CLAIMS.items():
+        # not strict: a model that failed has no blocks
+        pairs = enumerate(zip(errors["fprc"], errors[other], strict=False))
+        ratios = {
+            block: math.log(ours) - math.log(theirs)
+            for block, (ours, theirs) in pairs
+            if ours > 0.0 and theirs > 0.0
+        }
+        claims[name] = text, [Part(text, ratios, overlap=report["overlap"])]
     kept = ("id", "claim", "verdict", "p", "level", "stable", "turned", "words")
     return [
         {
             **{key: row[key] for key in kept},
             "blocks": row["units"],
             "reason": _reason(row),
-            "other": title_of(claim.other),
+            "other": title_of(CLAIMS[row["id"]][1]),
             "ratio": row["mean"],
             **{end: row[end] for end in ("low", "high")},
         }
-        for claim, row in zip(CLAIMS, judge_together(claims, LEFT_OUT), strict=True)
+        for row in judge_together(claims, LEFT_OUT)
     ]
 
 
@@ -108,21 +111,6 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             line += f" FPRC's error is {row['ratio']:#.3g} {interval}times that of {row['other']}."
         lines.append(f"{line[0].upper()}{line[1:]} {row['reason']}".rstrip())
     return lines
-
-
-def _part(claim: Claim, errors: Mapping[str, Sequence[float]], overlap: float) -> Part:
-    ours, theirs = errors.get("fprc", ()), errors.get(claim.other, ())
-    # not strict: a model that failed has no blocks
-    pairs = enumerate(zip(ours, theirs, strict=False))
-    return Part(
-        claim.text,
-        {
-            block: math.log(error) - math.log(other)
-            for block, (error, other) in pairs
-            if error > 0.0 and other > 0.0
-        },
-        overlap=overlap,
-    )
 
 
 def _reason(row: Mapping[str, Any]) -> str:

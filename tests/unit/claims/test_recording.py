@@ -7,7 +7,7 @@ import pytest
 
 from fprc.claims.recording import CLAIMS, answer, judge_recording, sentences
 
-MODELS = ("fprc", *(claim.other for claim in CLAIMS))
+MODELS = ("fprc", *(other for _, other in CLAIMS.values()))
 
 
 def report(blocks=10, overlap=1 / 9, spread=0.01, **ratios):
