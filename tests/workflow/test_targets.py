@@ -78,7 +78,7 @@ def test_run_says_what_it_does_and_how_much_is_done(project):
     snakemake = [sys.executable, "-m", "snakemake", "--cores", "1"]
     done = project.run(*snakemake, "table1")
     assert done.returncode == 0, done.stdout
-    assert re.search(r"^Job 1: Table I: settings of the models$", done.stdout, re.MULTILINE)
+    assert re.search(r"^Job 1: Table tables/table1$", done.stdout, re.MULTILINE)
     assert re.search(r"^1 of 2 steps \(50%\) done$", done.stdout, re.MULTILINE)
     assert re.search(r"^Job 0: Target table1$", done.stdout, re.MULTILINE)
     assert "Reason:" not in done.stdout

@@ -32,11 +32,10 @@ def stage(name, *models):
     return {"stage": name, "code": lambda wildcards: code_of(name, *models)}
 
 
-def result_spec(stem, kind, words, given, made, *, priority=0, threads=1, resources={}, **params):
+def result_spec(stem, kind, given, made, *, priority=0, threads=1, resources={}, **params):
     """Return what is peculiar to a table or a figure; ``stem`` are its files without suffix."""
     return SimpleNamespace(
-        kind=kind,
-        words=words,
+        words=f"{kind.capitalize()} {stem}".replace("{", "{wildcards."),
         given=given,
         made=made,
         log=PATHS.messages("_".join([*Path(stem).parts, kind])),
@@ -47,24 +46,24 @@ def result_spec(stem, kind, words, given, made, *, priority=0, threads=1, resour
     )
 
 
-def table_spec(stem, words, given, **params):
+def table_spec(stem, given, **params):
     """Return what is peculiar to a table."""
     made = {kind: PATHS.below(f"{stem}.{kind}") for kind in ("csv", "md")}
-    return result_spec(stem, "table", words, given, made, **params)
+    return result_spec(stem, "table", given, made, **params)
 
 
-def figure_spec(stem, words, given, statistics=False, **params):
+def figure_spec(stem, given, statistics=False, **params):
     """Return what is peculiar to a figure. With ``statistics`` its numbers are a file too."""
     path = PATHS.below(stem)
     made = {"pdf": f"{path}.pdf", "png": f"{path}.png", "sidecar": f"{path}.json"}
     made |= {"csv": f"{path}.csv"} if statistics else {}
-    return result_spec(stem, "figure", words, given, made, **params)
+    return result_spec(stem, "figure", given, made, **params)
 
 
-def paper_figure_spec(number, words, given={}, **more):
+def paper_figure_spec(number, given={}, **more):
     """Return what is peculiar to one of the paper's figures."""
     stem = BY_NAME[f"fig{number}"].files[0].removesuffix(".pdf")
-    return figure_spec(stem, f"Fig. {number}: {words}", given, **more)
+    return figure_spec(stem, given, **more)
 
 
 def refused(why):

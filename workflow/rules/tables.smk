@@ -6,14 +6,12 @@ TRAINED_ON = {"2": "sweep", "3": "complex"}
 TABLES = {
     "configuration_table": table_spec(
         "tables/table1",
-        "Table I: settings of the models",
         {"published": PUBLISHED},
         **stage("tabulate.tabulate_configuration"),
         models=SETTINGS["models"],
     ),
     "comparison_table": table_spec(
         "tables/table{number}",
-        "Errors of the models: table{wildcards.number}",
         {
             "published": PUBLISHED,
             "errors": lambda wildcards: [
@@ -26,21 +24,18 @@ TABLES = {
     ),
     "seeds_table": table_spec(
         "tables/table{number}_seeds",
-        "Errors of the models over further seeds: table{wildcards.number}_seeds",
         {"published": PUBLISHED, "replicates": PLAN.replicates("models")},
         **stage("tabulate.tabulate_seeds"),
         trained_on=lambda wildcards: TRAINED_ON[wildcards.number],
     ),
     "timing_table": table_spec(
         "timing/table2_timing",
-        "Execution times of Table II",
         {"published": PUBLISHED, "times": PATHS.below("timing/times.json")},
         **stage("tabulate.tabulate_times"),
         left_out=PLAN.left_out,
     ),
     "tracking_table": table_spec(
         "tables/table4",
-        "Table IV: errors of the closed-loop runs",
         {"published": PUBLISHED, "runs": [PATHS.log(run) for run in PLAN.runs]},
         **stage("tabulate.tabulate_tracking"),
         left_out=[run for run in PLAN.every_run if run not in PLAN.contents],
@@ -49,7 +44,6 @@ TABLES = {
     ),
     "tracking_seeds_table": table_spec(
         "tables/table4_seeds",
-        "Table IV over further seeds",
         {"published": PUBLISHED, "replicates": PLAN.replicates("control")},
         **stage("tabulate.tabulate_tracking_seeds"),
         feedback=feedback_in_words(SETTINGS),

@@ -5,12 +5,8 @@ TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 CONFIGURED_FAMILY = SETTINGS["fitted"]["name"]
 FAMILIES = [CONFIGURED_FAMILY, *OTHER_RIGS, *SETS]
-#: Tables of the figures, and what these show.
-FIGURES_BEYOND = {
-    "pairs": ("claims", "error ratios of pairs of models"),
-    "offsets": ("offsets", "offset of P_o"),
-    "capacities": ("capacities", "capacities"),
-}
+#: Tables of the figures.
+FIGURES_BEYOND = {"pairs": "claims", "offsets": "offsets", "capacities": "capacities"}
 #: Names of the tables in Markdown.
 PAGES_BEYOND = "claims models offsets capacities beside fitted details leaderboard".split()
 #: Settings of the models and of their competitors, with their own number of starts of a clustering.
@@ -30,7 +26,6 @@ wildcard_constraints:
 
 STUDY_RESULTS["beyond_world"] = judgement_spec(
     "beyond/{world}",
-    "Beyond the paper: the models and their competitors, family {wildcards.world}",
     "beyond.contest.judge_models",
     *COMPETITORS,
     given={"near_print": NEAR_PRINT, "tuned": TUNED},
@@ -41,7 +36,6 @@ STUDY_RESULTS["beyond_world"] = judgement_spec(
 
 STUDY_RESULTS["beyond_capacity"] = judgement_spec(
     "beyond/capacity",
-    "Beyond the paper: memory and nonlinear capacity",
     "beyond.driven_states.judge_capacity",
     families=lambda wildcards: [family_named(name) for name in (CONFIGURED_FAMILY, *OTHER_RIGS)],
     units=list(range(BEYOND["slow"])),
@@ -54,7 +48,6 @@ STUDY_RESULTS["beyond_capacity"] = judgement_spec(
 STUDY_RESULTS["beyond_tables"] = result_spec(
     "beyond/claims",
     "tables",
-    "Beyond the paper: claims B1 to B8",
     {
         "families": expand(PATHS.below("beyond/{world}.json"), world=FAMILIES),
         "capacity": PATHS.below("beyond/capacity.json"),
@@ -67,10 +60,9 @@ STUDY_RESULTS["beyond_tables"] = result_spec(
     family=CONFIGURED_FAMILY,
 )
 
-for figure, (table, words) in FIGURES_BEYOND.items():
+for figure, table in FIGURES_BEYOND.items():
     STUDY_RESULTS[f"draw_{figure}"] = figure_spec(
         f"beyond/figure_{figure}",
-        f"Beyond the paper: {words}",
         {"table": PATHS.below(f"beyond/{table}.csv")},
         **stage("studies.show_beyond.draw_beyond"),
         figure=figure,

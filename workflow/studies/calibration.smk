@@ -7,7 +7,6 @@ EVERY_SEED = judgement(SETTINGS, without="seed", models=paper_models(SETTINGS))
 
 STUDY_RESULTS["measure_sensitivity"] = judgement_spec(
     "calibration/sensitivity",
-    "Sensitivity of all numbers to each parameter of the rig",
     "families.sensitivity.judge_parameter",
     *MODELS,
     *COMPETITORS,
@@ -26,14 +25,12 @@ STUDY_RESULTS["measure_sensitivity"] = judgement_spec(
 
 STUDY_RESULTS["sensitivity_table"] = table_spec(
     "calibration/sensitivity",
-    "Sensitivity",
     {"effects": PATHS.below("calibration/sensitivity.json")},
     **stage("studies.sensitivity.tabulate_sensitivity"),
 )
 
 STUDY_RESULTS["sensitivity_figure"] = figure_spec(
     "calibration/sensitivity_figure",
-    "Sensitivity",
     {"table": PATHS.below("calibration/sensitivity.csv")},
     **stage("studies.sensitivity.draw_sensitivity"),
 )

@@ -47,15 +47,13 @@ def memory_of(wildcards, threads):
     return 1000 * (1 + threads)
 
 
-def judgement_spec(stem, words, judge, *models, given=None, runtime=120, **params):
+def judgement_spec(stem, judge, *models, given=None, runtime=120, **params):
     """Return what is peculiar to a job that judges families of rigs, with a checkpoint.
 
     Parameters
     ----------
     stem : str
         Its file below the results, without suffix.
-    words : str
-        What it does.
     judge : str
         Function below ``fprc.studies`` that does it, with ``models``.
     given : dict
@@ -82,7 +80,6 @@ def judgement_spec(stem, words, judge, *models, given=None, runtime=120, **param
     return result_spec(
         stem,
         "measurements",
-        words,
         given or {},
         {"judged": PATHS.below(f"{stem}.json")},
         threads=workflow.cores,

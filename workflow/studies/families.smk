@@ -57,7 +57,6 @@ wildcard_constraints:
 
 STUDY_RESULTS["judge_family"] = judgement_spec(
     "families/{family}",
-    "Rigs {wildcards.family}: Tables II to IV",
     "families.family.judge_tables",
     *MODELS,
     given={"near_print": NEAR_PRINT},
@@ -70,7 +69,6 @@ STUDY_RESULTS["judge_family"] = judgement_spec(
 STUDY_RESULTS["families_summary"] = result_spec(
     "families/summary",
     "verdicts",
-    "Families of rigs",
     {
         **{name: PATHS.below(f"families/{name}.json") for name in SETS},
         "published": PUBLISHED,
@@ -90,7 +88,6 @@ STUDY_RESULTS["families_summary"] = result_spec(
 for table in FAMILY_TABLES:
     STUDY_RESULTS[f"families_{table}"] = table_spec(
         f"families/{table}",
-        f"Families of rigs: {table}",
         {"summary": PATHS.below("families/summary.json")},
         **stage("studies.families.tabulate_families"),
         table=table,
@@ -98,7 +95,6 @@ for table in FAMILY_TABLES:
 
 STUDY_RESULTS["families_figure"] = figure_spec(
     "families/figure",
-    "Families of rigs: share of rigs on which each claim holds",
     {"summary": PATHS.below("families/summary.json")},
     **stage("studies.families.draw_claims"),
 )

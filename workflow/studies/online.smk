@@ -6,7 +6,6 @@ FIRST_ONLINE = 1001
 
 STUDY_RESULTS["judge_online"] = judgement_spec(
     "online/{world}",
-    "Learning while it runs: family {wildcards.world}",
     "online.judge.judge_online",
     *COMPETITORS,
     given={"near_print": NEAR_PRINT},
@@ -23,14 +22,12 @@ for table, tabulate in (
 ):
     STUDY_RESULTS[f"online_{table}"] = table_spec(
         f"online/{table}",
-        f"Learning while it runs: {table}",
         {"families": expand(PATHS.below("online/{world}.json"), world=FAMILIES)},
         **tabulate,
     )
 
 STUDY_RESULTS["online_figure"] = figure_spec(
     "online/figure",
-    "Learning while it runs: tracking error over the offset of P_o",
     {"errors": PATHS.below("online/errors.csv")},
     **stage("studies.online.draw_online"),
     names=FAMILIES[:3],

@@ -18,7 +18,7 @@ for rule_name, shown in STUDY_RESULTS.items():
         params:
             **shown.params,
         message:
-            f"{shown.words}, {shown.kind}"
+            shown.words
         script:
             "../scripts/stage.py"
 
