@@ -1,7 +1,7 @@
 # Targets that a user can name.
 
 
-for target in PLAN.unavailable_targets:
+for target in PLAN.unavailable:
 
     rule:
         name:

@@ -92,18 +92,14 @@ class Plan:
 
     @cached_property
     def unavailable(self) -> dict[str, str]:
-        """Results, and parts of others, that cannot be made, with their reasons."""
+        """Results that cannot be made, with their reasons."""
         reasons = {result.name: self._why_not(result) for result in RESULTS}
-        absent = [f"{run}.h5" for run in self.every_run if run not in self.runs]
         if not self.runs:
             every = f"{self.raw}/{run_log('*', '*')}.h5"
             reasons["table4"] = f"needs closed-loop logs {every}; there is none"
-        elif absent:
-            reasons["table4_runs"] = f"no {in_words(absent)} in {self.raw}"
         if not self.on_simulated_rig:
             reasons |= {result.name: result.on_rigs for result in RESULTS if result.on_rigs}
-        given = {name: reason for name, reason in reasons.items() if reason}
-        return {name: why for name, why in given.items() if BY_NAME[name].part_of not in given}
+        return {name: reason for name, reason in reasons.items() if reason}
 
     def _why_not(self, need: Result) -> str | None:
         """Return why a result cannot be made from the logs; None if it can."""
@@ -134,7 +130,7 @@ class Plan:
             return {}
         reasons = {}
         for model, entry in entries(self.settings["models"]).items():
-            need = Result(model, "", logs=EXPERIMENTS, channels=entry.inputs)
+            need = Result(model, "", (), logs=EXPERIMENTS, channels=entry.inputs)
             if reason := self._why_not(need):
                 reasons[model] = reason
         return reasons
@@ -161,18 +157,13 @@ class Plan:
         targets = {
             result.name: self._files_of(result)
             for result in RESULTS
-            if result.files and result.name not in self.unavailable
+            if result.name not in self.unavailable
         }
         of_fig8 = self._files_of(BY_NAME["fig8"])[1:]
         return targets | {
             f"training_{name}": [self.paths.below(f"figures/training_{name}.pdf"), *of_fig8]
             for name in self.others
         }
-
-    @cached_property
-    def unavailable_targets(self) -> list[str]:
-        """Targets that cannot be made."""
-        return [name for name in BY_NAME if name in self.unavailable and not BY_NAME[name].part_of]
 
     @cached_property
     def others(self) -> list[str]:

@@ -7,11 +7,11 @@ from fprc.paper import EXPERIMENTS, LOOPS, REFERENCES, run_log
 
 
 class Result(NamedTuple):
-    """A result, which is also a target of the workflow; or a part of a result."""
+    """A result, which is also a target of the workflow."""
 
     name: str  #: of the target
     title: str  #: name for readers
-    files: tuple[str, ...] = ()  #: files below the results folder; a reader opens the first one
+    files: tuple[str, ...]  #: files below the results folder; a reader opens the first one
     #: Files below the results folder that it is made of; ``data`` stands for the raw logs and the
     #: files of preprocessing, ``judged/sweep`` for every model that the sweep trained and its
     #: errors, ``loops`` for the closed-loop logs and their inputs, ``seeds`` for the reports of the
@@ -21,7 +21,6 @@ class Result(NamedTuple):
     logs: tuple[str, ...] = ()  #: raw logs that it needs
     channels: tuple[str, ...] = ()  #: channels that each of these logs must have
     on_rigs: str = ""  #: why it needs a simulated rig, if it does
-    part_of: str = ""  #: target that this is a part of; a part is not a target itself
 
 
 def _figure(number: int, stem: str, *made_of: str, **needs: Any) -> Result:
@@ -45,9 +44,6 @@ RESULTS = (
     Result("table2", "Table II", ("tables/table2.md",), ("data", "judged/sweep"), **_BOTH),
     Result("table3", "Table III", ("tables/table3.md",), ("data", "judged/complex"), **_BOTH),
     Result("table4", "Table IV", ("tables/table4.md",), ("loops",)),
-    Result("table4_runs", "Table IV, some of its runs", part_of="table4"),
-    Result("fprc", "FPRC in Tables II and III and in the execution times", part_of="table2",
-           **_BOTH_WITH_P_O),
     Result("timing", "Execution times", ("timing/table2_timing.md",), ("data", _TIMES), **_BOTH),
     Result("seeds", "Tables II to IV over further seeds", _SEEDS, ("seeds",),
            on_rigs="needs source: sim: further seeds are further simulated rigs"),
@@ -63,7 +59,6 @@ RESULTS = (
     _figure(8, "training", "data", "judged/sweep", **_BOTH_WITH_P_O),
     _figure(9, "weights", "data", "weights/fprc.json", logs=("sweep",), channels=("p_o_kpa",)),
     _figure(10, "settings", "data", "grids", _OVER_N_C, "seeds", **_BOTH),
-    Result("fig10a", "Fig. 10(a), and FPRC in (b) and (c)", part_of="fig10", **_BOTH_WITH_P_O),
     _figure(11, "taps", "data", "grids", "seeds", **_BOTH_WITH_P_O),
     *(_figure(number, name, "loops", logs=(run_log(name, "fprc"), run_log(name, "fprc_pd")))
       for number, name in enumerate(REFERENCES, start=12)),
