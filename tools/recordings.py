@@ -14,7 +14,6 @@ import yaml
 
 from fprc.artifacts import read_json, write_text
 from fprc.claims.paired import LEAST_UNITS
-from fprc.claims.recording import CLAIMS
 from fprc.cli import main
 from fprc.studies.blocks import replace_block
 

@@ -46,8 +46,7 @@ PLANNED = [
     (["seeds"], {"seeds_table", "replicate"}, {"judge", "record"}),
     (
         ["timing", "fig4", "fig5", "fig9", "fig11"],
-        {"timing_table", "draw_fig4", "draw_fig5", "draw_fig9", "draw_fig11"}
-        | {"weigh"},
+        {"timing_table", "draw_fig4", "draw_fig5", "draw_fig9", "draw_fig11"} | {"weigh"},
         {"judge", "track"},
     ),
     (["fig10"], {"draw_fig10", "replicate", "measure_times"}, {"grid", "track"}),

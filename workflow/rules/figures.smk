@@ -9,6 +9,7 @@ FOLLOWED = [
     for run in BY_NAME[f"fig{number}"].logs
 ]
 
+
 def drawing_of(number):
     """Return the PDF and the PNG of a figure that shows no data."""
     stem = Path(BY_NAME[f"fig{number}"].files[0]).stem
