@@ -18,8 +18,8 @@ PAPER = {
 #: What each docstring that names an equation is about.
 NAMED = {
     "control.loop.hysteresis_law": {"P_i"},
-    "evaluation.weights.normalised": {"min-max"},
-    "evaluation.weights.normalised_weights": {"min-max", "weight shares"},
+    "experiments.grids.normalised": {"min-max"},
+    "experiments.grids.weight_shares": {"min-max", "weight shares"},
     "studies.calibration.surrogate._Thinned.shares": {"min-max", "weight shares"},
     "models.echo.echo_states": {"x(k+1)"},
     "models.echo.update": {"x(k+1)"},

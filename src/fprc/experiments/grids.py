@@ -5,9 +5,12 @@ import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fprc.evaluation import evaluate
+import numpy as np
+from sklearn.base import clone
+
+from fprc.errors import EvaluationError
+from fprc.evaluation import Prepared, evaluate, prepare
 from fprc.evaluation.folds import Fold
-from fprc.evaluation.weights import normalised_weights
 from fprc.experiments.data import Data, models_for
 from fprc.experiments.settings import Judgement
 from fprc.paper import GRID_MODELS, GRID_SETTINGS
@@ -74,12 +77,47 @@ def judge_grids(
 
 
 def weight_shares(train: Data, judgement: Judgement) -> dict[str, Any]:
-    """Return the share of each feature in the weights, per rule and on average (Fig. 9)."""
+    """Return the share of each feature in the weights, per rule and on average (Fig. 9).
+
+    The FPRC is cross-validated as usual on features as ``normalised`` returns them, and the weights
+    are those of the best fold (Eqs. 13, 14).
+    """
     model = build("fprc", judgement.models, judgement.seed)
-    shares = normalised_weights(model, train.samples("fprc"), judgement.split_rows(train))
+    prepared = normalised(prepare(model, {"train": train.samples("fprc")}), "train")
+    judged = prepared.cross_validated("train", judgement.split_rows(train))
+    shares = shares_of(judged.model.readout_.W_out_)
     edges = {"bias": (0, 1), "theta_d": (1, 1 + model.n_y), "p_o": (1 + model.n_y, None)}
     parts = {name: shares[:, slice(*edge)] for name, edge in edges.items()}
     return {
         "mean_share": {name: float(part.sum(axis=1).mean()) for name, part in parts.items()},
         "shares": {name: part.tolist() for name, part in parts.items()},
     }
+
+
+def normalised(prepared: Prepared, log: str) -> Prepared:
+    """Return a prepared FPRC with features of one log scaled to [0, 1] (Eq. 13).
+
+    theta and the filtered P_o are each scaled by their minimum and maximum. The ridge parameter is
+    that of features in deg and kPa. It is divided by the product of both ranges, so that it counts
+    as much as on them (docs/decisions/0024-weights.md).
+
+    Raises
+    ------
+    EvaluationError
+        A signal is constant.
+    """
+    model, rows = prepared.model, prepared.rows[log]
+    taps = rows[:, : model.n_y], rows[:, model.n_y :]  # those of one signal share its range
+    ranges = [float(np.ptp(of_signal)) for of_signal in taps]
+    if 0.0 in ranges:
+        constant = taps[ranges.index(0.0)].min()
+        raise EvaluationError(f"FPRC: a signal is {constant:g} throughout and cannot be normalised")
+    scaled = [(t - t.min()) / width for t, width in zip(taps, ranges, strict=True)]
+    weaker = clone(model).set_params(alpha=model.alpha / np.prod(ranges))
+    return prepared._replace(model=weaker, rows={log: np.hstack(scaled)})
+
+
+def shares_of(W_out: np.ndarray) -> np.ndarray:
+    """Return the absolute weights as shares of their rule."""
+    weights = np.abs(W_out)
+    return weights / weights.sum(axis=1, keepdims=True)

@@ -14,8 +14,8 @@ from sklearn.base import RegressorMixin
 
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import Prepared, prepare
-from fprc.evaluation.weights import normalised, shares_of
 from fprc.experiments.data import Data
+from fprc.experiments.grids import normalised, shares_of
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import Track, measure_control, rms_of, tracking_errors

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
-from fprc.evaluation.weights import normalised_weights
+from fprc.evaluation import prepare
+from fprc.experiments.grids import normalised, shares_of
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import Track
@@ -198,7 +199,9 @@ def test_shares_are_those_of_the_published_formula(judge, logs):
     rows = np.arange(len(y))
     # a generator, unlike a number, is not replaced by one of the fold's own
     model = build("fprc", stride=1, random_state=np.random.RandomState(SEED))
-    weights = normalised_weights(model, (X, y, None), [(rows, rows)])
+    prepared = normalised(prepare(model, {"sweep": (X, y, None)}), "sweep")
+    judged = prepared.cross_validated("sweep", [(rows, rows)])
+    weights = shares_of(judged.model.readout_.W_out_)
     of_theta, of_p_o = weights[:, 1 : 1 + N_Y], weights[:, 1 + N_Y :]
     expected = of_p_o.sum(axis=1).mean() / of_theta.sum(axis=1).mean()
     found = judge(stride=1, measures=["shares", "bias"])

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from fprc.evaluation import rmse, split_rows
-from fprc.evaluation.weights import normalised_weights
+from fprc.evaluation import prepare, rmse, split_rows
+from fprc.experiments.grids import normalised, shares_of
 from fprc.models import FPRC
 
 SETTINGS = {"epsilon": 0.1, "n_c": 3, "n_u": 2, "n_y": 3, "sigma": 2.0, "alpha": 1e-3}
@@ -13,11 +13,6 @@ def data(recorded):
     log = recorded["sweep"]
     X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])[::5]
     return X, log["p_exp_command_kpa"][::5]
-
-
-def shares(X, y, folds=3):
-    model = FPRC(**SETTINGS, random_state=7)
-    return normalised_weights(model, (X, y, None), split_rows(len(y), folds, "shuffled", 5))
 
 
 def test_shares_are_those_of_the_best_fold_on_normalised_features(data):
@@ -39,4 +34,6 @@ def test_shares_are_those_of_the_best_fold_on_normalised_features(data):
         judged.append((np.hypot(*errors), np.abs(readout.W_out_)))
     _, weights = min(judged, key=lambda candidate: candidate[0])
     expected = weights / weights.sum(axis=1, keepdims=True)
-    np.testing.assert_allclose(shares(X, y), expected, rtol=1e-6)
+    prepared = normalised(prepare(model, {"train": (X, y, None)}), "train")
+    found = shares_of(prepared.cross_validated("train", folds).model.readout_.W_out_)
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
