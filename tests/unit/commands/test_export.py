@@ -130,8 +130,8 @@ def test_model_that_learns_needs_its_training(tmp_path, monkeypatch, capsys):
     assert not (tmp_path / "old.h").exists()
     command = ["export", "new.h5", "--c", "new.h", "--learn", "--config", "mine.yaml"]
     assert main(command) == 0
-    assert "new_learn(" in (tmp_path / "new.h").read_text()
-    assert "3.25 * error" in (tmp_path / "new.h").read_text()
+    assert "#define NEW_LEARNS" in (tmp_path / "new.h").read_text()
+    assert "new_kpa_per_deg = 3.25;" in (tmp_path / "new.h").read_text()
 
 
 def test_model_of_another_rate_does_not_learn(header, tmp_path, monkeypatch, capsys):
