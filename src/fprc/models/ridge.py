@@ -11,27 +11,6 @@ def with_bias(X: np.ndarray) -> np.ndarray:
     return np.column_stack([np.ones(len(X)), X])
 
 
-def ridge_weights(
-    extended: np.ndarray, y: np.ndarray, alpha: float, weight: np.ndarray | None = None
-) -> np.ndarray:
-    """Weights that minimise sum_k weight_k (y_k - w x_k)^2 + alpha ||w||^2.
-
-    Parameters
-    ----------
-    extended : ndarray of shape (n_samples, n_weights)
-        Rows x_k. A column of ones is penalised like any other.
-    weight : ndarray of shape (n_samples,), optional
-        Weight of each squared error, 1 if left out.
-
-    Raises
-    ------
-    ValueError
-        The normal equations are singular, which happens only with ``alpha=0``.
-    """
-    weighted = extended if weight is None else extended * weight[:, None]
-    return solve_ridge(weighted.T @ extended, weighted.T @ y, alpha)
-
-
 def solve_ridge(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarray:
     """Solve the normal equations (gram + alpha I) w = moments.
 

@@ -9,7 +9,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.limits import Array, Limit, check_limits
-from fprc.models.ridge import ridge_weights, solve_ridge, with_bias
+from fprc.models.ridge import solve_ridge, with_bias
 
 
 class RidgeReadout(RegressorMixin, BaseEstimator):
@@ -42,7 +42,8 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         """Solve the normal equations for one output."""
         check_limits(self, self.LIMITS)
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
-        self.w_out_ = ridge_weights(with_bias(rows), targets, self.alpha)
+        extended = with_bias(rows)
+        self.w_out_ = solve_ridge(extended.T @ extended, extended.T @ targets, self.alpha)
         return self
 
     def fit_complements(

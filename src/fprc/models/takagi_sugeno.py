@@ -14,7 +14,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
 from fprc.models.limits import Allows, Array, Limit, Seed, Whole, check_limits
-from fprc.models.ridge import ridge_weights, with_bias
+from fprc.models.ridge import solve_ridge, with_bias
 
 
 @dataclass(eq=False, repr=False)
@@ -81,11 +81,11 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         clusters = fuzzy_c_means(
             rows, self.n_c, random_state=rng, restarts=self.restarts, init=init
         )
+        self.centers_, self.W_out_ = clusters.centers, np.empty((self.n_c, 1 + rows.shape[1]))
         extended = with_bias(rows)
-        self.centers_ = clusters.centers
-        self.W_out_ = np.array(
-            [ridge_weights(extended, targets, self.alpha, u**2) for u in clusters.memberships.T]
-        )
+        for i, u in enumerate(clusters.memberships.T):
+            weighted = extended * (u**2)[:, None]
+            self.W_out_[i] = solve_ridge(weighted.T @ extended, weighted.T @ targets, self.alpha)
         return self
 
     def predict(self, X: ArrayLike) -> np.ndarray:
