@@ -11,7 +11,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc import control_laws
 from fprc.compiled import kernel
-from fprc.models.limits import LARGEST, Limit
+from fprc.models.limits import LARGEST
 from fprc.models.ridge import solve_ridge
 from fprc.models.sequence import MOST_WEIGHTS, SequenceModel
 
@@ -19,7 +19,10 @@ _learn_step = kernel(control_laws.learn_step)
 
 
 class Learning(NamedTuple):
-    """How a model learns online; the defaults suit a rig of the paper's size."""
+    """How a model learns online; the defaults suit a rig of the paper's size.
+
+    ``fprc.config`` checks them: none is negative, and the memory is longer than a period.
+    """
 
     prior_s: float = 15.0  #: seconds of new data that weigh as much as the training
     memory_s: float = 60.0  #: time after which the training weighs as much as before
@@ -27,9 +30,6 @@ class Learning(NamedTuple):
     kpa_per_deg: float = 2.0  #: pressure by which a degree of error corrects the model
     limit_kpa: float = 150.0  #: most that learning may add to P_ff, or take from it
     stop_deg: float = 0.5  #: angle up to which the actuator is at its stop
-
-
-_ABOVE_0, _FROM_0 = Limit(0.0, math.inf, True, True), Limit(0.0, math.inf, False, True)
 
 
 class Online:
@@ -69,8 +69,7 @@ class Online:
     Raises
     ------
     ValueError
-        The model remembers no training data, or cannot learn online; or a setting is negative, a
-        time 0 that must not be, or the memory shorter than a period.
+        The model remembers no training data, or cannot learn online.
 
     References
     ----------
@@ -90,14 +89,6 @@ class Online:
             raise ValueError(
                 f"this {type(model).__name__} remembers no training data to learn on from; train "
                 f"it again (only a readout of ours with at most {MOST_WEIGHTS} weights can learn)"
-            )
-        for name, value in {**learning._asdict(), "period_s": period_s}.items():
-            limit = _ABOVE_0 if name in {"prior_s", "memory_s", "period_s"} else _FROM_0
-            if not limit.allows(value):
-                raise ValueError(f"{name} = {value!r}; must be {limit}")
-        if learning.memory_s < period_s:
-            raise ValueError(
-                f"memory_s = {learning.memory_s!r}; must be a period, {period_s} s, or more"
             )
         self.settings, self.limit_kpa = learning, pressure_limit_kpa
         self.n_features_in_ = model.n_features_in_

@@ -1,4 +1,3 @@
-import math
 from copy import copy
 
 import numpy as np
@@ -93,21 +92,6 @@ def test_information_that_no_training_has_is_refused_before_a_step(model, spoil)
     found.information_ = spoil(found.information_)
     with pytest.raises(ValueError, match="information_"):
         Online(found, Learning(), PERIOD_S)
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"prior_s": -1.0},
-        {"memory_s": 0.0},
-        {"memory_s": 0.9 * PERIOD_S},
-        {"kpa_per_deg": math.nan},
-        {"delay_s": math.inf},
-    ],
-)
-def test_settings_that_cannot_be_are_refused(model, wrong):
-    with pytest.raises(ValueError, match=next(iter(wrong))):
-        Online(model[0], Learning(**wrong), PERIOD_S)
 
 
 def test_everything_is_compiled_before_the_first_step(model, monkeypatch):
