@@ -374,9 +374,9 @@ ODD_VALUES = (
 def models():
     """Return by name the file of a fitted model, and its inputs."""
     maps = [
-        ("plays", PlayOperators(n_plays=3), [0]),
-        ("nvar", NVAR(n_taps=2, spacing=3), None),
-        ("bank", LowpassBank((1.0, 0.1)), [1, 0]),
+        (PlayOperators(n_plays=3), [0]),
+        (NVAR(n_taps=2, spacing=3), [0, 1]),
+        (LowpassBank((1.0, 0.1)), [1, 0]),
     ]
     made = {
         "fprc": (FPRC(n_c=3, random_state=1), 2),

@@ -32,7 +32,7 @@ def on_bank(
     """
     maps = _bank(n_y, epsilons, column)
     if n_plays:
-        maps.append(("plays", PlayOperators(n_plays), [0]))
+        maps.append((PlayOperators(n_plays), [0]))
     regressor = TakagiSugenoReadout if "n_c" in readout else RidgeReadout
     return FeatureModel(SideBySide(maps), regressor(**readout))
 
@@ -68,6 +68,6 @@ def mlp(
 def _bank(n_y: int, epsilons: Sequence[float], column: int = 0) -> list[Part]:
     """Return taps of the first column beside low-passes of ``column``."""
     return [
-        ("taps", TapFeatures(n_y, n_references=None), [0]),
-        ("lowpasses", LowpassBank(epsilons), [column]),
+        (TapFeatures(n_y, n_references=None), [0]),
+        (LowpassBank(epsilons), [column]),
     ]

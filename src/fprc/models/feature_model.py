@@ -24,7 +24,8 @@ class FeatureModel(SequenceModel):
         scikit-learn. ``step`` takes microseconds with the readouts of this package, but 0.1 to
         10 ms with others, whose ``predict`` it calls with one row.
     random_state : int, RandomState or None, default=None
-        Replaces every ``random_state`` in ``features`` and ``readout``; None leaves them.
+        Replaces every ``random_state`` in ``features`` and ``readout``, but not those of the maps
+        in a SideBySide; None leaves them.
 
     Attributes
     ----------

@@ -1,31 +1,28 @@
 """Several feature maps side by side."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Self
 
 import numpy as np
 from sklearn.base import clone
-from sklearn.utils.metaestimators import _BaseComposition
 
 from fprc.models.features import FeatureMap, Row
 from fprc.models.learned import Learned, LearnedPart, features_of, rows_of
 from fprc.models.limits import Whole
 
-#: Name, unfitted map, and its columns of the input; None is all of them.
-Part = tuple[str, FeatureMap, Sequence[int] | None]
+#: An unfitted map, and its columns of the input.
+Part = tuple[FeatureMap, Sequence[int]]
 
 
-class SideBySide(FeatureMap, _BaseComposition):
+class SideBySide(FeatureMap):
     """Features of several maps, each of chosen columns, in one row.
 
-    Like scikit-learn's ColumnTransformer, but the maps also run sample by sample. Parameters of
-    the maps are set as ``NAME__PARAMETER``, and ``NAME`` replaces a map.
+    Like scikit-learn's ColumnTransformer, but the maps also run sample by sample.
 
     Parameters
     ----------
-    maps : sequence of (str, FeatureMap, sequence of int or None)
-        Name of each map, the map, and the numbers of the columns of ``X`` that it gets, counted
-        from 0; None is all columns. Maps may share columns.
+    maps : sequence of (FeatureMap, sequence of int)
+        Each map, and the numbers of the columns of ``X`` that it gets, counted from 0. Maps may
+        share columns.
 
     Attributes
     ----------
@@ -35,32 +32,11 @@ class SideBySide(FeatureMap, _BaseComposition):
     Raises
     ------
     ValueError
-        At ``fit``: ``maps`` is not such a list or is empty, a name is repeated or contains
-        ``__``, or a column does not exist.
+        At ``fit``: ``maps`` is not such a list or is empty, or a column does not exist.
     """
 
     def __init__(self, maps: Sequence[Part]):
         self.maps = maps
-
-    def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """Return the parameters; with ``deep`` also the maps and their parameters."""
-        return self._get_params("_named", deep=deep)
-
-    def set_params(self, **parameters: Any) -> Self:
-        """Set ``maps``, a map by its name, or a parameter of a map by ``NAME__PARAMETER``."""
-        return self._set_params("_named", **parameters)
-
-    @property
-    def _named(self) -> Any:
-        try:
-            return [(name, part) for name, part, _ in self.maps]
-        except (TypeError, ValueError):
-            return []  # any value can be set; fit refuses a wrong one
-
-    @_named.setter
-    def _named(self, named: Sequence[tuple[str, FeatureMap]]) -> None:
-        pairs = zip(named, self.maps, strict=True)
-        self.maps = [(name, part, columns) for (name, part), (_, _, columns) in pairs]
 
     def count_features(self) -> int | None:
         """Return the number of features of all maps; None if it is unknown for one of them."""
@@ -70,37 +46,28 @@ class SideBySide(FeatureMap, _BaseComposition):
     def learned(self) -> Iterator[tuple[str, Learned]]:
         """Check the parameters, and yield the maps, see ``fprc.models.learned``."""
         self._check_columns()
-        pairs = zip(self.maps, self._columns(), strict=True)
-        yield "maps_", [LearnedPart(part, len(columns)) for (_, part, _), columns in pairs]
+        yield "maps_", [LearnedPart(part, len(columns)) for part, columns in self.maps]
         self._check_size()
 
     def _prepare(self, X: np.ndarray) -> None:
-        self.maps_ = [
-            clone(part).fit(X[:, columns])
-            for (_, part, _), columns in zip(self.maps, self._columns(), strict=True)
-        ]
+        self.maps_ = [clone(part).fit(X[:, columns]) for part, columns in self.maps]
 
     def _check_columns(self) -> None:
         try:
-            each = list(zip(self._named, self._columns(), strict=True))
+            pairs = [(part, list(columns)) for part, columns in self.maps]
         except (TypeError, ValueError):
-            each = []
-        if not each:
+            pairs = []
+        if not pairs:
             raise ValueError(
-                f"SideBySide: maps = {self.maps!r:.60}; must be a list of (name, map, columns)"
+                f"SideBySide: maps = {self.maps!r:.60}; must be a list of (map, columns)"
             )
         allowed = Whole(0, self.n_features_in_ - 1)
-        self._validate_names([str(name) for (name, _), _ in each])
-        for (name, part), columns in each:
+        for part, columns in pairs:
             if not isinstance(part, FeatureMap):
-                raise ValueError(f"{name!r} is {type(part).__name__}; must be a FeatureMap")
+                raise ValueError(f"SideBySide: {part!r:.60} in maps; must be a FeatureMap")
             for column in columns:
                 if not allowed.allows(column):
-                    raise ValueError(f"{name!r} needs column {column!r:.60}; must be {allowed}")
-
-    def _columns(self) -> list[list[int]]:
-        every = range(self.n_features_in_)
-        return [list(every if columns is None else columns) for _, _, columns in self.maps]
+                    raise ValueError(f"{part!r:.60} needs column {column!r:.60}; must be {allowed}")
 
     def rows(self) -> list[Row] | None:
         """Return the features of all maps; None if one of them has others."""
@@ -111,7 +78,8 @@ class SideBySide(FeatureMap, _BaseComposition):
 
     def _parts(self) -> list[tuple[FeatureMap, list[int]]]:
         """Return each fitted map and the numbers of its columns."""
-        return list(zip(self.maps_, self._columns(), strict=True))
+        each = [list(columns) for _, columns in self.maps]
+        return list(zip(self.maps_, each, strict=True))
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
         return np.hstack([part.transform(X[:, columns]) for part, columns in self._parts()])

@@ -70,9 +70,9 @@ void sent(pff_state *s, pff_real p_fb) { pff_sent(s, p_fb); }
 """
 
 MAPS = [
-    ("taps", TapFeatures(n_y=3, n_u=2, epsilon=0.2), [2, 0]),
-    ("plays", PlayOperators(n_plays=4), [1, 0]),
-    ("inner", SideBySide([("bank", LowpassBank((1.0, 0.05)), [1])]), [0, 2]),
+    (TapFeatures(n_y=3, n_u=2, epsilon=0.2), [2, 0]),
+    (PlayOperators(n_plays=4), [1, 0]),
+    (SideBySide([(LowpassBank((1.0, 0.05)), [1])]), [0, 2]),
 ]
 MODELS = {
     "fprc": FPRC(random_state=1),
@@ -257,7 +257,7 @@ def test_comment_has_rate_and_units_of_the_training():
 
 def test_comment_holds_the_parts_of_the_model_and_no_empty_line_of_its_origin(fitted):
     comment = c_header(fitted["ridge"], "pff").partition("#ifndef")[0]
-    assert "('plays', PlayOperators(n_plays=4), [1, 0])" in comment
+    assert "(PlayOperators(n_plays=4), [1, 0])" in comment
     assert " \n" not in comment
 
 
@@ -281,9 +281,9 @@ def unexportable(features, readout=None):
     [
         lambda: unexportable(EchoStates(r=50, random_state=1)),
         lambda: unexportable(NVAR(n_taps=2, spacing=3)),
-        lambda: unexportable(SideBySide([("nvar", NVAR(n_taps=2, spacing=3), [0])])),
+        lambda: unexportable(SideBySide([(NVAR(n_taps=2, spacing=3), [0])])),
         lambda: unexportable(Halved()),
-        lambda: unexportable(SideBySide([("halved", Halved(), None)])),
+        lambda: unexportable(SideBySide([(Halved(), [0, 1])])),
         lambda: unexportable(TapFeatures(), Ridge()),
         lambda: ESN(r=50, random_state=1).fit(recording(100, 1), np.ones(100)),
     ],

@@ -22,7 +22,7 @@ from fprc.models import (
     TapFeatures,
 )
 
-BANK = SideBySide([("taps", TapFeatures(3), None), ("bank", LowpassBank((0.3, 0.1)), [0])])
+BANK = SideBySide([(TapFeatures(3), [0, 1]), (LowpassBank((0.3, 0.1)), [0])])
 NETWORK = make_pipeline(
     StandardScaler(), MLPRegressor(hidden_layer_sizes=(4,), solver="lbfgs", tol=1.0)
 )
@@ -56,13 +56,13 @@ def test_regressor_of_scikit_learn_gets_the_rows_of_the_map(regressor):
 
 
 def test_seed_reaches_every_random_part_and_none_leaves_them():
-    features = SideBySide([("a", EchoStates(r=3, random_state=7), None)])
+    features = EchoStates(r=3, random_state=7)
     model = FeatureModel(features, NETWORK, random_state=5)
-    assert model.make_features().get_params()["a__random_state"] == 5
+    assert model.make_features().get_params()["random_state"] == 5
     assert model.make_readout().get_params()["mlpregressor__random_state"] == 5
     kept = model.set_params(random_state=None).make_features()
-    assert kept.get_params()["a__random_state"] == 7
-    assert features.get_params()["a__random_state"] == 7
+    assert kept.get_params()["random_state"] == 7
+    assert features.get_params()["random_state"] == 7
 
 
 def test_model_of_the_documentation_learns_and_steps():

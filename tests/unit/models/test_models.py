@@ -26,10 +26,10 @@ from fprc.models import (
 )
 
 MAPS = [
-    ("taps", TapFeatures(n_references=None), None),
-    ("plays", PlayOperators(n_plays=3), None),
-    ("bank", LowpassBank((1.0, 0.3)), None),
-    ("nvar", NVAR(n_taps=2, spacing=3), None),
+    (TapFeatures(n_references=None), [0]),
+    (PlayOperators(n_plays=3), [0]),
+    (LowpassBank((1.0, 0.3)), [0]),
+    (NVAR(n_taps=2, spacing=3), [0]),
 ]
 
 # a washout that leaves nothing of the first state, so that "held for ever" is exact
@@ -98,8 +98,8 @@ def test_every_parameter_reaches_the_features_or_the_readout(model):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_taps_longer_than_the_log_are_refused(name):
-    key = {"feature_model": "features__taps__n_y"}.get(name, "n_y")
-    model = clone(MODELS[name]).set_params(**{key: 41})
+    too_many = {"features": SideBySide([(TapFeatures(41, None), [0])])}
+    model = clone(MODELS[name]).set_params(**too_many if name == "feature_model" else {"n_y": 41})
     with pytest.raises(ValueError, match="n_samples = 40.*41.*longer log"):
         model.fit(inputs(COLUMNS[name], 40), pressure(40))
 
@@ -198,7 +198,7 @@ def test_defaults_are_those_of_the_paper():
         (EchoStates(r=4000, washout=1000), "washout"),
         (EchoStates(r=5, random_state="1"), "random_state"),
         (TakagiSugenoReadout(n_c=2, restarts=2.5), "restarts"),
-        (SideBySide([(1, PlayOperators("2"), None)]), "n_plays"),
+        (SideBySide([(PlayOperators("2"), [0])]), "n_plays"),
         (FeatureModel(3, RidgeReadout()), "features"),
         (FeatureModel(TapFeatures(), TapFeatures()), "readout"),
         (FeatureModel(TapFeatures(), RidgeReadout(), random_state="1"), "random_state"),

@@ -16,11 +16,11 @@ from fprc.models import (
 )
 
 PARTS = [
-    ("taps", TapFeatures(n_y=2, n_references=None), [0]),
-    ("plays", PlayOperators(n_plays=3), [1, 0]),
-    ("bank", LowpassBank((1.0, 0.2)), None),
-    ("nvar", NVAR(n_taps=2, spacing=4), np.array([2])),
-    ("network", EchoStates(r=5, random_state=0), [2, 1]),
+    (TapFeatures(n_y=2, n_references=None), [0]),
+    (PlayOperators(n_plays=3), [1, 0]),
+    (LowpassBank((1.0, 0.2)), range(3)),
+    (NVAR(n_taps=2, spacing=4), np.array([2])),
+    (EchoStates(r=5, random_state=0), [2, 1]),
 ]
 
 
@@ -32,10 +32,8 @@ def test_features_are_those_of_each_map_side_by_side():
     X, other = log(), log(seed=1)
     expected = np.hstack(
         [
-            clone(features)
-            .fit(X if columns is None else X[:, columns])
-            .transform(other if columns is None else other[:, columns])
-            for _, features, columns in PARTS
+            clone(features).fit(X[:, columns]).transform(other[:, columns])
+            for features, columns in PARTS
         ]
     )
     features = SideBySide(PARTS).fit(X)
@@ -47,16 +45,14 @@ def test_features_are_those_of_each_map_side_by_side():
     ("maps", "problem"),
     [
         ([], "maps = []"),
-        ([PARTS[0], PARTS[0]], "'taps'"),
-        ([("a__b", TapFeatures(), None)], "'a__b'"),
-        ([("maps", TapFeatures(), None)], "'maps'"),
-        ([("taps", TapFeatures(), [0, 3])], "'taps' needs column 3"),
-        ([("taps", TapFeatures(), [-1])], "'taps' needs column -1"),
-        ([("taps", TapFeatures(), [1.0])], "'taps' needs column 1.0"),
-        ([("taps", TapFeatures(), [True])], "'taps' needs column True"),
-        ([("ridge", RidgeReadout(), None)], "'ridge' is RidgeReadout; must be a FeatureMap"),
-        ([("taps", TapFeatures())], "must be a list of (name, map, columns)"),
-        (3, "must be a list of (name, map, columns)"),
+        ([(TapFeatures(), [0, 3])], "column 3"),
+        ([(TapFeatures(), [-1])], "column -1"),
+        ([(TapFeatures(), [1.0])], "column 1.0"),
+        ([(TapFeatures(), [True])], "column True"),
+        ([(RidgeReadout(), [0])], "RidgeReadout() in maps"),
+        ([TapFeatures()], "maps = [TapFeatures()]"),
+        ([(TapFeatures(), None)], "maps = [(TapFeatures(), None)]"),
+        (3, "maps = 3"),
     ],
 )
 def test_maps_that_do_not_fit_are_refused(maps, problem):

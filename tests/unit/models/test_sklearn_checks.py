@@ -23,17 +23,16 @@ MEMORY = ("check_methods_sample_order_invariance", "check_methods_subset_invaria
 READOUTS = [RidgeReadout(), TakagiSugenoReadout(n_c=3)]
 
 # The checks' data depend on one column, which FPRC sees unfiltered at epsilon = 1 only.
-BANK = [("taps", TapFeatures(n_references=None), None), ("bank", LowpassBank((0.9, 0.5)), [0])]
 MAPS = [
     TapFeatures(),
     PlayOperators(n_plays=3),
     LowpassBank((0.9, 0.1)),
     NVAR(n_taps=2, spacing=2),
-    SideBySide(BANK),
+    SideBySide([(TapFeatures(n_references=None), [0]), (LowpassBank((0.9, 0.5)), [0])]),
 ]
 SEQUENTIAL = [
     *MAPS,
-    FeatureModel(SideBySide(BANK), RidgeReadout(), random_state=1),
+    FeatureModel(TapFeatures(n_references=None), RidgeReadout(), random_state=1),
     EchoStates(r=12),
     ESN(r=12, washout=20),
     FPRC(n_c=3, epsilon=1.0),

@@ -31,7 +31,7 @@ from fprc.models import (
 from fprc.models.learned import LearnedPart
 from fprc.models.storage import sealed
 
-BANK = SideBySide([("taps", TapFeatures(), None), ("bank", LowpassBank([0.5, 0.1]), [0])])
+BANK = SideBySide([(TapFeatures(), [0, 1]), (LowpassBank([0.5, 0.1]), [0])])
 SEQUENCE_MODELS = [
     FeatureModel(NVAR(n_taps=2, spacing=3), RidgeReadout(0.1)),
     FeatureModel(BANK, TakagiSugenoReadout(n_c=3), random_state=1),
@@ -40,7 +40,7 @@ SEQUENCE_MODELS = [
     FuzzyLinear(n_c=3, random_state=1),
     FeatureModel(TapFeatures(n_u=2), RidgeReadout(0.5)),
     FeatureModel(
-        SideBySide([("inner", BANK, [1, 0]), ("plays", PlayOperators(n_plays=2), [0])]),
+        SideBySide([(BANK, [1, 0]), (PlayOperators(n_plays=2), [0])]),
         RidgeReadout(),
     ),
 ]
@@ -193,9 +193,9 @@ TEXTS = {
         f"{name} = {value}": (FUZZY, setting(name, value), rf"{name} = ")
         for name, value in (("n_c", 10**9), ("n_c", "3"), ("sigma", True), ("alpha", -1.0))
     },
-    "column of a map": (BANK, put("model", "parameters", "maps", 0, 2, value=[7]),
-                        "'taps' needs column 7"),
-    "columns of a map": (BANK, put("model", "parameters", "maps", 0, 2, value=[0]),
+    "column of a map": (BANK, put("model", "parameters", "maps", 0, 1, value=[7]),
+                        "needs column 7"),
+    "columns of a map": (BANK, put("model", "parameters", "maps", 0, 1, value=[0]),
                          r"maps_\.0\.: .*1.*2|maps_\.0\.n_features_in_|n_references"),
     "no map": (BANK, setting("maps", [7]), "maps = "),
     "no maps": (BANK, setting("maps", []), "maps"),
