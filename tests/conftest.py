@@ -99,7 +99,6 @@ def live_by(monkeypatch):
             return sessions[-1]
 
         monkeypatch.setattr(session, "Metronome", begin)
-        monkeypatch.setattr(session, "request_realtime", lambda priority: "")
         monkeypatch.setattr(session, "notify", lambda what: messages.append(what) or True)
         waited_s = [0.0]
 

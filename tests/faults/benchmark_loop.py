@@ -24,12 +24,9 @@ from fprc.stages.record_on_rig import record_on_rig  # noqa: E402
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=60.0, help="default: %(default)g")
-    parser.add_argument(
-        "--priority", type=int, default=Settings().hardware.loop.priority, help="0: none"
-    )
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        measured = measure(Path(name), options.seconds, options.priority)
+        measured = measure(Path(name), options.seconds)
     load = ", ".join(f"{value:.1f}" for value in os.getloadavg())
     print(f"{os.cpu_count()} processors, load average {load}")
     print(
@@ -44,13 +41,12 @@ def main() -> None:
         print(f"late by {1e3 * measured[key]:8.3f} ms, {what}")
 
 
-def measure(folder: Path, seconds: float, priority: int) -> dict:
+def measure(folder: Path, seconds: float) -> dict:
     """Return a run's clock statistics, with the samples ``planned`` and recorded."""
     settings = Settings().model_dump(mode="json")
     settings["experiments"]["sweep"]["duration_s"] = seconds
     hardware = settings["hardware"]
     hardware["boards"] |= {"library": str(compile_driver(folder)), **BOARDS}
-    hardware["loop"]["priority"] = priority
     # a busy computer must not end the run: its lateness is measured
     hardware["loop"]["stalled_s"] = hardware["limits"]["stale_s"] = 10.0
     hardware["limits"] |= {"overruns_in_a_row": 1000, "pressure_step_kpa": 1000.0}

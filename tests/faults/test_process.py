@@ -86,7 +86,7 @@ class Program:
         hardware = {
             "boards": {"library": str(driver)} | BOARDS | hardware.pop("boards", {}),
             "limits": LIMITS | hardware.pop("limits", {}),
-            "loop": {"priority": 0, "stalled_s": 10.0} | hardware.pop("loop", {}),
+            "loop": {"stalled_s": 10.0} | hardware.pop("loop", {}),
             "valves": hardware.pop("valves", {}),
         }
         sweep = {"duration_s": seconds, "amplitude_kpa": 50.0, "offset_kpa": 50.0}

@@ -6,6 +6,7 @@ opens the boards, ``ARMED`` before anything can move, then heartbeats, and ``SAF
 released and readings show it vented.
 """
 
+import gc
 import json
 import logging
 import sys
@@ -43,6 +44,7 @@ def main() -> int:
     with open(0, "rb", buffering=0, closefd=False) as unbuffered:
         request = json.loads(unbuffered.readline())
     reserve_pipes()
+    gc.disable()  # a collection may take longer than a tick
     stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
     try:
         if request["what"] == "check":

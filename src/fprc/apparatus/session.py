@@ -1,6 +1,5 @@
 """A session with the real rig: open it with safety limits and clock, make it safe at the end."""
 
-import logging
 import os
 import signal
 import threading
@@ -13,13 +12,10 @@ import numpy as np
 from fprc.apparatus.guardian import ARMED, BEAT_S, HEARTBEAT, OPENING, SAFE, vent_until_shown
 from fprc.control import RunAbortedError
 from fprc.control.clock import Metronome
-from fprc.control.realtime import request_realtime
 from fprc.devices import Clock, Device
 from fprc.devices.hardware import HardwareRig
 from fprc.devices.safety import CheckedRig
 from fprc.errors import DeviceError
-
-log = logging.getLogger("fprc.rig")
 
 #: Shortest suspension of the computer that stops a run, s.
 _SUSPENDED_S = 0.1
@@ -58,8 +54,6 @@ def on_rig(
     clock = Metronome(
         period_s, overruns_in_a_row=limits["overruns_in_a_row"], spin_s=hardware["loop"]["spin_s"]
     )
-    if refused := request_realtime(hardware["loop"]["priority"]):
-        log.info("%s", refused)
     notify(OPENING)  # the guardian then notices a call that hangs
     try:
         opened = HardwareRig(

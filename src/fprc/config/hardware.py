@@ -134,7 +134,6 @@ class Limits(Section):
 class Loop(Section):
     """Real-time settings of the control loop."""
 
-    priority: int = quantity(50, (0, 99), "real-time priority (SCHED_FIFO) to request; 0: none")
     spin_s: float = quantity(
         2e-4, (0, 5e-3), "busy waiting before each deadline, which reduces jitter"
     )
