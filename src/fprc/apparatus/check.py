@@ -1,7 +1,7 @@
 """Check the valves and sensors of the real rig one by one, before an experiment."""
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,15 +22,18 @@ RISE_S = 0.5
 VENT = -1e3
 #: Pressure limit, kPa: with swapped hoses, a loop fills a chamber whose pressure it does not read.
 HIGHEST_KPA = 3.0 * TEST_KPA
-#: Name, setpoints of actuator and PAM A in kPa, duration in s.
-Phase = tuple[str, float, float, float]
-PHASES: tuple[Phase, ...] = (
-    ("rest", VENT, VENT, 1.0),
-    ("actuator filled", TEST_KPA, VENT, 2.0),
-    ("actuator vented", VENT, VENT, 2.0),
-    ("PAM A filled", VENT, TEST_KPA, 2.0),
-    ("PAM A vented", VENT, VENT, 2.0),
-)
+#: Setpoints of actuator and PAM A in kPa, and duration in s, of each phase. Each is a session of
+#: its own: the next one begins only if readings have shown that both chambers are vented.
+PHASES = {
+    "rest": (VENT, VENT, 1.0),
+    "actuator filled": (TEST_KPA, VENT, 2.0),
+    "PAM A filled": (VENT, TEST_KPA, 2.0),
+}
+#: The chamber that a phase fills, its sensor, that of the other chamber, and its valve's output.
+_FILLS = {
+    "actuator filled": ("actuator", "p_exp_kpa", "p_i_kpa", "main_output"),
+    "PAM A filled": ("PAM A", "p_i_kpa", "p_exp_kpa", "reservoir_output"),
+}
 #: Least pressure rise of a chamber that is filled, and most of one that is not, kPa.
 _FILLED_KPA = 0.5 * TEST_KPA
 _UNFILLED_KPA = 0.2 * TEST_KPA
@@ -61,18 +64,17 @@ def check_rig(
     """
     control, hardware = settings["control"], _with_check_limits(settings["hardware"])
     period_s = 1.0 / control["sample_rate_hz"]
-    phases = PHASES if armed else PHASES[:1]
-    ends = np.cumsum([round(seconds / period_s) for *_, seconds in phases])
-    setpoints = _setpoints(phases, ends, period_s).tolist()
 
-    def follow(first: int, end: int, *, moves: bool) -> Session:
+    def follow(phase: str) -> Session:
+        *goals, seconds = PHASES[phase]
+
         def act(device: Device, clock: Clock) -> dict[str, np.ndarray]:
             still = SimpleNamespace(read=device.read, write=lambda *volts: None, safe=lambda: None)
             return run(
-                device if moves else still,
+                device if phase in _FILLS else still,
                 clock,
-                lambda k, now: setpoints[first + k],
-                end - first,
+                lambda k, now: [min(k * period_s * TEST_KPA / RISE_S, goal) for goal in goals],
+                round(seconds / period_s),
                 control,
                 neutral_v=hardware["valves"]["neutral_v"],
                 stop=stop,
@@ -80,36 +82,33 @@ def check_rig(
 
         return on_rig(hardware, period_s, act, guarded)
 
-    seen = follow(0, ends[0], moves=False)
-    channels = seen.channels
-    if armed and not (seen.stopped or seen.unvented):  # a rig that may not vent is not filled
-        seen = follow(ends[0], ends[-1], moves=True)
-        seen.channels["time_s"] += ends[0] * period_s
-        channels = {k: np.append(values, seen.channels[k]) for k, values in channels.items()}
-    lines, problems = describe(channels, ends * period_s, phases)
-    timing = seen.timing
-    lines.append(
-        f"loop: {timing['ticks']} ticks, {timing['overruns']} missed, lateness "
-        f"{1e3 * timing['jitter_p50_s']:.3f} ms median, "
-        f"{1e3 * timing['jitter_max_s']:.3f} ms maximum"
-    )
+    settled: dict[str, dict[str, float]] = {}
+    problems: list[str] = []
+    for phase in PHASES if armed else ("rest",):
+        seen = follow(phase)
+        time_s, timing = seen.channels["time_s"], seen.timing
+        # the second half of the phase, in which the chamber has settled
+        judged = time_s >= 0.5 * time_s[-1:]
+        values = {name: seen.channels[name][judged] for name in SENSORS}
+        present = [name for name in SENSORS if not np.isnan(values[name]).all()]
+        if not settled:
+            heads = (*present, "missed ticks", "most late")
+            log.info("%s", f"{'phase':16}" + "".join(f"{head:>18}" for head in heads))
+        if time_s.size:
+            settled[phase] = {name: float(values[name].mean()) for name in present}
+            cells = [f"{values[name].mean():.2f} +- {values[name].std():.2f}" for name in present]
+            cells += [f"{timing['overruns']}", f"{1e3 * timing['jitter_max_s']:.3f} ms"]
+            log.info("%s", f"{phase:16}" + "".join(f"{cell:>18}" for cell in cells))
+            problems += _problems(phase, settled, bool(seen.stopped))
+        if seen.stopped or seen.unvented:
+            break
     if not armed:
-        lines.append("valves: kept vented; --armed fills and vents each chamber in turn")
+        log.info("valves: kept vented; --armed fills and vents each chamber in turn")
     stopped = f"stopped: {seen.stopped}" if seen.stopped else ""
     trouble = [*filter(None, [stopped, seen.unvented]), *problems]
-    lines += [f"TROUBLE: {line}" for line in trouble] or ["no trouble found"]
-    for line in lines:
+    for line in [f"TROUBLE: {line}" for line in trouble] or ["no trouble found"]:
         log.info("%s", line)
     return 1 if trouble else 0
-
-
-def _setpoints(phases: Sequence[Phase], ends: np.ndarray, period_s: float) -> np.ndarray:
-    """Return the setpoints of both chambers at every sample, kPa."""
-    setpoints = np.empty((ends[-1], 2))
-    for (_, *goals, _), begin, end in zip(phases, [0, *ends[:-1]], ends, strict=True):
-        risen_kpa = np.arange(end - begin) * period_s * TEST_KPA / RISE_S
-        setpoints[begin:end] = np.minimum(risen_kpa[:, None], goals)
-    return setpoints
 
 
 def _with_check_limits(hardware: Mapping[str, Any]) -> dict[str, Any]:
@@ -123,83 +122,36 @@ def _with_check_limits(hardware: Mapping[str, Any]) -> dict[str, Any]:
     return {**hardware, "limits": limits}
 
 
-def describe(
-    channels: Mapping[str, np.ndarray], ends_s: np.ndarray, phases: Sequence[Phase]
-) -> tuple[list[str], list[str]]:
-    """Return a table of the sensors in each phase, as lines, and the problems.
+def _problems(phase: str, settled: Mapping[str, Mapping[str, float]], cut: bool) -> Iterator[str]:
+    """Yield what the mean readings of a phase show.
 
     Parameters
     ----------
-    channels : Mapping
-        Channels of the run; shorter than the phases if it was stopped.
-    ends_s : ndarray
-        End of each phase, s.
+    cut : bool
+        Whether the phase was stopped: then it does not show what is missing.
     """
-    time_s = channels["time_s"]
-    begins_s = np.concatenate([[0.0], ends_s[:-1]])
-    settled: dict[str, dict[str, float]] = {}
-    cut = ""  # a phase that was cut short does not show what is missing
-    present = [name for name in SENSORS if not np.isnan(channels[name]).all()]
-    lines = [f"{'phase':16}" + "".join(f"{name:>18}" for name in present)]
-    for (phase, *_), begin_s, end_s in zip(phases, begins_s, ends_s, strict=True):
-        within = time_s[(time_s >= begin_s) & (time_s < end_s)]
-        if not within.size:
-            break
-        # the second half of the phase, in which the chamber has settled
-        judged = (time_s >= 0.5 * (begin_s + within[-1])) & (time_s <= within[-1])
-        values = {name: channels[name][judged] for name in present}
-        settled[phase] = {name: float(v.mean()) for name, v in values.items()}
-        cut = "" if end_s - within[-1] < 0.1 * (end_s - begin_s) else phase
-        cells = [f"{v.mean():.2f} +- {v.std():.2f}" for v in values.values()]
-        lines.append(f"{phase:16}" + "".join(f"{cell:>18}" for cell in cells))
-    return lines, [*_problems_at_rest(settled.get("rest", {})), *_problems_of_filling(settled, cut)]
-
-
-def _problems_at_rest(rest: Mapping[str, float]) -> list[str]:
-    return [
-        f"{name} = {rest[name]:.1f} at rest, must be near {near:g}; {remedy}"
-        for name, near, most, remedy in _AT_REST
-        if not abs(rest.get(name, near) - near) <= most
-    ]
-
-
-def _problems_of_filling(settled: Mapping[str, Mapping[str, float]], cut: str) -> list[str]:
-    problems, before = [], settled.get("rest", {})
-    pairs = (
-        ("actuator", "p_exp_kpa", "p_i_kpa", "main_output"),
-        ("PAM A", "p_i_kpa", "p_exp_kpa", "reservoir_output"),
-    )
-    for chamber, channel, other, output in pairs:
-        filled, vented = settled.get(f"{chamber} filled"), settled.get(f"{chamber} vented")
-        if filled is None:
-            continue
-        if filled[channel] - before[channel] < _FILLED_KPA:
-            crossed = filled[other] - before[other] > _UNFILLED_KPA
-            if crossed or f"{chamber} filled" != cut:
-                problems.append(
-                    f"{chamber}: setpoint {TEST_KPA:g} kPa, but {channel} = {filled[channel]:.1f}; "
-                    + (f"{other} rose instead: hoses, channels or {output} are swapped" if crossed
-                       else f"check supply, valve and hardware.boards.{output}")
-                )  # fmt: skip
-        elif abs(filled[other] - before[other]) > _UNFILLED_KPA:
-            problems.append(
-                f"{chamber} filled, but {other} moved to {filled[other]:.1f} kPa; check the hoses"
-            )
-        if vented and f"{chamber} vented" != cut and vented[channel] > _UNFILLED_KPA:
-            problems.append(
-                f"{chamber} vented, but {channel} is still {vented[channel]:.1f} kPa; "
-                "check the valve and its exhaust"
-            )
-    filled = settled.get("actuator filled", {})
-    bent = (
-        filled
-        and cut != "actuator filled"
-        and filled["p_exp_kpa"] - before["p_exp_kpa"] >= _FILLED_KPA
-    )
-    if bent and filled["theta_deg"] - before["theta_deg"] < 1.0:
-        problems.append(
-            f"the actuator was filled, but theta_deg went from {before['theta_deg']:.1f} to "
-            f"{filled['theta_deg']:.1f}; it must rise: check the sensor, or its sign in "
+    now, rest = settled[phase], settled["rest"]
+    if phase == "rest":
+        for name, near, most, remedy in _AT_REST:
+            if not abs(now[name] - near) <= most:
+                yield f"{name} = {now[name]:.1f} at rest, must be near {near:g}; {remedy}"
+        return
+    chamber, channel, other, output = _FILLS[phase]
+    filled = now[channel] - rest[channel] >= _FILLED_KPA
+    moved = now[other] - rest[other]
+    crossed = moved > _UNFILLED_KPA
+    if filled and abs(moved) > _UNFILLED_KPA:
+        yield f"{chamber} filled, but {other} moved to {now[other]:.1f} kPa; check the hoses"
+    elif not filled and (crossed or not cut):
+        yield f"{chamber}: setpoint {TEST_KPA:g} kPa, but {channel} = {now[channel]:.1f}; " + (
+            f"{other} rose instead: hoses, channels or {output} are swapped"
+            if crossed
+            else f"check supply, valve and hardware.boards.{output}"
+        )
+    bent = now["theta_deg"] - rest["theta_deg"] >= 1.0
+    if chamber == "actuator" and filled and not (cut or bent):
+        yield (
+            f"the actuator was filled, but theta_deg went from {rest['theta_deg']:.1f} to "
+            f"{now['theta_deg']:.1f}; it must rise: check the sensor, or its sign in "
             "hardware.theta.gain"
         )
-    return problems
