@@ -10,14 +10,14 @@ import logging
 import math
 import os
 import queue
+import select
 import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from io import BufferedReader
 from typing import IO, Any
 
 from fprc.devices.locks import locked
@@ -70,13 +70,11 @@ def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Seque
         start_new_session=True,
         pass_fds=locks,
     )
-    messages: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(process, messages), daemon=True).start()
     with _forwarding_signals(process) as received:
         with suppress(BrokenPipeError):  # it has already ended, with a message
             process.stdin.write(json.dumps(request).encode() + b"\n")
             process.stdin.flush()
-        end = _watch(messages, process.beat, hardware["loop"])
+        end = _watch(process, hardware["loop"])
         if end in _KILLED:
             process.kill()
         # vent before waiting for the end of the process: until then the valves hold their voltages
@@ -114,7 +112,7 @@ class _Process(subprocess.Popen[bytes]):
     """A process with pipes on its standard input and output."""
 
     stdin: IO[bytes]
-    stdout: BufferedReader
+    stdout: IO[bytes]
 
     def beat(self) -> None:
         """Send a heartbeat to the process, without blocking."""
@@ -122,16 +120,13 @@ class _Process(subprocess.Popen[bytes]):
         with suppress(BrokenPipeError, BlockingIOError):
             os.write(self.stdin.fileno(), HEARTBEAT)
 
+    def listen(self) -> bytes | None:
+        """Return messages of the process, empty if it closed the pipe; None after ``BEAT_S``."""
+        heard, _, _ = select.select([self.stdout], [], [], BEAT_S)
+        return os.read(self.stdout.fileno(), 64) if heard else None
 
-def _listen(process: _Process, messages: queue.SimpleQueue[bytes]) -> None:
-    while chunk := process.stdout.read1(64):
-        messages.put(chunk)
-    messages.put(b"")
 
-
-def _watch(
-    messages: queue.SimpleQueue[bytes], beat: Callable[[], None], loop: Mapping[str, float]
-) -> str:
+def _watch(process: _Process, loop: Mapping[str, float]) -> str:
     """Wait for the end of the process; return ``safe``, ``gone``, ``silent`` or ``stuck``.
 
     Silence is limited to ``opening_s`` after ``OPENING``, since a driver may take seconds to open a
@@ -141,10 +136,9 @@ def _watch(
     limits_s = {OPENING: loop["opening_s"], ARMED: loop["stalled_s"], SAFE: math.inf}
     state, silent = SAFE, 0
     while True:
-        beat()
-        try:
-            chunk = messages.get(timeout=BEAT_S)
-        except queue.Empty:
+        process.beat()
+        chunk = process.listen()
+        if chunk is None:
             silent += 1
             if silent * BEAT_S >= limits_s[state]:
                 return "stuck" if state == OPENING else "silent"

@@ -1,4 +1,3 @@
-import queue
 import signal
 import threading
 import time
@@ -60,11 +59,10 @@ DRIVEN, OPENED = ([None] * (round(limit_s / BEAT_S) - 1) for limit_s in LIMITS.v
 )
 def test_end_of_the_loop_is_derived_from_its_messages(chunks, end):
     assert len(DRIVEN) < len(OPENED)
-    heard = [queue.Empty if chunk is None else chunk for chunk in chunks]  # None: a timeout
-    messages, beat = Mock(), Mock()
-    messages.get.side_effect = heard
-    assert _watch(messages, beat, LIMITS) == end
-    assert messages.get.call_count == beat.call_count == len(chunks)
+    process = Mock()
+    process.listen.side_effect = chunks  # None: a timeout
+    assert _watch(process, LIMITS) == end
+    assert process.listen.call_count == process.beat.call_count == len(chunks)
 
 
 VENTED = "both chambers are vented, as their sensors show"
