@@ -86,6 +86,20 @@ class Session:
 
 
 @pytest.fixture
+def asking():
+    """Return what makes a stand-in for ``Stop``, of a run whose guardian is there or not."""
+
+    def asking(stop=lambda: "", guarded=True):
+        def ask():
+            return stop()
+
+        ask.guarded = lambda: guarded
+        return ask
+
+    return asking
+
+
+@pytest.fixture
 def live_by(monkeypatch):
     """Let sessions with the rig live by the clock of a bench, in this process.
 
@@ -99,7 +113,7 @@ def live_by(monkeypatch):
             return sessions[-1]
 
         monkeypatch.setattr(session, "Metronome", begin)
-        monkeypatch.setattr(session, "notify", lambda what: messages.append(what) or True)
+        monkeypatch.setattr(session, "notify", messages.append)
         waited_s = [0.0]
 
         def wait(seconds):

@@ -6,11 +6,12 @@ import math
 import signal
 from functools import partial
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
-from fprc.apparatus import guardian, process, session
+from fprc.apparatus import guardian, process
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.apparatus.session import Stop
 from fprc.devices import pneumatics
@@ -41,12 +42,12 @@ CALLS = [(part, *call) for part, calls in PARTS.items() for call in calls]
 
 
 @pytest.fixture
-def record(bench, settings, live_by, monkeypatch, tmp_path):
+def record(bench, settings, live_by, asking, monkeypatch, tmp_path):
     """Record a few ticks of the sweep; ``at(tick)`` injects; return error, journal, sessions."""
     settings["experiments"]["sweep"]["duration_s"] = 2.0
     plan = process.plan
 
-    def record(ticks=TICKS, *, at=lambda tick: None, law=None, stop=lambda: ""):
+    def record(ticks=TICKS, *, at=lambda tick: None, law=None, stop=None):
         found = SimpleNamespace()
         found.sessions, found.messages = live_by(bench, at)
 
@@ -58,7 +59,7 @@ def record(bench, settings, live_by, monkeypatch, tmp_path):
         found.raw = tmp_path / "sweep.h5"
         found.error = None
         try:
-            process.record("sweep", str(found.raw), settings=settings, stop=stop)
+            process.record("sweep", str(found.raw), settings=settings, stop=stop or asking())
         except FprcError as error:
             found.error = error
         (path,) = tmp_path.glob("*.journal")
@@ -238,7 +239,8 @@ def controller(respond):
 
 def asked_to_stop(bench, settings, begin):
     asked = []
-    return {"at": asked.append, "stop": lambda: "stopped by SIGTERM" if asked[-1] == begin else ""}
+    stop = Mock(side_effect=lambda: "stopped by SIGTERM" if asked[-1] == begin else "")
+    return {"at": asked.append, "stop": stop}
 
 
 PRESSURES = ("p_exp_kpa", "p_i_kpa", "p_o_kpa")
@@ -349,11 +351,11 @@ def test_unexpected_exception_leaves_no_valve_open(bench, record, matrix):
     matrix.add("an unexpected exception", "mid-run", "the exception", "yes", 0, 0)
 
 
-def test_log_that_is_there_is_not_recorded_again(bench, record, tmp_path, monkeypatch, settings):
+def test_log_that_is_there_is_not_recorded_again(bench, tmp_path, settings):
     raw = tmp_path / "sweep.h5"
     raw.write_bytes(b"mine")
     with pytest.raises(OutputError, match="exists and is not overwritten"):
-        process.record("sweep", str(raw), settings=settings, stop=lambda: "")
+        record_on_rig(str(raw), name="sweep", settings=settings, armed=True)
     assert raw.read_bytes() == b"mine"
     assert bench.shared.calls == 0
     assert not list(tmp_path.glob("*.journal"))
@@ -377,7 +379,7 @@ def test_reason_of_a_run_is_kept_when_the_rig_cannot_be_closed_either(bench, rec
 
 
 def test_loop_whose_guardian_has_ended_vents_until_the_board_answers(
-    bench, settings, record, monkeypatch
+    bench, settings, record, asking, monkeypatch
 ):
     shared = bench.shared
     settings["hardware"]["valves"]["vent_s"] = 0.4
@@ -385,12 +387,11 @@ def test_loop_whose_guardian_has_ended_vents_until_the_board_answers(
     monkeypatch.setattr(pneumatics, "vent", alone)
     monkeypatch.setattr(guardian, "_RETRY_S", 0.005)
 
-    def end_the_guardian(tick):
-        monkeypatch.setattr(session, "notify", lambda message: False)
+    def fail(tick):
         if tick == 5:
             bench.fail(120)
 
-    found = record(at=end_the_guardian)
+    found = record(at=fail, stop=asking(guarded=False))
     assert shared.failures == 120
     assert vented(bench)
     assert "both chambers are vented" in found.reason

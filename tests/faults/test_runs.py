@@ -38,11 +38,11 @@ def compare(found, expected):
     assert found["time_s"] == pytest.approx(expected["time_s"], abs=1e-9)
 
 
-def test_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by, tmp_path):
+def test_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by, asking, tmp_path):
     settings["experiments"]["sweep"]["duration_s"] = 20.0
     live_by(bench)
     raw = tmp_path / "sweep.h5"
-    process.record("sweep", str(raw), settings=settings, stop=lambda: "")
+    process.record("sweep", str(raw), settings=settings, stop=asking())
     log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=1e-6)
     signal, control = settings["experiments"]["sweep"], settings["control"]
     assert len(log.channels["time_s"]) == round(signal["duration_s"] * 200.0) == 4_000
@@ -53,7 +53,9 @@ def test_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by
 
 
 @pytest.mark.parametrize("adapt", [False, True])
-def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp_path, adapt):
+def test_closed_loop_is_that_of_the_simulator(
+    make_bench, settings, live_by, asking, tmp_path, adapt
+):
     settings["control"]["feedforward"]["adapt"] = adapt
     reference = settings["tracking"]["references"]["sine_0p5"]
     reference |= {"duration_s": 5.0, "settle_s": 0.5}
@@ -65,7 +67,7 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
 
     live_by(make_bench(settings, run=TRACKING_RUNS["sine_0p5"]))
     raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd"
-    process.record(name, str(raw), settings=settings, model=str(model), stop=lambda: "")
+    process.record(name, str(raw), settings=settings, model=str(model), stop=asking())
     learned = LEARNING_CHANNELS if adapt else ()
     found = read_columns(raw, (*RAW_CHANNELS, *TRACKING_CHANNELS, *learned))
 

@@ -1,13 +1,13 @@
 """Check the valves and sensors of the real rig one by one, before an experiment."""
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from fprc.apparatus.session import Session, on_rig
+from fprc.apparatus.session import Session, Stop, on_rig
 from fprc.channels import SENSORS
 from fprc.control import run
 from fprc.devices import Clock, Device
@@ -47,12 +47,7 @@ _AT_REST = (
 )  # fmt: skip
 
 
-def check_rig(
-    settings: Mapping[str, Any],
-    armed: bool,
-    stop: Callable[[], str],
-    guarded: Callable[[], bool] = lambda: True,
-) -> int:
+def check_rig(settings: Mapping[str, Any], armed: bool, stop: Stop) -> int:
     """Read every sensor at rest; if armed, also fill and vent one chamber after the other.
 
     Logs the readings and all problems; returns 0 if there is no problem, else 1.
@@ -80,7 +75,7 @@ def check_rig(
                 stop=stop,
             )
 
-        return on_rig(hardware, period_s, act, guarded)
+        return on_rig(hardware, period_s, act, stop)
 
     settled: dict[str, dict[str, float]] = {}
     problems: list[str] = []

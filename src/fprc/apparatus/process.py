@@ -10,10 +10,9 @@ import gc
 import json
 import logging
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from shutil import disk_usage
 from typing import Any
 
 import numpy as np
@@ -21,20 +20,16 @@ import numpy as np
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.programme import plan
 from fprc.apparatus.session import Stop, on_rig, reserve_pipes
-from fprc.artifacts import explaining, refuse_output
 from fprc.channels import RAW_CHANNELS
 from fprc.control import RunAbortedError, run
 from fprc.devices import Clock, Device
-from fprc.errors import FprcError, LogError, OutputError
+from fprc.errors import FprcError, LogError
 from fprc.logs.journal import Journal
 from fprc.logs.recovery import recover, rescue
 
 log = logging.getLogger("fprc.rig")
 
 _READ_ONLY = 0o444
-
-#: Bytes on the disk for each number of a run: in its journal, in its log, and some to spare.
-_BYTES = 32
 
 
 def main() -> int:
@@ -48,8 +43,8 @@ def main() -> int:
     stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
     try:
         if request["what"] == "check":
-            return check_rig(request["settings"], request["armed"], stop, stop.guarded)
-        record(**request["run"], settings=request["settings"], stop=stop, guarded=stop.guarded)
+            return check_rig(request["settings"], request["armed"], stop)
+        record(**request["run"], settings=request["settings"], stop=stop)
     except FprcError as error:
         log.error("error: %s", error)
         return 1
@@ -62,8 +57,7 @@ def record(
     *,
     settings: Mapping[str, Any],
     model: str = "",
-    stop: Callable[[], str],
-    guarded: Callable[[], bool] = lambda: True,
+    stop: Stop,
 ) -> None:
     """Run an experiment on the real rig and write its raw log, read-only.
 
@@ -72,22 +66,10 @@ def record(
 
     Raises
     ------
-    OutputError
-        The log already exists, cannot be written, or is too large for the disk.
     ControlError, DeviceError
         The run was refused or stopped; names the journal, or the log that replaces a lost one.
     """
-    refuse_output(raw, ".h5")
     experiment = plan(name, settings, model)
-    needed = _BYTES * experiment.samples * (1 + len(experiment.channels))
-    with explaining(raw):
-        Path(raw).parent.mkdir(parents=True, exist_ok=True)
-        free = disk_usage(Path(raw).parent).free
-    if free < needed:
-        raise OutputError(
-            f"{raw}: the run needs up to {needed:,} bytes, and its disk has {free:,} left; free "
-            "some, or choose another folder"
-        )
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
     control, hardware = settings["control"], settings["hardware"]
@@ -116,7 +98,7 @@ def record(
                 stop=stop,
             )
 
-        channels, statistics, stopped, unvented = on_rig(hardware, period_s, drive, guarded)
+        channels, statistics, stopped, unvented = on_rig(hardware, period_s, drive, stop)
         if unvented:
             complete = "the samples are complete, but the rig was not closed: "
             stopped = (f"{stopped}\n" if stopped else complete) + unvented

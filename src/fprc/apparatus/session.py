@@ -1,10 +1,12 @@
 """A session with the real rig: open it with safety limits and clock, make it safe at the end."""
 
+import math
 import os
 import signal
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,7 +36,7 @@ def on_rig(
     hardware: Mapping[str, Any],
     period_s: float,
     act: Callable[[Device, Clock], dict[str, np.ndarray]],
-    guarded: Callable[[], bool] = lambda: True,
+    stop: "Stop",
 ) -> Session:
     """Open the real rig with its safety limits and clock; act; make it safe and release it.
 
@@ -42,8 +44,8 @@ def on_rig(
     ----------
     act : callable
         Returns channels, or raises RunAbortedError.
-    guarded : callable
-        Returns whether the guardian was heard lately; if not, it does not vent in our place.
+    stop : Stop
+        Tells whether the guardian was heard lately; if not, it does not vent in our place.
 
     Raises
     ------
@@ -81,7 +83,7 @@ def on_rig(
             notify(SAFE)
         except DeviceError as closing:
             unvented = str(closing)
-            if not (guarded() and notify(HEARTBEAT)):  # else only this process can vent
+            if not stop.guarded():  # else only this process can vent
                 unvented += f"\n{vent_until_shown(hardware)}"
             if not timing:
                 raise DeviceError(unvented) from closing
@@ -106,13 +108,10 @@ def reserve_pipes() -> None:
         os.dup2(nothing.fileno(), 0)
 
 
-def notify(message: bytes) -> bool:
-    """Send a message to the guardian; return whether it exists. If not, ``Stop`` ends the run."""
-    try:
+def notify(message: bytes) -> None:
+    """Send a message to the guardian. If it has ended, ``Stop`` ends the run."""
+    with suppress(BrokenPipeError):
         os.write(_pipes["out"], message)
-    except BrokenPipeError:
-        return False
-    return True
 
 
 def _boottime() -> float:
@@ -169,7 +168,7 @@ class Stop:
         return self._reason
 
     def guarded(self) -> bool:
-        """Return whether the guardian was heard lately; it may have been stopped, as by Ctrl-Z."""
+        """Return whether the guardian was heard lately; it may have ended, or been stopped."""
         return self._monotonic() - self._heartbeat_s <= self._stalled_s
 
     def _signalled(self, number: int, frame: Any) -> None:
@@ -179,3 +178,4 @@ class Stop:
         while os.read(_pipes["in"], 64):
             self._heartbeat_s = self._monotonic()
         self._reason = self._reason or "the guardian process has ended"
+        self._heartbeat_s = -math.inf

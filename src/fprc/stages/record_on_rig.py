@@ -3,14 +3,18 @@
 import logging
 from collections.abc import Mapping
 from pathlib import Path
+from shutil import disk_usage
 from typing import Any
 
 from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import plan
-from fprc.artifacts import refuse_output
-from fprc.errors import ControlError
+from fprc.artifacts import explaining, refuse_output
+from fprc.errors import ControlError, OutputError
 
 log = logging.getLogger("fprc.rig")
+
+#: Bytes on the disk for each number of a run: in its journal, in its log, and some to spare.
+_BYTES = 32
 
 
 def record_on_rig(
@@ -26,7 +30,7 @@ def record_on_rig(
     Raises
     ------
     OutputError
-        The log exists, or cannot be written.
+        The log exists, cannot be written, or is too large for the disk.
     ControlError
         Not armed, or the run was stopped; names the experiment, or the journal.
     """
@@ -43,6 +47,14 @@ def record_on_rig(
             f"{name}: not armed, nothing was moved; inspect the rig, run `fprc rig check --armed`, "
             "then give --armed (fprc rig run) or --config armed=true (snakemake)"
         )
-    Path(raw).parent.mkdir(parents=True, exist_ok=True)
+    needed = _BYTES * experiment.samples * (1 + len(experiment.channels))
+    with explaining(raw):
+        Path(raw).parent.mkdir(parents=True, exist_ok=True)
+        free = disk_usage(Path(raw).parent).free
+    if free < needed:
+        raise OutputError(
+            f"{raw}: the run needs up to {needed:,} bytes, and its disk has {free:,} left; free "
+            "some, or choose another folder"
+        )
     run = {"name": name, "raw": raw, "model": model}
     guard({"what": "run", "settings": dict(settings), "run": run})

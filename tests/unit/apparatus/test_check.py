@@ -8,7 +8,7 @@ from fprc.apparatus.guardian import ARMED, SAFE
 
 
 @pytest.fixture
-def look(make_bench, settings, live_by, caplog):
+def look(make_bench, settings, live_by, asking, caplog):
     """Check a rig on its bench's clock; return exit code and troubles."""
 
     def look(*, armed=True, stop=lambda: "", touch=lambda bench: None):
@@ -17,7 +17,7 @@ def look(make_bench, settings, live_by, caplog):
 
         _, look.messages = live_by(bench)
         caplog.set_level(logging.INFO, logger="fprc.rig")
-        code = check_rig(settings, armed, stop)
+        code = check_rig(settings, armed, asking(stop))
         look.lines = caplog.messages
         return code, [m.removeprefix("TROUBLE: ") for m in caplog.messages if "TROUBLE" in m]
 

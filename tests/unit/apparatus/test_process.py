@@ -12,6 +12,7 @@ from fprc.apparatus import process
 from fprc.control import RunAbortedError
 from fprc.errors import LogError, OutputError
 from fprc.logs import Journal, read_raw
+from fprc.stages.record_on_rig import record_on_rig
 
 TICKS = 40
 #: Tick before which the journal is lost.
@@ -30,7 +31,7 @@ def places(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def record(bench, settings, live_by, places, monkeypatch):
+def record(bench, settings, live_by, asking, places, monkeypatch):
     """Record some ticks of the sweep; lose the journal before one; return error and last tick.
 
     That tick waits until the journal's thread has noticed it; at the last tick, ``close`` has to.
@@ -57,10 +58,9 @@ def record(bench, settings, live_by, places, monkeypatch):
         monkeypatch.setattr(process, "plan", cut_short)
         monkeypatch.setattr(process, "Journal", open_journal)
         sessions, _ = live_by(bench, at_tick)
+        raw = str(places["raw"] / "sweep.h5")
         with pytest.raises((RunAbortedError, LogError)) as caught:
-            process.record(
-                "sweep", str(places["raw"] / "sweep.h5"), settings=settings, stop=lambda: ""
-            )
+            process.record("sweep", raw, settings=settings, stop=asking())
         assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
         return str(caught.value), sessions[-1].tick
 
@@ -152,9 +152,11 @@ def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypat
 
 def test_run_that_the_disk_cannot_hold_does_not_begin(settings, places, monkeypatch):
     """Its 36,000 samples of 11 numbers take 3.2 MB in the journal, and as much in the log."""
-    monkeypatch.setattr(process, "disk_usage", lambda folder: SimpleNamespace(free=10**7))
-    monkeypatch.setattr(process, "on_rig", None)
+    stage = "fprc.stages.record_on_rig"
+    monkeypatch.setattr(f"{stage}.disk_usage", lambda folder: SimpleNamespace(free=10**7))
+    monkeypatch.setattr(f"{stage}.guard", None)
     settings["experiments"]["sweep"]["duration_s"] = 180.0
+    raw = str(places["raw"] / "new/a.h5")
     with pytest.raises(OutputError, match="10,000,000 left"):
-        process.record("sweep", str(places["raw"] / "new/a.h5"), settings=settings, stop=lambda: "")
+        record_on_rig(raw, name="sweep", settings=settings, armed=True)
     assert [*places["raw"].rglob("a.*")] == []
