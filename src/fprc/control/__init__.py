@@ -2,14 +2,12 @@
 
 from fprc.control.loop import Law, RunAbortedError, hysteresis_law, run
 from fprc.control.pd import PD
-from fprc.control.pressure import PressurePI
 from fprc.control.tracking import refuse_impossible, tracking_law
 
 __all__ = [
     "PD",
     "RunAbortedError",
     "Law",
-    "PressurePI",
     "hysteresis_law",
     "refuse_impossible",
     "run",

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
-from fprc.control.pressure import PressurePI
-from fprc.control_laws import NEUTRAL_V, clamp
+from fprc.control_laws import NEUTRAL_V, clamp, pressure_step
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError, FprcError
 
@@ -76,10 +75,11 @@ def run(
     rows = np.empty((samples, len(names)))
     done = k = 0
     period_s = 1.0 / control["sample_rate_hz"]
-    main_loop, reservoir_loop = (
-        PressurePI(**control[name], period_s=period_s, neutral_v=neutral_v)
+    gains = [
+        (control[name]["kp_v_per_kpa"], control[name]["ki_v_per_kpa_s"])
         for name in ("main_loop", "reservoir_loop")
-    )
+    ]
+    integrals: Sequence[float] = (0.0, 0.0)
 
     def recorded() -> dict[str, np.ndarray]:
         return dict(zip(names, rows[:done].T.copy(), strict=True))
@@ -92,8 +92,16 @@ def run(
             if gone := [name for name in _NEEDED if not math.isfinite(getattr(now, name))]:
                 raise ControlError(f"no reading of {', '.join(gone)}; check the sensor")
             p_exp, p_i, *more = law(k, now)
-            main_v = main_loop.step(p_exp, now.p_exp_kpa)
-            reservoir_v = reservoir_loop.step(p_i, now.p_i_kpa)
+            errors = p_exp - now.p_exp_kpa, p_i - now.p_i_kpa
+            if not all(map(math.isfinite, errors)):
+                raise ControlError(
+                    f"the control law gave P_exp = {p_exp}, P_i = {p_i} kPa; both must be finite"
+                )
+            steps = [
+                pressure_step(error, integral, *of_loop, period_s, neutral_v)
+                for error, integral, of_loop in zip(errors, integrals, gains, strict=True)
+            ]
+            (main_v, reservoir_v), integrals = zip(*steps, strict=True)
             device.write(main_v, reservoir_v)
             sample = {
                 **now._asdict(),

@@ -41,7 +41,7 @@ def law(k, now):
     return 100.0 + k, 200.0 + now.theta_deg
 
 
-def go(bench, samples=3, **options):
+def go(bench, samples=3, law=law, **options):
     gains = {"kp_v_per_kpa": 0.03, "ki_v_per_kpa_s": 0.0}
     control = {"sample_rate_hz": 200.0, "main_loop": gains, "reservoir_loop": gains}
     return run(bench, bench, law, samples, control, **options)
@@ -88,4 +88,12 @@ def test_sensor_without_a_reading_stops_the_run_by_its_name(sensor, value):
     bench = Dropout()
     with pytest.raises(RunAbortedError, match=f"no reading of {sensor}"):
         go(bench)
+    assert bench.calls == ["wait", "read", "write", "wait", "read", "safe"]
+
+
+@pytest.mark.parametrize("setpoints", [(np.nan, 0.0), (0.0, np.nan), (np.inf, 0.0), (np.inf,) * 2])
+def test_setpoint_that_is_not_finite_stops_the_run_before_it_reaches_a_valve(setpoints):
+    bench = Bench()
+    with pytest.raises(RunAbortedError, match="must be finite"):
+        go(bench, law=lambda k, now: setpoints if k == 1 else law(k, now))
     assert bench.calls == ["wait", "read", "write", "wait", "read", "safe"]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from fprc.config import Settings, check
 from fprc.config.rig import Rig
 from fprc.config.section import limits_of, section_of
-from fprc.control import PressurePI
+from fprc.control_laws import NEUTRAL_V, pressure_step
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ConfigError, SimulationError
 from fprc.rig import simulator
@@ -25,13 +25,20 @@ def start(rig, rate_hz=RATE_HZ, seed=1):
 def drive(rig, p_exp_kpa, k_in=7.0, rate_hz=RATE_HZ):
     """Follow a pressure with the paper's loops; return the true states and the readings."""
     device = start(rig, rate_hz)
-    main, reservoir = PressurePI(0.03, 1e-6, 1 / rate_hz), PressurePI(0.05, 1e-6, 1 / rate_hz)
+    integrals, gains = (0.0, 0.0), (0.03, 0.05)
     states, readings = [], []
     for k, p_exp in enumerate(p_exp_kpa):
         device.wait_for(k)
         now = device.read()
         p_i = min(max(k_in * now.theta_deg, 0.0), 450.0)
-        device.write(main.step(p_exp, now.p_exp_kpa), reservoir.step(p_i, now.p_i_kpa))
+        steps = [
+            pressure_step(error, integral, gain, 1e-6, 1 / rate_hz, NEUTRAL_V)
+            for error, integral, gain in zip(
+                (p_exp - now.p_exp_kpa, p_i - now.p_i_kpa), integrals, gains, strict=True
+            )
+        ]
+        volts, integrals = zip(*steps, strict=True)
+        device.write(*volts)
         states.append(device.state)
         readings.append(now)
     return np.concatenate(states), np.array(readings)
