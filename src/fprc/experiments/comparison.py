@@ -35,11 +35,13 @@ def compare_models(
     """
     judged = {name: judge_directions(name, judgement, data) for name in entries(judgement.models)}
     by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
-    how: Any = {"train": data["sweep"], "test": data["complex"], "judgement": judgement}
+    train, test = data["sweep"], data["complex"]
     compared = {
         "models": [report for _, report, _ in by_direction],
-        "weights": weight_shares(data["sweep"], judgement),
-        "filter_alone": judge_cell({"model": "fprc_lowpass"}, **how),
+        "weights": weight_shares(train, judgement),
+        "filter_alone": judge_cell(
+            "fprc_lowpass", train, test, judgement, judgement.split_rows(train)
+        ),
     }
     return compared, {name: validated.model for name, ((validated, *_), *_) in judged.items()}
 

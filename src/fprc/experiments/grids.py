@@ -1,12 +1,12 @@
 """Grids of control variables, Sec. III-E, and the weights of Fig. 9."""
 
-import itertools
 import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from sklearn.base import clone
+from sklearn.model_selection import ParameterGrid
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import Prepared, evaluate, prepare
@@ -19,35 +19,17 @@ from fprc.registry import build
 log = logging.getLogger(__name__)
 
 
-def cells_of(grid: str, values: Mapping[str, Sequence[float]]) -> list[dict[str, Any]]:
-    """Return the cells of a grid: a model, and the settings that the grid varies."""
-    return [
-        {"model": model, **dict(zip(GRID_SETTINGS[grid], cell, strict=True))}
-        for model in GRID_MODELS[grid]
-        for cell in itertools.product(*(values[name] for name in GRID_SETTINGS[grid]))
-    ]
-
-
 def judge_cell(
-    cell: Mapping[str, Any],
-    *,
+    name: str,
     train: Data,
     test: Data,
     judgement: Judgement,
-    folds: Sequence[Fold] | None = None,
+    folds: Sequence[Fold],
+    **changed: float,
 ) -> dict[str, Any]:
-    """Return the errors of one cell.
-
-    Parameters
-    ----------
-    folds : sequence of (training rows, validation rows), optional
-        By default all of ``judgement``.
-    """
-    name = cell["model"]
-    changed = {key: value for key, value in cell.items() if key != "model"}
+    """Return the errors of a model, some of whose settings are changed."""
     model = build(name, judgement.models, judgement.seed, **changed)
-    rows = judgement.split_rows(train) if folds is None else folds
-    return evaluate(model, rows, train.samples(name), test.samples(name))
+    return evaluate(model, folds, train.samples(name), test.samples(name))
 
 
 def judge_grids(
@@ -67,12 +49,16 @@ def judge_grids(
     train, test = data["sweep"], data["complex"]
     models = models_for(judgement.models, train, test)
     rows = judgement.split_rows(train)[:folds]
-    how: dict[str, Any] = {"train": train, "test": test, "judgement": judgement, "folds": rows}
     judged = {}
-    for grid in GRID_MODELS:
-        cells = [cell for cell in cells_of(grid, values) if cell["model"] in models]
-        judged[grid] = [{**cell, **judge_cell(cell, **how)} for cell in cells]
-        log.info("judged grid %s: %d cells", grid, len(cells))
+    for grid, names in GRID_MODELS.items():
+        cells = ParameterGrid({setting: values[setting] for setting in GRID_SETTINGS[grid]})
+        judged[grid] = [
+            {"model": name, **cell, **judge_cell(name, train, test, judgement, rows, **cell)}
+            for name in names
+            if name in models
+            for cell in cells
+        ]
+        log.info("judged grid %s: %d cells", grid, len(judged[grid]))
     return judged
 
 

@@ -133,7 +133,8 @@ def test_grids_agree_cell_by_cell_on_several_recordings(joined, folds):
         "taps": 2,
     }
     for cell in sum(grids.values(), []):
-        settings = {key: cell[key] for key in cell if not key.endswith("_kpa")}
-        alone = judge_cell(settings, train=joined, test=joined, judgement=JUDGEMENT)
+        settings = {k: cell[k] for k in cell if k != "model" and not k.endswith("_kpa")}
+        rows = JUDGEMENT.split_rows(joined)
+        alone = judge_cell(cell["model"], joined, joined, JUDGEMENT, rows, **settings)
         for phase in ("train_rmse_kpa", "validation_rmse_kpa"):
             assert cell[phase] == pytest.approx(alone[phase][:folds])
