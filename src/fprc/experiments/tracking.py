@@ -121,8 +121,6 @@ class Track(NamedTuple):
         reference: str,
         controllers: Sequence[str],
         models: Mapping[str, SequenceModel],
-        *,
-        pushed: bool | None = None,
     ) -> dict[str, dict[str, np.ndarray]]:
         """Follow a reference on the simulated rig; return the channels of each controller.
 
@@ -130,25 +128,22 @@ class Track(NamedTuple):
         ----------
         models : Mapping
             Models that give the feedforward, by name.
-        pushed : bool, optional
-            See ``simulate``.
         """
-        inputs = self.inputs(reference, pushed=pushed)
+        inputs = self.inputs(reference)
         runs = {}
         for name in controllers:
             driver = feedforward_of(name)
             p_ff = self.precompute(models[driver], inputs) if driver else None
-            feedback = has_feedback(name)
-            runs[name] = self.simulate(reference, p_ff, feedback=feedback, pushed=pushed)
+            runs[name] = self.simulate(reference, p_ff, feedback=has_feedback(name))
         log.info("followed %s with %s", reference, ", ".join(controllers))
         return runs
 
-    def inputs(self, reference: str, *, pushed: bool | None = None) -> np.ndarray:
+    def inputs(self, reference: str) -> np.ndarray:
         """Return the inputs of the models for a whole reference, of shape (n_samples, 2).
 
         P_o depends on P_i = K_in theta_d only, so one run with the actuator at rest gives it.
         """
-        at_rest = self.simulate(reference, None, feedback=False, pushed=pushed)
+        at_rest = self.simulate(reference, None, feedback=False)
         return np.column_stack([at_rest["theta_d_deg"], at_rest["p_o_kpa"]])
 
     def precompute(self, model: SequenceModel, inputs: np.ndarray) -> Precomputed:
@@ -173,26 +168,19 @@ class Track(NamedTuple):
             raise ControlError(f"control.feedforward.adapt: {error}") from error
 
     def simulate(
-        self,
-        reference: str,
-        precomputed: Precomputed | None,
-        *,
-        feedback: bool,
-        pushed: bool | None = None,
+        self, reference: str, precomputed: Precomputed | None, *, feedback: bool
     ) -> dict[str, np.ndarray]:
         """Return the channels of a run, simulated in compiled code.
 
-        They are those of ``law`` in the loop that runs the real rig, on a ``SimulatedRig``.
+        They are those of ``law`` in the loop that runs the real rig, on a ``SimulatedRig``. In the
+        disturbance test the reservoir is pushed.
 
         Parameters
         ----------
         precomputed : Precomputed, optional
             The feedforward; without it P_ff = 0.
-        pushed : bool, optional
-            Whether the reservoir is pushed; by default in the disturbance test only.
         """
         theta_d = self.reference(reference)
-        pushed = reference == DISTURBANCE if pushed is None else pushed
         given = precomputed or Precomputed(np.zeros(len(theta_d)))
         rate_hz, number = self.control["sample_rate_hz"], TRACKING_RUNS[reference]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
@@ -201,7 +189,7 @@ class Track(NamedTuple):
             theta_d_deg=theta_d,
             pressure_limit_kpa=self.tracking["pressure_limit_kpa"],
             feedback=feedback,
-            push_kpa=self.pushes(len(theta_d)) if pushed else None,
+            push_kpa=self.pushes(len(theta_d)) if reference == DISTURBANCE else None,
             **given._asdict(),
         )
 
@@ -237,17 +225,19 @@ def measure_control(
         Models that give the feedforward, by name.
     """
 
-    def follow(reference: str, names: Sequence[str], pushed: bool | None = None) -> dict[str, Any]:
-        runs = bench.follow(reference, names, models, pushed=pushed)
+    def follow(bench: Track, reference: str, names: Sequence[str]) -> dict[str, Any]:
+        runs = bench.follow(reference, names, models)
         settle_s = bench.tracking["references"][reference]["settle_s"]
         return {name: settled(channels, settle_s) for name, channels in runs.items()}
 
     runs = {
         f"{reference}/{name}": run
         for reference in bench.tracking["references"]
-        for name, run in follow(reference, controllers).items()
+        for name, run in follow(bench, reference, controllers).items()
     }
-    unpushed = follow(DISTURBANCE, ["fprc_pd"], pushed=False)["fprc_pd"]
+    pushes = {**bench.tracking["pushes"], "sigma_kpa": 0.0}
+    quiet = bench._replace(tracking={**bench.tracking, "pushes": pushes})
+    unpushed = follow(quiet, DISTURBANCE, ["fprc_pd"])["fprc_pd"]
     return {
         "hysteresis": measure_hysteresis(sweep.channels),
         "pressure_error": measure_pressure_error(sweep.channels),
