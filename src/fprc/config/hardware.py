@@ -66,9 +66,6 @@ class AngleSensor(Section):
 
     bus: int = quantity(1, (0, 63), "number of the I2C bus, as in /dev/i2c-1")
     address: int = quantity(0x12, (0x08, 0x77), "I2C address", "data sheet: 0x12")
-    ticks: int = quantity(
-        81, (33, 16384), "time between two samples", "202.27 Hz, nominally 200", unit="1/16384 s"
-    )
     offset_deg: float = quantity(0, (-180, 180), "added after the gain")
     gain: float = quantity(1, (-10, 10), "factor on the reading, before the offset")
 

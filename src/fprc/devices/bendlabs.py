@@ -15,7 +15,8 @@ _RUN, _SPS = 0x00, 0x01
 _SAMPLE = 0x00  # code of a reply that holds an angle
 _LENGTH = 3
 _DEG_PER_COUNT = 1 / 64
-_TICKS_HZ = 16384
+#: Time between two samples, in units of 1/16384 s: 202.27 Hz, nominally 200.
+_TICKS, _TICKS_HZ = 81, 16384
 _SETTLE_S = 2e-3
 
 
@@ -54,8 +55,6 @@ class BendSensor:
         Only ``i2c_rdwr`` is used; see ``open_bus``.
     address : int
         I2C address, 0x12 by default.
-    ticks : int, default=81
-        Sample period in units of 1/16384 s; 81 for 202.27 Hz.
     gain : float, default=1.0
         Factor on the sensor's angle.
     offset_deg : float, default=0.0
@@ -67,12 +66,9 @@ class BendSensor:
         The sensor does not answer; raised by the constructor and every method.
     """
 
-    def __init__(
-        self, bus: Any, address: int, *, ticks: int = 81, gain: float = 1.0, offset_deg: float = 0.0
-    ):
+    def __init__(self, bus: Any, address: int, *, gain: float = 1.0, offset_deg: float = 0.0):
         self._bus = bus
         self._address = address
-        self._ticks = ticks
         self._gain = gain
         self._offset_deg = offset_deg
         self._message = _smbus2().i2c_msg
@@ -80,10 +76,10 @@ class BendSensor:
 
     def start(self, sleep: Callable[[float], None] = time.sleep) -> None:
         """Start sampling, and wait for the first sample."""
-        self._send("setting the sample rate", _SPS, *self._ticks.to_bytes(2, "little"))
+        self._send("setting the sample rate", _SPS, *_TICKS.to_bytes(2, "little"))
         sleep(_SETTLE_S)
         self._send("starting it", _RUN, 1, 0)
-        sleep(max(_SETTLE_S, self._ticks / _TICKS_HZ))
+        sleep(max(_SETTLE_S, _TICKS / _TICKS_HZ))
 
     def read(self) -> float | None:
         """Return the angle in deg; None if the reply is not a sample.

@@ -74,7 +74,7 @@ class HardwareRig:
                 if number not in self._buses:
                     self._buses[number] = bus = open_bus(number)
                     opened.callback(quietly, bus.close)
-                calibration = {key: settings[key] for key in ("ticks", "gain", "offset_deg")}
+                calibration = {key: settings[key] for key in ("gain", "offset_deg")}
                 built = BendSensor(self._buses[number], settings["address"], **calibration)
                 built.start(sleep=sleep)
                 return built
