@@ -4,6 +4,7 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from fprc.channels import Readings
@@ -14,7 +15,6 @@ from fprc.devices.pneumatics import (
     Valves,
     board_names,
     call_all,
-    open_valves,
     quietly,
     vent,
 )
@@ -59,15 +59,16 @@ class HardwareRig:
             locks = opened.enter_context(contextlib.ExitStack())
             if not has_lock:
                 locks.enter_context(locked(board_names(boards)))
-            parts: dict[str, Any] = {}
             problems: dict[str, None] = {}  # each once: both boards may lack the driver
 
-            def attempt(name: str, build: Callable[[], Any], release: str) -> None:
+            def attempt(build: Callable[[], Any], release: str) -> Any:
                 try:
-                    parts[name] = part = build()
-                    opened.callback(quietly, getattr(part, release))
+                    part = build()
                 except DeviceError as error:
                     problems[str(error)] = None
+                    return None
+                opened.callback(quietly, getattr(part, release))
+                return part
 
             def sensor(settings: Mapping[str, Any]) -> BendSensor:
                 number = settings["bus"]
@@ -79,20 +80,18 @@ class HardwareRig:
                 built.start(sleep=sleep)
                 return built
 
-            attempt("valves", lambda: open_valves(hardware), "close")
-            attempt("inputs", lambda: Pressures(hardware), "close")
-            attempt("theta", lambda: sensor(hardware["theta"]), "shutdown")
-            if hardware["phi"]:
-                attempt("phi", lambda: sensor(hardware["phi"]), "shutdown")
+            self._valves: Valves = attempt(lambda: Valves(hardware, reset=True), "close")
+            self._inputs: Pressures = attempt(lambda: Pressures(hardware), "close")
+            self._sensors: list[BendSensor] = [
+                attempt(partial(sensor, hardware[name]), "shutdown")
+                for name in ("theta", "phi")
+                if hardware[name]
+            ]
             if problems:
                 raise DeviceError("\n".join(problems))
             opened.pop_all()
         self._locks = locks
-        self._valves: Valves = parts["valves"]
         self.write, self.safe = self._valves.write, self._valves.vent
-        self._inputs: Pressures = parts["inputs"]
-        self._theta: BendSensor = parts["theta"]
-        self._phi: BendSensor | None = parts.get("phi")
         self._angles = [math.nan, math.nan]
 
     def read(self) -> Readings:
@@ -105,8 +104,8 @@ class HardwareRig:
         """
         stamp = self._elapsed()
         kpa = self._inputs.read()
-        for k, sensor in enumerate((self._theta, self._phi)):
-            angle = None if sensor is None else sensor.read()
+        for k, sensor in enumerate(self._sensors):
+            angle = sensor.read()
             if angle is not None:
                 self._angles[k] = angle
         return Readings(stamp, kpa[0], self._angles[0], kpa[1], kpa[2], self._angles[1])
@@ -120,7 +119,7 @@ class HardwareRig:
             No reading confirms that both chambers are vented; the driver or a sensor reports
             an error.
         """
-        sensors = [sensor.shutdown for sensor in (self._theta, self._phi) if sensor]
+        sensors = [sensor.shutdown for sensor in self._sensors]
         buses = [bus.close for bus in self._buses.values()]
         with self._locks:
             call_all(

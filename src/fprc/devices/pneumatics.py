@@ -36,6 +36,11 @@ class NotVentedError(DeviceError):
 class Valves:
     """Both proportional valves on the output board, and the optional heartbeat output.
 
+    Parameters
+    ----------
+    reset : bool
+        Whether to reset the board, and to vent both chambers.
+
     Raises
     ------
     DeviceError
@@ -51,6 +56,12 @@ class Valves:
         self._beats = 0
         self._voltages = hardware["valves"]
         self.release = self._board.close  #: releases the board; its outputs hold their voltages
+        if reset:
+            try:
+                self.exhaust()  # even at rest: a closed valve leaks, and would fill the chamber
+            except DeviceError:
+                quietly(self.close)  # tries to vent once more
+                raise
 
     def write(self, main_v: float, reservoir_v: float) -> None:
         """Set both voltages; if both writes succeed, toggle the heartbeat output."""
@@ -193,25 +204,6 @@ def vent_from_outside(hardware: Mapping[str, Any], on_write: Callable[[str], Non
             vent(valves, open_inputs, hardware["valves"], on_write=on_write)
         finally:
             quietly(valves.close)
-
-
-def open_valves(hardware: Mapping[str, Any]) -> Valves:
-    """Reset and open the output board, and vent both chambers.
-
-    Venting matters even at rest: a closed valve leaks, and would slowly fill the chamber.
-
-    Raises
-    ------
-    DeviceError
-        The driver or the board cannot be opened.
-    """
-    valves = Valves(hardware, reset=True)
-    try:
-        valves.exhaust()
-    except DeviceError:
-        quietly(valves.close)  # tries to vent once more
-        raise
-    return valves
 
 
 def call_all(*calls: Callable[[], None]) -> None:
