@@ -291,8 +291,7 @@ def test_logs_that_no_import_wrote_are_refused_if_they_train_or_test(
 
 def test_answer_is_doubtful_if_a_check_failed_or_theta_is_narrow(tmp_path):
     record = {"log": "sweep.h5", "checks": {"range": {"passed": True}}}
-    first = {"p_o_kpa": {"sample": 7, "value": 1e5, "limits": [-5.0, 600.0]}}
-    bad = {"range": {"passed": False, "samples": {"p_o_kpa": 3}, "first": first}}
+    bad = {"range": {"passed": False, "finding": "channel p_o_kpa: sample 7 is 1e5 kPa"}}
     for part, checks in (("sweep", record["checks"]), ("complex", bad)):
         write_json(tmp_path / f"quality/{part}.json", record | {"checks": checks})
     settings = {"models": {"fprc": {"sigma": 2.0}}}
