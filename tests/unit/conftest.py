@@ -271,7 +271,6 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
         "name": name,
         "fitted": ["tables", "orders", "open_loop"],
         "cells": cells,
-        "capacity": [_capacity(unit, random) for unit in range(units)],
     } | more
 
 
@@ -286,20 +285,3 @@ def _model(name, error):
         if reads_p_o:
             found[f"forward/{kpa:g}"] = moved
     return found
-
-
-def _capacity(unit, random):
-    sets = {"p_o": (0.8, 0.15, 1), "p_o_taps": (2.5, 0.8, 4), "theta_lowpass_taps": (2.0, 0.0, 4),
-            "esn": (20.0, 30.0, 300)}  # fmt: skip
-    noise = 1.0 + 0.02 * random.standard_normal(len(sets))
-    return {
-        "unit": unit,
-        "seed": 601 + unit,
-        "sets": {
-            name: {
-                "by_degree": {"1": linear * f, "2": 0.25 * other * f, "3": 0.75 * other * f},
-                "states": states,
-            }
-            for (name, (linear, other, states)), f in zip(sets.items(), noise, strict=True)
-        },
-    }

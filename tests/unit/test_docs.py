@@ -188,8 +188,6 @@ PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, RIGS)
         (DETAILS, r"on the default rig from (\S+) to (\S+) kPa\. .* \((\S+) instead of (\S+) deg",
          "beyond_models", [("FPRC", FORWARD), ("FPRC, tuned", FORWARD), ("FPRC, tuned", OPEN),
                            ("FPRC", OPEN)]),
-        (BEYOND, r"nonlinear capacity\*\*: (\S+) of degree 2",
-         "beyond_capacities", [("P_o", "Degree 2")]),
         (DRIFT, r"Without an offset FPRC is (\S+) and (\S+) deg off", "online_errors",
          [("FPRC", "Open loop, as trained"), ("FPRC", "Closed loop, as trained")]),
         (DRIFT, r"on \*paper\*, and (\S+) and (\S+) in \[beyond\.md\]",

@@ -6,9 +6,9 @@ TUNED = file_of_workflow("../../config/tuned.yaml")
 CONFIGURED_FAMILY = SETTINGS["fitted"]["name"]
 FAMILIES = [CONFIGURED_FAMILY, *OTHER_RIGS, *SETS]
 #: Tables of the figures.
-FIGURES_BEYOND = {"pairs": "claims", "offsets": "offsets", "capacities": "capacities"}
+FIGURES_BEYOND = {"pairs": "claims", "offsets": "offsets"}
 #: Names of the tables in Markdown.
-PAGES_BEYOND = "claims models offsets capacities beside fitted details leaderboard".split()
+PAGES_BEYOND = "claims models offsets beside fitted details leaderboard".split()
 #: Settings of the models and of their competitors, with their own number of starts of a clustering.
 CONTESTANTS = paper_models(SETTINGS) | {
     "fprc": SETTINGS["models"]["fprc"] | {"restarts": BEYOND["restarts"]}
@@ -34,26 +34,12 @@ STUDY_RESULTS["beyond_world"] = judgement_spec(
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
 )
 
-STUDY_RESULTS["beyond_capacity"] = judgement_spec(
-    "beyond/capacity",
-    "beyond.driven_states.judge_capacity",
-    families=lambda wildcards: [family_named(name) for name in (CONFIGURED_FAMILY, *OTHER_RIGS)],
-    units=list(range(BEYOND["slow"])),
-    how={
-        "models": pick(SETTINGS["models"], "n_y", "fprc", "esn"),
-        "holds": BEYOND["capacity_holds"],
-    },
-)
-
 STUDY_RESULTS["beyond_tables"] = result_spec(
     "beyond/claims",
     "tables",
+    {"families": expand(PATHS.below("beyond/{world}.json"), world=FAMILIES)},
     {
-        "families": expand(PATHS.below("beyond/{world}.json"), world=FAMILIES),
-        "capacity": PATHS.below("beyond/capacity.json"),
-    },
-    {
-        **{name: PATHS.below(f"beyond/{name}.csv") for name in PAGES_BEYOND[:4]},
+        **{name: PATHS.below(f"beyond/{name}.csv") for name in PAGES_BEYOND[:3]},
         "pages": expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
     },
     **stage("studies.show_beyond.tabulate_beyond"),

@@ -4,7 +4,7 @@ A unit is a seed, a rig, or a block of a recording.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,13 +32,11 @@ _STRENGTH = (INFERIOR, UNDECIDED, EQUIVALENT, SUPERIOR)
 
 
 class Part(NamedTuple):
-    """One comparison of a claim: a logarithm of a ratio, or a difference, per unit."""
+    """One comparison of a claim: the logarithm of a ratio over its limit, per unit."""
 
     text: str
     values: Mapping[int, float]  #: by unit; lower is better
-    ratio: bool = True  #: a logarithm of a ratio to 1; what is compared with a limit is not
-    #: Turns a value into the number that readers see.
-    shown: Callable[[float], float] = math.exp
+    limit: float = 1.0  #: with any other there is no equivalence
     dropped: int = 0  #: units without this pair
     #: Samples that judge per sample that trains, if the units of one cross-validation share their
     #: training data; 0 for units that share none.
@@ -63,8 +61,8 @@ class Part(NamedTuple):
 
     def ends(self, level: float) -> dict[str, float]:
         """Return the interval as readers see it: ``mean``, ``low`` and ``high``."""
-        mean, *ends = map(self.shown, self.interval(level))
-        return {"mean": mean, "low": min(ends), "high": max(ends)}
+        ends = zip(("mean", "low", "high"), self.interval(level), strict=True)
+        return {name: self.limit * math.exp(value) for name, value in ends}
 
     def verdict(self, level: float, units: Sequence[int] | None = None) -> str:
         """Return the verdict from the interval that errs with probability ``level``.
@@ -74,7 +72,7 @@ class Part(NamedTuple):
         """
         _, low, high = self.interval(level, units)
         margin = math.log(EQUIVALENT_WITHIN)
-        if self.ratio and -margin <= low and high <= margin:
+        if self.limit == 1.0 and -margin <= low and high <= margin:
             return EQUIVALENT
         if high < 0.0:
             return SUPERIOR
@@ -92,7 +90,7 @@ class Part(NamedTuple):
         error = max(error, 1e-12)
         below, above = (2.0 * float(stdtr(freedom, sign * mean / error)) for sign in (1.0, -1.0))
         levels = [below, above]
-        if self.ratio:
+        if self.limit == 1.0:
             # both ends of the interval are within the margin
             nearer = (abs(mean) - math.log(EQUIVALENT_WITHIN)) / error
             levels.append(2.0 * float(stdtr(freedom, nearer)))
@@ -112,18 +110,20 @@ class Part(NamedTuple):
 _WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
 
 
-def verdict_in_words(verdict: str, ratio: bool, turned: str = "") -> str:
-    """Return a verdict as readers see it, on ratios to 1 or on what has a limit.
+def verdict_in_words(verdict: str, turned: str = "", limit: float = 1.0) -> str:
+    """Return a verdict as readers see it, on two models or on a model and a limit.
 
     One that became undecided since subsets disagree is what it ``turned`` from, and unstable.
     """
     decided = turned or verdict
-    words = decided if ratio else _WORDS.get(decided, decided)
+    words = decided if limit == 1.0 else _WORDS.get(decided, decided)
     return f"{words}, unstable" if turned else words
 
 
 def judge_together(
-    claims: Mapping[str, tuple[str, Sequence[Part]]], left_out: int = LEFT_OUT
+    claims: Mapping[str, tuple[str, Sequence[Part]]],
+    left_out: int = LEFT_OUT,
+    further: Sequence[float] = (),
 ) -> list[dict[str, Any]]:
     """Judge several claims so that any verdict is wrong with probability ``ALPHA`` at most.
 
@@ -147,13 +147,16 @@ def judge_together(
         judged.
     left_out : int
         Units that a subset lacks, fewer than 7.
+    further : sequence of float
+        Lowest levels that decide claims of the same family which are not judged here, but count; 1
+        for one that could not be judged.
 
     Returns
     -------
     list of dict
-        One for each part of a claim: ``part`` (its text), ``ratio``, and ``mean``, ``low`` and
-        ``high``, see ``Part.ends``; of a claim that is not judged one, in which these are None. Of
-        the claim ``id``; ``claim``, its text; ``verdict``; ``p``, the lowest level that decides it,
+        One for each part of a claim: ``part`` (its text), and ``mean``, ``low`` and ``high``, see
+        ``Part.ends``; of a claim that is not judged one, in which these are None. Of the claim
+        ``id``; ``claim``, its text; ``verdict``; ``p``, the lowest level that decides it,
         adjusted over all claims; ``level``, at which each part was judged; ``stable``, the share of
         the subsets that give the same verdict, or None; ``turned``, the verdict that too few of the
         subsets give, if that made it undecided; ``words``, the verdict as readers see it;
@@ -166,9 +169,8 @@ def judge_together(
     """
     parts_of = [parts for _, parts in claims.values()]
     units = [min(len(part.values) for part in parts) for parts in parts_of]
-    p = np.array(
-        [_least_level(parts) if n > 1 else 1.0 for parts, n in zip(parts_of, units, strict=True)]
-    )
+    judged = zip(parts_of, units, strict=True)
+    p = np.array([*(_least_level(parts) if n > 1 else 1.0 for parts, n in judged), *further])
     adjusted, levels = holm(p)
     while loose := [
         k
@@ -176,18 +178,18 @@ def judge_together(
         if p[k] <= levels[k] and not _is_decided(parts, levels[k])
     ]:
         for k in loose:
-            higher = ALPHA / np.arange(len(claims), 0, -1)
+            higher = ALPHA / np.arange(len(p), 0, -1)
             p[k] = next((h for h in higher if h > levels[k] and _is_decided(parts_of[k], h)), 1.0)
         adjusted, levels = holm(p)
     rows = []
     for k, (name, (text, parts)) in enumerate(claims.items()):
         level, stable, turned = float(levels[k]), None, ""
-        shown: list[dict[str, Any]] = [dict.fromkeys(("part", "ratio", "mean", "low", "high"))]
+        shown: list[dict[str, Any]] = [dict.fromkeys(("part", "mean", "low", "high"))]
         verdict = NOT_JUDGED
         if units[k] > 1:
             level /= len(parts)
             verdict = _weakest(parts, level, None)
-            shown = [{"part": part.text, "ratio": part.ratio, **part.ends(level)} for part in parts]
+            shown = [{"part": part.text, **part.ends(level)} for part in parts]
         if 1 < units[k] < LEAST_UNITS:
             verdict = UNDECIDED
         elif verdict not in (NOT_JUDGED, UNDECIDED):
@@ -202,7 +204,7 @@ def judge_together(
             "level": level,
             "stable": stable,
             "turned": turned,
-            "words": verdict_in_words(verdict, parts[0].ratio, turned),
+            "words": verdict_in_words(verdict, turned, parts[0].limit),
             "units": units[k],
             "dropped": max(part.dropped for part in parts),
         }

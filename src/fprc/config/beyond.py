@@ -14,7 +14,7 @@ class Beyond(Section):
     )
     slow: int = quantity(
         10, (1, 10000), "units that also judge what is slow: models of no claim (ESN, trees, MLP), "
-        "capacities, and a model that learns while it runs",
+        "and a model that learns while it runs",
     )  # fmt: skip
     seeds_per_rig: int = quantity(3, (1, 100), "seeds of each drawn rig")
     restarts: int = quantity(
@@ -22,9 +22,6 @@ class Beyond(Section):
     )
     shifts_kpa: NotEmpty[float] = quantity(
         (-5, -3, -2, -1, 0, 1, 2, 3, 5), (-100, 100), "constant shifts of P_o after the training"
-    )
-    capacity_holds: int = quantity(
-        4000, (400, 1_000_000), "random angles that measure the capacities of the reservoir"
     )
     sensitivity_steps: int = quantity(
         5, (2, 100), "values over each parameter's range in the sensitivity table"

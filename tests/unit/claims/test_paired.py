@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.stats import ttest_1samp
 
-from fprc.claims.paired import ALPHA, Part, holm, judge_together
+from fprc.claims.paired import ALPHA, Part, _least_level, holm, judge_together
 
 MARGIN = math.log(1.05)
 SAMPLES = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=12).filter(
@@ -60,7 +60,7 @@ def test_superior_and_inferior_are_t_tests(values, level):
     expected = "undecided"
     if test.pvalue < level:
         expected = "superior" if test.statistic < 0 else "inferior"
-    assert part(values, ratio=False).verdict(level) == expected
+    assert part(values, limit=1.1).verdict(level) == expected
 
 
 # --- several claims -------------------------------------------------------------------------------
@@ -123,6 +123,18 @@ def test_a_claim_that_is_not_judged_still_counts():
     assert outcomes[0].level == pytest.approx(ALPHA / 3)
 
 
+@pytest.mark.parametrize("place", range(3))
+def test_claim_that_was_decided_elsewhere_counts_as_if_it_were_judged(place):
+    spreads = [0.2, 0.3, 0.4]
+    claims = [[part(normal(-0.3, spread, 20, seed=7))] for spread in spreads]
+    expected = outcomes_of(*claims)
+    elsewhere = claims.pop(place)
+    expected.pop(place)
+    assert outcomes_of(*claims, further=[_least_level(elsewhere)]) == [
+        SimpleNamespace(**vars(outcome) | {"id": str(k)}) for k, outcome in enumerate(expected)
+    ]
+
+
 @pytest.mark.parametrize(
     ("first", "second", "verdict"),
     [
@@ -166,9 +178,9 @@ def test_interval_of_blocks_has_the_variance_of_nadeau_and_bengio():
     assert high - low == pytest.approx(2 * half, rel=1e-4)
 
 
-@given(SAMPLES, st.booleans(), st.just(0.0) | st.floats(0.01, 1.0))
-def test_lowest_level_is_where_the_verdict_turns(values, ratio, overlap):
-    sample = part(values, ratio=ratio, overlap=overlap)
+@given(SAMPLES, st.sampled_from([1.0, 1.1]), st.just(0.0) | st.floats(0.01, 1.0))
+def test_lowest_level_is_where_the_verdict_turns(values, limit, overlap):
+    sample = part(values, limit=limit, overlap=overlap)
     least, inferior = sample.least_levels()
     if least < 0.9:
         assert sample.verdict(least * 1.0001) != "undecided"

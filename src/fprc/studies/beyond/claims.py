@@ -1,4 +1,4 @@
-"""Claims B1-B8: what the reservoir is worth, compared with models without one.
+"""Claims B1-B7: what the reservoir is worth, compared with models without one.
 
 docs/archive/preregistration.md has them with their limits.
 """
@@ -9,12 +9,9 @@ from typing import Any
 import pandas as pd
 
 from fprc.registry import title_of
-from fprc.studies.beyond.measurements import LOOPS, capacities, family_title, measured
+from fprc.studies.beyond.measurements import LOOPS, family_title, measured
 from fprc.studies.beyond.verdicts import Claim, Numbers, Pair, part_of
 from fprc.tables.text import format_mean
-
-#: Capacity of degree two or more from which P_o counts as nonlinear, of 1 for a single signal.
-LEAST_NONLINEAR = 0.1
 
 
 def _of_fprc(other: str, measure: str = "forward", ours: str = "fprc") -> Pair:
@@ -75,22 +72,18 @@ CLAIMS = {
         ],
         {"tables": _BOTH, "orders": _LOWEST, **_LOOPS},
     ),
-    "B8": Claim(
-        "P_o has a nonlinear capacity of 0.1 or more, and its taps more memory than taps of "
-        "low-passed theta_d",
-        [Pair(("p_o", "nonlinear"), LEAST_NONLINEAR, "nonlinear capacity of P_o - 0.1", False),
-         Pair(("p_o_taps", "memory"), ("theta_lowpass_taps", "memory"),
-              "memory of taps of P_o - of taps of low-passed theta_d", False)],
-        {"C8": _SHARE},
-    ),
-}  # fmt: skip
+}
+
+#: By family, the lowest level that decides B8: P_o has a nonlinear capacity of 0.1 or more, and its
+#: taps more memory than taps of low-passed theta_d. In November 2026 it did not hold on these rigs;
+#: since then it is not measured (commit d4274ff3 has the code), but counts in Holm's procedure, so
+#: that the levels of the others stay.
+B8 = {"paper": 2.1e-11, "bouc_wen": 9.7e-10, "dry": 2.8e-13, "viscous": 3.6e-12}
 
 
 def numbers_of(family: Mapping[str, Any]) -> Numbers:
-    """Return the numbers of a family by model and measure, or by set of states and quantity."""
-    of_states = {"set": "model", "quantity": "measure"}
-    found = pd.concat([measured([family]), capacities([family]).rename(columns=of_states)])
-    by_name = found.set_index(["unit", "seed"]).groupby(["model", "measure"])["value"]
+    """Return the numbers of a family by model and measure."""
+    by_name = measured([family]).set_index(["unit", "seed"]).groupby(["model", "measure"])["value"]
     return dict(iter(by_name))
 
 

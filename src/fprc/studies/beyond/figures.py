@@ -1,4 +1,4 @@
-"""What the reservoir is worth: pairs of models, offsets, capacities."""
+"""What the reservoir is worth: pairs of models, offsets."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,7 +9,7 @@ from fprc import escape
 from fprc.claims.paired import EQUIVALENT_WITHIN
 from fprc.figures.style import line_of, symbols
 from fprc.registry import choice_of, title_of
-from fprc.studies.beyond.measurements import MEASURES, SETS, family_title
+from fprc.studies.beyond.measurements import MEASURES, family_title
 
 #: Marker and colour of each family, in their order, safe for colour-blind readers (Tol). Colours
 #: are signals elsewhere, but no figure of families shows one.
@@ -17,8 +17,6 @@ _FAMILIES = (
     ("o", "#000000"), ("s", "#ee6677"), ("D", "#4477aa"),
     ("^", "#228833"), ("v", "#aa3377"), ("P", "#ccbb44"),
 )  # fmt: skip
-#: Greys of the degrees of nonlinearity, from 1 on.
-_DEGREES = ("0.25", "0.55", "0.75", "0.88")
 #: Looks of the models that read P_o, beside FPRC's.
 _READERS = (("0.45", "-."), ("0.6", ":"), ("0.3", (0, (5, 1))), ("0.7", "-"))
 _LOOK = ("color", "linestyle")
@@ -35,9 +33,9 @@ def plot_pairs(table: DataFrame, ax: Axes) -> None:
     Parameters
     ----------
     table : DataFrame
-        From ``verdicts.claims``, families in their order; differences are left out.
+        From ``verdicts.judge_family``, families in their order.
     """
-    table = table[table["ratio"].eq(True)]
+    table = table.dropna(subset="part")
     parts = dict.fromkeys(zip(table["id"], table["part"], strict=True))
     rows = {pair: row for row, pair in enumerate(parts)}
     names = table["world"].unique()
@@ -110,39 +108,3 @@ def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> None:
         )
     ax.set(xlabel="Offset of $P_o$ after training [kPa]", ylabel=f"RMSE, {MEASURES[measure]}")
     ax.set_ylim(bottom=0)
-
-
-def plot_capacities(table: DataFrame, ax: Axes) -> None:
-    """Draw the capacities of each set of states, stacked by degree.
-
-    Beside each bar: the total capacity and the number of states, which it cannot exceed.
-
-    Parameters
-    ----------
-    table : DataFrame
-        One family of ``tables.beyond.capacity``.
-    """
-    means = table.pivot(index=["set", "states"], columns="quantity", values="mean")
-    order = [name for name in SETS if name in means.index.get_level_values("set")]
-    means = means.loc[order]
-    states = means.index.get_level_values("states")
-    rows, begin = np.arange(len(means)), np.zeros(len(means))
-    degrees = sorted((name for name in means if name.startswith("degree ")), key=_degree)
-    for name, grey in zip(degrees, _DEGREES, strict=False):
-        width = means[name].fillna(0.0).to_numpy()
-        label = f"degree {_degree(name)}"
-        ax.barh(rows, width, left=begin, color=grey, edgecolor="black", linewidth=0.4, label=label)
-        begin += width
-    ends = zip(rows, begin, means.get("total", begin), states, strict=True)
-    for row, end, total, number in ends:
-        ax.annotate(f"{total:.2f} of {number}", (end, row), (3.0, 0.0),
-                    textcoords="offset points", va="center")  # fmt: skip
-    ax.set_yticks(rows, [symbols(SETS[name]) for name in order])
-    ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
-    ax.set_xlim(0.0, 1.25 * max(begin, default=1.0))
-    ax.tick_params(axis="y", length=0)
-    ax.set_xlabel("Capacity")
-
-
-def _degree(name: str) -> int:
-    return int(name.removeprefix("degree "))

@@ -8,13 +8,7 @@ import pandas as pd
 from fprc.paper import SOURCES
 from fprc.registry import choice_of, title_of
 from fprc.studies.beyond.claims import beside_page
-from fprc.studies.beyond.measurements import (
-    LOOPS,
-    MEASURES,
-    SETS,
-    capacities,
-    measured,
-)
+from fprc.studies.beyond.measurements import LOOPS, MEASURES, measured
 from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, markdown, three_digits
@@ -92,28 +86,6 @@ def _heading(measure: str) -> str:
     return words[:1].upper() + words[1:]
 
 
-def capacity(families: Families) -> pd.DataFrame:
-    """Capacity of each set of states, tidy.
-
-    Returns
-    -------
-    DataFrame
-        ``world``, ``set``, ``states``, ``quantity`` (see ``measurements.capacities``), ``mean``,
-        ``low``, ``high``, ``units``, ``source``.
-    """
-    return _means(capacities(families), "set", "states", "quantity")
-
-
-def capacity_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the capacities of one family as a page, one row per set of states."""
-    # memory is the capacity of degree 1
-    left_out = ("nonlinear", "degree 1")
-    quantities = [name for name in table["quantity"].unique() if name not in left_out]
-    headings = {name.capitalize(): name for name in quantities}
-    page = wide(table, ["set", "states"], "quantity", headings)
-    return named(page, States=lambda name: SETS.get(name, name), Number=str)
-
-
 def pages(
     families: Families, verdicts: pd.DataFrame, tables: Mapping[str, pd.DataFrame], family: str
 ) -> dict[str, str]:
@@ -124,9 +96,9 @@ def pages(
     verdicts : DataFrame
         Result of ``verdicts.judge_family``, of all families.
     tables : Mapping
-        ``models``, ``offsets`` and ``capacities``, tidy.
+        ``models`` and ``offsets``, tidy.
     family : str
-        The family that the tables of models, offsets and capacities show.
+        The family that the tables of models and offsets show.
     """
     of_family = {name: table[table["world"] == family] for name, table in tables.items()}
     shown = {
@@ -136,7 +108,6 @@ def pages(
         "details": details_page(verdicts),
         "models": models_page(of_family["models"]),
         "offsets": offsets_page(of_family["offsets"]),
-        "capacities": capacity_page(of_family["capacities"]),
         "leaderboard": leaderboard(of_family["models"]),
     }
     note = f"Data: {SOURCES['sim']}."

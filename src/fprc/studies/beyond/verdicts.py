@@ -1,7 +1,6 @@
 """Judge claims on pairs of models in families of rigs, and show the verdicts."""
 
 import math
-import operator
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -27,16 +26,12 @@ Numbers = Mapping[tuple[Any, ...], pd.Series]
 
 
 class Pair(NamedTuple):
-    """An error over that of another model, or a capacity less another, or less a constant.
-
-    A ratio below its limit is better, and so is a difference above 0.
-    """
+    """An error over that of another model; a ratio below the limit is better."""
 
     ours: tuple[Any, ...]  #: a key of ``Numbers``
-    theirs: Any  #: the same, or a constant
+    theirs: tuple[Any, ...]  #: the same
     text: str  #: what is compared, for readers
-    ratio: bool = True
-    limit: float = 1.0  #: of a ratio
+    limit: float = 1.0
 
 
 class Claim(NamedTuple):
@@ -53,25 +48,19 @@ _NONE = pd.Series(index=pd.Index([], name="unit"), dtype=float)
 
 def part_of(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
     """Return a pair as it was measured in a family."""
-    ours = numbers.get(pair.ours, _NONE)
-    theirs: Any = pair.theirs
-    if isinstance(theirs, tuple):
-        theirs = numbers.get(theirs, _NONE)
-    # below 0 supports the claim; of a difference, readers see ours less theirs
-    if pair.ratio:
-        values = np.log(ours) - np.log(theirs) - math.log(pair.limit)
-        judged, shown = family["cells"], lambda value: pair.limit * math.exp(value)
-    else:
-        values = theirs - ours
-        judged, shown = family.get("capacity", ()), operator.neg
+    ours, theirs = (np.log(numbers.get(key, _NONE)) for key in (pair.ours, pair.theirs))
+    values = ours - theirs - math.log(pair.limit)
     # simulations of one rig with several seeds are one unit
     by_unit = values.dropna().groupby(level="unit").mean().to_dict()
-    dropped = len({cell["unit"] for cell in judged}) - len(by_unit)
-    return Part(pair.text, by_unit, pair.ratio and pair.limit == 1.0, shown, dropped)
+    dropped = len({cell["unit"] for cell in family["cells"]}) - len(by_unit)
+    return Part(pair.text, by_unit, pair.limit, dropped)
 
 
 def judge_family(
-    family: Mapping[str, Any], claims: Mapping[str, Claim], numbers: Numbers
+    family: Mapping[str, Any],
+    claims: Mapping[str, Claim],
+    numbers: Numbers,
+    decided: Mapping[str, float],
 ) -> pd.DataFrame:
     """Judge claims in one family.
 
@@ -81,6 +70,9 @@ def judge_family(
         See ``fprc.studies.beyond.measurements``; ``fitted``: the terms its rigs were fitted to.
     claims : Mapping
         By their ids.
+    decided : Mapping
+        By family, the p of one more claim that was decided in November 2026 and is not measured any
+        more; one that was not judged in a family counts too.
 
     Returns
     -------
@@ -89,14 +81,15 @@ def judge_family(
         claim that is not judged. Also ``world`` and ``title``; ``fits``, those that bear on the
         claim, pairs of what each favours and what was fitted; the same as text, ``favours`` and
         ``fitted``; and ``source``. In ``words`` a symbol says what the fits favour. A ratio below 1
-        supports the claim, as does a difference above 0.
+        supports the claim.
     """
     rows = []
     parts = {
         name: (claim.text, [part_of(pair, numbers, family) for pair in claim.parts])
         for name, claim in claims.items()
     }
-    for row in judge_together(parts):
+    further = [decided.get(family["name"], 1.0)] if decided else []
+    for row in judge_together(parts, further=further):
         favours = claims[row["id"]].favours
         fits = [*dict.fromkeys(favours[term] for term in favours if term in family["fitted"])]
         favoured = list(dict.fromkeys(whom for whom, _ in fits))

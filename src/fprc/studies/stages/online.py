@@ -104,7 +104,7 @@ def tabulate_verdicts(families: Sequence[str], **files: str) -> None:
     judged = []
     for family in map(family_of, map(read_json, families)):
         by_run = rmse_of(family).set_index("unit").groupby([*_RUN, "reference"])["rmse_deg"]
-        judged.append(judge_family(family, CLAIMS, dict(iter(by_run))))
+        judged.append(judge_family(family, CLAIMS, dict(iter(by_run)), {}))
     table = pd.concat(judged, ignore_index=True)
     tidy = table.assign(family=table["world"], verdict=table["words"])
     kept = ["family", "id", "claim", "part", "verdict", "mean", "low", "high", "units", "source"]

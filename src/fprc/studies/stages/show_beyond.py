@@ -11,51 +11,44 @@ from fprc.artifacts import read_json, write_csv, write_text
 from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond.claims import CLAIMS, numbers_of
+from fprc.studies.beyond.claims import B8, CLAIMS, numbers_of
 from fprc.studies.beyond.measurements import LOOPS, family_of
 from fprc.studies.beyond.verdicts import judge_family
 
 #: Columns of the table of the claims.
 _CLAIMS = [
-    "world", "title", "id", "claim", "part", "ratio", "mean", "low", "high", "verdict", "p",
+    "world", "title", "id", "claim", "part", "mean", "low", "high", "verdict", "p",
     "stable", "units", "dropped", "favours", "fitted", "source",
 ]  # fmt: skip
 
 
 def tabulate_beyond(
     families: Sequence[str],
-    capacity: str,
     pages: Sequence[str],
     *,
     family: str,
     **csv: str,
 ) -> None:
-    """Judge B1-B8 in every family, and write the tables.
+    """Judge B1-B7 in every family, and write the tables.
 
     Parameters
     ----------
     families : sequence of str
         Reports of the families.
-    capacity : str
-        Capacities in each family with one rig.
     pages : sequence of str
         Tables in Markdown, named after ``tables.pages``.
     family : str
-        Family whose models, offsets and capacities the pages show.
+        Family whose models and offsets the pages show.
     **csv : str
-        Tables by name: ``models``, ``claims``, ``offsets``, ``capacities``.
+        Tables by name: ``models``, ``claims``, ``offsets``.
     """
     found = [family_of(read_json(path)) for path in families]
-    capacities = read_json(capacity)["cells"]
-    for measured in found:
-        measured["capacity"] = [row for row in capacities if row["family"] == measured["name"]]
-    judged = [judge_family(family, CLAIMS, numbers_of(family)) for family in found]
+    judged = [judge_family(family, CLAIMS, numbers_of(family), B8) for family in found]
     verdicts = pd.concat(judged, ignore_index=True)
     made = {
         "models": tables.models(found),
         "claims": verdicts[_CLAIMS],
         "offsets": tables.offsets(found),
-        "capacities": tables.capacity(found),
     }
     for name, table in made.items():
         write_csv(csv[name], table)
@@ -70,10 +63,10 @@ def draw_beyond(table: str, pdf: str, png: str, *, figure: str, family: str) -> 
     Parameters
     ----------
     figure : str
-        ``pairs``, of every family, from the table of the claims; or ``offsets`` or ``capacities``,
-        from the table of that name.
+        ``pairs``, of every family, from the table of the claims; or ``offsets``, from the table of
+        that name.
     family : str
-        Family that offsets and capacities are of.
+        Family that the offsets are of.
     """
     *grid, shared, plot = _FIGURES[figure]
     fig, axes = style.figure(*grid, **shared)
@@ -93,5 +86,4 @@ def _plot_offsets(table: pd.DataFrame, axes: Sequence[Axes]) -> None:
 _FIGURES: dict[str, tuple[Any, ...]] = {
     "pairs": (1, 1, style.PAGE_IN, 4.6, {}, figures.plot_pairs),
     "offsets": (1, 3, style.PAGE_IN, 2.6, {"sharex": True}, _plot_offsets),
-    "capacities": (1, 1, style.COLUMN_IN, 3.0, {}, figures.plot_capacities),
 }

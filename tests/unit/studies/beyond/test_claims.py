@@ -1,4 +1,4 @@
-"""Claims B1-B8 in families whose ratios are known."""
+"""Claims B1-B7 in families whose ratios are known."""
 
 import math
 from pathlib import Path
@@ -11,7 +11,7 @@ from fprc.studies.beyond.claims import CLAIMS, beside_page
 
 @pytest.fixture
 def judged(judge_claims):
-    """Return what judges B1-B8 in a family: the rows of their parts, by claim."""
+    """Return what judges B1-B7 in a family: the rows of their parts, by claim."""
     return lambda family: dict(iter(judge_claims(family).groupby("id")))
 
 
@@ -37,7 +37,6 @@ def test_every_claim_compares_what_it_says(make_family, judged):
     assert parts["B5"] == pytest.approx([1 / 1.25], abs=1e-6)
     assert parts["B6"] == pytest.approx([0.95 / 1.1], abs=1e-6)
     assert parts["B7"] == pytest.approx([math.hypot(12.0, 10.0) / 15.0] * 3, abs=1e-6)
-    assert parts["B8"] == pytest.approx([0.05, 0.5], abs=0.05)
     verdicts = first(rows, "verdict")
     assert verdicts.pop("B7") == "equivalent"
     assert set(verdicts.values()) == {"superior"}
@@ -74,11 +73,10 @@ def test_missing_numbers_leave_their_pairs_only(make_family, judged):
     assert lost["B1"] == lost["B2"] == lost["B4"] == (10, 2)
     assert lost["B3"] == (9, 3)
     assert lost["B5"] == lost["B6"] == lost["B7"] == (11, 1)
-    assert lost["B8"] == (12, 0)
 
 
 def test_claim_without_its_model_is_not_judged(make_family, judged):
-    rows = judged(make_family(models=("fprc", "fuzzy_linear"), capacity=[]))
+    rows = judged(make_family(models=("fprc", "fuzzy_linear")))
     verdicts = first(rows, "verdict")
     assert {name for name in rows if verdicts[name] != "not judged"} == {"B7"}
     assert rows["B5"]["mean"].isna().tolist() == [True]
@@ -94,16 +92,6 @@ def test_half_of_a_claim_is_not_judged(make_family, judged):
 def test_few_units_decide_nothing(make_family, judged):
     rows = judged(make_family(units=7, spread=0.0))
     assert set(first(rows, "verdict").values()) == {"undecided"}
-
-
-def test_little_nonlinear_capacity_does_not_hold(make_family, judged):
-    family = make_family()
-    for entry in family["capacity"]:
-        entry["sets"]["p_o"]["by_degree"] = {"1": 0.9, "2": 0.03, "3": 0.04}
-    rows = judged(family)["B8"]
-    assert set(rows["verdict"]) == {"inferior"}
-    assert rows["mean"].iloc[0] == pytest.approx(-0.03)
-    assert rows["mean"].iloc[1] > 0.0
 
 
 def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_family, judged, monkeypatch):

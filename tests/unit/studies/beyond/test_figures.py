@@ -9,11 +9,10 @@ from fprc.studies.beyond import tables as tables
 
 @pytest.fixture(scope="module")
 def families(make_family):
-    sparse = {"capacity": []}
     few = ("fprc", "fuzzy_linear", "fprc_lowpass")
     return {
         "dry": make_family(spread=0.02),
-        "sparse": make_family("sparse", units=3, models=few, **sparse),
+        "sparse": make_family("sparse", units=3, models=few),
     }
 
 
@@ -26,7 +25,7 @@ def test_pairs_have_a_row_each_and_the_band_of_equivalence(families, family, axe
     table = judge_claims(families[family])
     figures.plot_pairs(table, axes)
     labels = [label.get_text() for label in axes.get_yticklabels()]
-    assert [label[:2] for label in labels] == table[table["ratio"].eq(True)]["id"].tolist()
+    assert [label[:2] for label in labels] == table.dropna(subset="part")["id"].tolist()
     assert axes.get_xscale() == "log"
     ends = axes.patches[0].get_extents().transformed(axes.transData.inverted())
     assert [ends.x0, ends.x1] == pytest.approx([1 / 1.05, 1.05])
@@ -36,7 +35,7 @@ def test_pairs_have_a_row_each_and_the_band_of_equivalence(families, family, axe
 def test_hollow_markers_are_undecided(families, axes, judge_claims):
     table = judge_claims(*families.values())
     figures.plot_pairs(table, axes)
-    shown = table[table["ratio"].eq(True)]
+    shown = table.dropna(subset="part")
     hollow = [to_hex(bars[0].get_markerfacecolor()) == "#ffffff" for bars in axes.containers]
     assert hollow == shown["verdict"].isin(["undecided", "not judged"]).tolist()
     assert any(hollow)
@@ -58,31 +57,13 @@ def test_offsets_have_fuzzy_linear_as_a_level_line(families, family, measure, ax
     assert not any("tuned" in label for label in lines)
 
 
-def test_stacked_capacities_end_at_the_total(families, axes):
-    table = of(tables.capacity(list(families.values())), "dry")
-    figures.plot_capacities(table, axes)
-    ends = {}
-    for bars in axes.containers:
-        for bar in bars:
-            row = round(bar.get_y() + bar.get_height() / 2)
-            ends[row] = max(ends.get(row, 0.0), bar.get_x() + bar.get_width())
-    totals = table[table["quantity"] == "total"].set_index("set")
-    assert [ends[row] for row in range(4)] == pytest.approx(
-        totals["mean"][["p_o", "p_o_taps", "theta_lowpass_taps", "esn"]].tolist()
-    )
-    assert [text.get_text().split(" of ")[1] for text in axes.texts] == ["1", "4", "4", "300"]
-
-
-@pytest.mark.parametrize("what", ["pairs", "offsets", "capacities"])
+@pytest.mark.parametrize("what", ["pairs", "offsets"])
 def test_family_of_failures_is_drawn_empty(what, make_family, axes, judge_claims):
-    nothing = {"capacity": []}
-    family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}], **nothing)
+    family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}])
     if what == "pairs":
         figures.plot_pairs(judge_claims(family), axes)
-    elif what == "offsets":
-        figures.plot_offsets(tables.offsets([family]), "forward", axes)
     else:
-        figures.plot_capacities(tables.capacity([family]), axes)
+        figures.plot_offsets(tables.offsets([family]), "forward", axes)
     assert axes.get_xlabel()
     assert not axes.texts
     assert not axes.containers

@@ -33,7 +33,7 @@ def test_means_and_intervals_are_over_units(families):
 
 
 def test_no_number_is_missing_where_there_are_two_units(families):
-    for make in (tables.models, tables.offsets, tables.capacity):
+    for make in (tables.models, tables.offsets):
         table = make(families)
         assert list(make(families[3:])) == list(table)  # of a family with nothing
         several = table[table["units"] > 1]
@@ -50,7 +50,6 @@ def test_pages_survive_a_family_with_nothing(families, verdicts):
             for page, make in (
                 (tables.models_page, tables.models),
                 (tables.offsets_page, tables.offsets),
-                (tables.capacity_page, tables.capacity),
             )
         ),
         *(
@@ -99,10 +98,7 @@ def test_offsets_have_their_columns(families):
 
 
 def test_pages_are_the_blocks_of_the_documentation(families, verdicts):
-    found = {
-        "models": tables.models(families), "offsets": tables.offsets(families),
-        "capacities": tables.capacity(families),
-    }  # fmt: skip
+    found = {"models": tables.models(families), "offsets": tables.offsets(families)}
     pages = tables.pages(families, verdicts, found, "dry")
     root = Path(__file__).parents[4]
     begun = {
