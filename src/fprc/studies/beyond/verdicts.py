@@ -88,8 +88,7 @@ def judge_family(
         name: (claim.text, [part_of(pair, numbers, family) for pair in claim.parts])
         for name, claim in claims.items()
     }
-    further = [decided.get(family["name"], 1.0)] if decided else []
-    for row in judge_together(parts, further=further):
+    for row in judge_together(parts, further=[decided.get(family["name"], 1.0)]):
         favours = claims[row["id"]].favours
         fits = [*dict.fromkeys(favours[term] for term in favours if term in family["fitted"])]
         favoured = list(dict.fromkeys(whom for whom, _ in fits))

@@ -10,11 +10,9 @@ import numpy as np
 from fprc.errors import FprcError, in_one_line
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Unit
-from fprc.experiments.tracking import Track, columns_for, tracking_rmse
+from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
-from fprc.paper import REFERENCES
 from fprc.registry import build
-from fprc.studies.online.follow_up import STATES, follow_up
 
 #: Constant offsets of P_o since the training, kPa.
 OFFSETS_KPA = (-5.0, -2.0, -1.0, 1.0, 2.0, 5.0)
@@ -79,8 +77,6 @@ def judge_online(
             bench = Track(tracking, on_rig.control, rig, seed)
             chosen = {"fprc": fitted["fprc"]} if condition in OF_P_O else fitted
             rows += _followed(bench, condition, chosen)
-            if condition == "none":
-                rows += _followed_up(bench)
     except (FprcError, ValueError, np.linalg.LinAlgError) as error:
         return [{"seed": seed, "failed": in_one_line(error)}]
     keys = ("model", "condition", "learns", "loop", "reference", "rmse_deg")
@@ -115,15 +111,4 @@ def _followed(
         if condition not in OF_P_O:
             error = bench.error(reference, None, feedback=True)
             rows.append(("pd", condition, False, "closed", reference, error))
-    return rows
-
-
-def _followed_up(bench: Track) -> list[tuple[Any, ...]]:
-    """Return the errors of the authors' next scheme, with each of its states."""
-    rows = []
-    for reference in REFERENCES:
-        for state in STATES:
-            run = follow_up(bench, reference, state)
-            error = tracking_rmse(run, bench.tracking["references"][reference]["settle_s"])
-            rows.append((f"follow_up_{state}", "none", True, "closed", reference, error))
     return rows

@@ -1,4 +1,4 @@
-"""Verdicts on D1 to D4, tables and the figure of a model that learns while it runs."""
+"""Verdicts on D1 to D3, tables and the figure of a model that learns while it runs."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -32,8 +32,7 @@ _MOST = 1.10
 #: Models, as readers see them.
 _TITLES = {
     "fprc": "FPRC", "fprc_lowpass": "FPRC on low-passed theta_d", "fuzzy_linear": "Fuzzy-linear",
-    "pd": "PD alone", "follow_up_linear": "next scheme, linear",
-    "follow_up_p_o": "next scheme, P_o", "follow_up_esn": "next scheme, ESN of 50",
+    "pd": "PD alone",
 }  # fmt: skip
 
 
@@ -73,11 +72,15 @@ CLAIMS = {
             for reference, words in (("sine_0p5", "0.5 Hz"), ("sweep", "sweep"))
         ],
     ),
-    "D4": Claim(
-        "the authors' next scheme with P_o beats the same without a reservoir",
-        [_pair("closed loop", ("follow_up_p_o", "none", True), ("follow_up_linear", "none", True))],
-    ),
 }
+
+#: By family, the lowest level that decides D4: the authors' next scheme with P_o beats the same
+#: without a reservoir. It was decided in November 2026; since then it is not measured (commit
+#: d4274ff3 has the code), but counts in Holm's procedure, so that the levels of the others stay.
+D4 = {
+    "paper": 4.8e-8, "bouc_wen": 2.6e-5, "dry": 2.2e-11, "viscous": 2.1e-11, "near_print": 1.3e-4,
+    "drawn": 3.1e-4,
+}  # fmt: skip
 
 _RUN = ["model", "condition", "learns", "loop"]
 #: Last line of the notes.
@@ -100,16 +103,16 @@ def rmse_of(family: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def tabulate_verdicts(families: Sequence[str], **files: str) -> None:
-    """Judge D1 to D4 in every family, and write the verdicts."""
+    """Judge D1 to D3 in every family, and write the verdicts."""
     judged = []
     for family in map(family_of, map(read_json, families)):
         by_run = rmse_of(family).set_index("unit").groupby([*_RUN, "reference"])["rmse_deg"]
-        judged.append(judge_family(family, CLAIMS, dict(iter(by_run)), {}))
+        judged.append(judge_family(family, CLAIMS, dict(iter(by_run)), D4))
     table = pd.concat(judged, ignore_index=True)
     tidy = table.assign(family=table["world"], verdict=table["words"])
     kept = ["family", "id", "claim", "part", "verdict", "mean", "low", "high", "units", "source"]
     note = (
-        "Learning while it runs: verdicts on D1 to D4 of the preregistration, with the means of "
+        "Learning while it runs: verdicts on D1 to D3 of the preregistration, with the means of "
         "the ratios. D1: at -5 and +5 kPa, in open and in closed loop; D2: open and closed loop; "
         "D3: at 0.5 Hz and in the sweep."
     )

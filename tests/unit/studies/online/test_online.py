@@ -6,12 +6,11 @@ import pytest
 
 from fprc.artifacts import write_json
 from fprc.config import Settings
-from fprc.experiments.tracking import Track, tracking_rmse
+from fprc.experiments.tracking import Track
 from fprc.models import FPRC
 from fprc.paper import REFERENCES
 from fprc.plan.arguments import on_rig
 from fprc.studies.families.family import unit_of
-from fprc.studies.online.follow_up import STATES, follow_up
 from fprc.studies.online.judge import (
     CONDITIONS,
     OF_P_O,
@@ -55,7 +54,6 @@ def test_every_run_is_judged_once(judged):
     assert counts["fprc"] == 4 * every * references
     assert counts["fuzzy_linear"] == counts["fprc_lowpass"] == 4 * few * references
     assert counts["pd"] == few * references
-    assert counts["follow_up_p_o"] == len(REFERENCES)
 
 
 def test_shift_of_p_o_moves_no_low_passed_angle():
@@ -96,15 +94,6 @@ def test_disturbances_of_p_o_are_those_of_physics():
     assert changed_rig(rig, "leak") == rig
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("state", STATES)
-def test_scheme_that_learns_from_nothing_beats_pd_alone(state):
-    bench = Track(shortened(20.0), SETTINGS["control"], SETTINGS["rig"], 5)
-    alone = bench.simulate("sine_0p5", None, feedback=True)
-    found = follow_up(bench, "sine_0p5", state)
-    assert tracking_rmse(found, 10.0) < 0.8 * tracking_rmse(alone, 10.0)
-
-
 # --- verdicts ---------------------------------------------------------------------------------
 
 
@@ -115,7 +104,6 @@ def family(units=12, seed=1, **ratios):
             for learns in (False, True) for loop in stage.LOOPS]  # fmt: skip
     runs += [("fprc_lowpass", "none", True, loop) for loop in stage.LOOPS]
     runs += [("pd", "none", False, "closed")]
-    runs += [(f"follow_up_{state}", "none", True, "closed") for state in STATES]
     for unit in range(units):
         rows = [
             {"model": model, "condition": condition, "learns": learns, "loop": loop,
@@ -147,12 +135,11 @@ def tabulated(tmp_path):
 @pytest.mark.parametrize(
     ("ratios", "verdicts"),
     [
-        ({}, ["holds", "equivalent", "equivalent", "equivalent"]),
-        ({"-5 kPa": 1.1}, ["undecided", "equivalent", "equivalent", "equivalent"]),
-        ({"+5 kPa": 1.2}, ["does not hold", "equivalent", "equivalent", "equivalent"]),
-        ({"fprc_lowpass": 1.3, "pd": 3.0, "follow_up_linear": 1.5},
-         ["holds", "superior", "superior", "superior"]),
-        ({"fprc": 1.3}, ["holds", "inferior", "inferior", "equivalent"]),
+        ({}, ["holds", "equivalent", "equivalent"]),
+        ({"-5 kPa": 1.1}, ["undecided", "equivalent", "equivalent"]),
+        ({"+5 kPa": 1.2}, ["does not hold", "equivalent", "equivalent"]),
+        ({"fprc_lowpass": 1.3, "pd": 3.0}, ["holds", "superior", "superior"]),
+        ({"fprc": 1.3}, ["holds", "inferior", "inferior"]),
     ],
 )  # fmt: skip
 def test_verdict_is_that_of_known_errors(ratios, verdicts, tabulated):
