@@ -192,13 +192,6 @@ PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, RIGS)
          [("FPRC", "Open loop, as trained"), ("FPRC", "Closed loop, as trained")]),
         (DRIFT, r"on \*paper\*, and (\S+) and (\S+) in \[beyond\.md\]",
          "beyond_models", [("FPRC", OPEN), ("FPRC", CLOSED)]),
-        (DETAILS, r"(\S+) here and \S+ there on \*paper\*, (\S+) and \S+ on \*dry\*, (\S+) and "
-         r"\S+ on viscous, (\S+) and",
-         "beyond_claims", [("B1", rig) for rig in ("paper", "dry", "viscous", "drawn")]),
-        (DETAILS, r"here and (\S+) there on \*paper\*, \S+ and (\S+) on \*dry\*, \S+ and (\S+) on "
-         "viscous",
-         "families_answer", [(f"Rig {rig}", "FPRC / FPRC on low-passed theta_d, test RMSE")
-                             for rig in ("paper", "dry", "viscous")]),
         (BEYOND, r"goes from (\S+) to (\S+) kPa \(Fuzzy-linear: (\S+) kPa",
          "beyond_offsets", [("FPRC", "0"), ("FPRC", "-2"), ("Fuzzy-linear", "0")]),
         *(

@@ -11,7 +11,7 @@ from fprc.escape import in_words
 from fprc.evaluation import CrossValidated, rmse
 from fprc.evaluation.crossval import prepare
 from fprc.experiments.data import Data, refuse_mixture
-from fprc.experiments.grids import judge_cell, weight_shares
+from fprc.experiments.grids import weight_shares
 from fprc.experiments.settings import Judgement
 from fprc.experiments.trained import trained_on
 from fprc.models import SequenceModel
@@ -30,18 +30,13 @@ def compare_models(
 ) -> tuple[dict[str, Any], dict[str, SequenceModel]]:
     """Return results to report, and the models that were trained on the sweep, by name.
 
-    The results are the errors of Tables II and III, the weights of Fig. 9, and ``filter_alone``:
-    the errors of FPRC with theta_d in place of P_o, trained on the sweep.
+    The results are the errors of Tables II and III, and the weights of Fig. 9.
     """
     judged = {name: judge_directions(name, judgement, data) for name in entries(judgement.models)}
     by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
-    train, test = data["sweep"], data["complex"]
     compared = {
         "models": [report for _, report, _ in by_direction],
-        "weights": weight_shares(train, judgement),
-        "filter_alone": judge_cell(
-            "fprc_lowpass", train, test, judgement, judgement.split_rows(train)
-        ),
+        "weights": weight_shares(data["sweep"], judgement),
     }
     return compared, {name: validated.model for name, ((validated, *_), *_) in judged.items()}
 

@@ -1,4 +1,4 @@
-"""Families side by side: errors, verdicts of the claims, and what the reservoir is worth."""
+"""Families side by side: errors, and verdicts of the claims."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -8,7 +8,7 @@ import pandas as pd
 from fprc.paper import ERRORS, REFERENCE_NAMES
 from fprc.registry import controller_title, title_of
 from fprc.tables.models import over_seeds
-from fprc.tables.text import format_mean, spread, within
+from fprc.tables.text import format_mean, spread
 from fprc.tables.tracking import tracking_over_seeds
 
 #: What the middle and the range of a family's numbers are.
@@ -114,28 +114,23 @@ def _claims(families: Families) -> tuple[pd.DataFrame, str]:
 
 
 def _answer(families: Families) -> tuple[pd.DataFrame, str]:
-    """Return a row per family: deviation from the printed errors, and worth of the reservoir."""
+    """Return a row per family: deviation from the printed errors, and counted verdicts."""
     rows = []
     for family in families:
-        verdicts = pd.Series([c["verdict"] for c in family["claims"] if c["id"] != "B1"])
+        verdicts = pd.Series([claim["verdict"] for claim in family["claims"]])
         counted = ", ".join(f"{count} {name}" for name, count in verdicts.value_counts().items())
-        worth = next(claim for claim in family["claims"] if claim["id"] == "B1")
         rows.append(
             {
                 "Rigs": family["description"],
                 "Tables II and III off print": f"{100 * family['rms']:.0f} % (rms)",
                 "Open-loop Table IV off print, at most": _percent(family["sums"]["open_loop"]),
-                "Claims": "-" if worth["holds"] else counted,
-                "FPRC / FPRC on low-passed theta_d, test RMSE": within(*family["worth"]),
-                "P_o beats low-passed theta_d (B1)": _verdict(worth),
+                "Claims": counted or "-",
             }
         )
     note = (
-        "What the reservoir is worth, family by family. Deviations from print: root mean square of "
-        "the logarithms of the training and test errors of single recordings over the printed "
-        "ones; for open-loop Table IV, the largest of the four. Claims are all but those on "
-        "execution times. A ratio below 1 says that P_o is worth more than a low-pass of theta_d. "
-        f"{_RANGES}"
+        "Families of rigs. Deviations from print: root mean square of the logarithms of the "
+        "training and test errors of single recordings over the printed ones; for open-loop Table "
+        f"IV, the largest of the four. Claims are all but those on execution times. {_RANGES}"
     )
     return pd.DataFrame(rows), note
 

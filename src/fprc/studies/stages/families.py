@@ -10,38 +10,21 @@ from matplotlib.axes import Axes
 from scipy.stats import binomtest
 
 from fprc.artifacts import read_json, write_json
-from fprc.claims import numbers
-from fprc.claims.finding import REPRODUCED, Results, Statement
+from fprc.claims.finding import REPRODUCED, Results
 from fprc.claims.ledger import Fit, judge_claims
-from fprc.claims.paper import ASSUMED, CLAIMS, TIMED, Claim
-from fprc.claims.statements import Printed
+from fprc.claims.paper import ASSUMED, CLAIMS, TIMED
 from fprc.errors import FprcError
 from fprc.figures import style
 from fprc.paper import SOURCES
 from fprc.signals import LEVEL, rms
-from fprc.studies.beyond.claims import CLAIMS as BEYOND
 from fprc.studies.calibration.objective import errors_of, printed_errors
 from fprc.studies.families import tables
 from fprc.tables.text import write_table
 from fprc.yaml_file import read_yaml
 
-
-def _over_lowpass(results: Results, printed: Printed) -> list[Statement]:
-    errors = [report["filter_alone"]["test_rmse_kpa"] for report in results.replicates]
-    ratio = numbers.error(results, "sweep", "fprc", "test") / np.array(list(map(np.mean, errors)))
-    return [Statement("FPRC / FPRC on low-passed theta_d, test", ratio, high=1.0)]
-
-
-#: B1 on one rig: what P_o is worth there; fits that favour a side of it decide it in part.
-WORTH = Claim(
-    "B1", BEYOND["B1"].text, "-", _over_lowpass, half_fitted_by=tuple(BEYOND["B1"].favours)
-)  # fmt: skip
-
 #: Claims that Tables II to IV, weights and loops decide; the others need grids or times, or are
 #: assumed.
-JUDGED_BY_RIG = (
-    *(claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != ASSUMED), WORTH,
-)  # fmt: skip
+JUDGED_BY_RIG = [claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != ASSUMED]
 
 #: Shape and colour of each set.
 _LOOKS = (("o", "black"), ("s", "tab:blue"))
@@ -86,8 +69,7 @@ def compare_families(
     Writes a list of families, each with ``name``, ``title`` and ``description``; ``errors``, a row
     per printed number with its ``published``, ``middle``, ``low`` and ``high``; ``sums``, the same
     three of each of ``tables.SUMS``; ``rms``, the root mean square of logarithms of errors over the
-    printed ones; ``worth``, the same three of B1's ratio; and ``claims``, with ``verdict``, or with
-    ``holds``, see ``share_of``.
+    printed ones; and ``claims``, with ``verdict``, or with ``holds``, see ``share_of``.
 
     Raises
     ------
@@ -132,14 +114,11 @@ def _judged(
     one_rig: bool = False,
 ) -> dict[str, Any]:
     """Judge a family: one rig with all its seeds, or many rigs with one recording each."""
-    claims = [*(claim for claim in CLAIMS if claim.kind != TIMED), WORTH]
-    ledgers = [
-        judge_claims(rig, printed, fitted, claims if one_rig else JUDGED_BY_RIG) for rig in rigs
-    ]
+    claims = [claim for claim in CLAIMS if claim.kind != TIMED] if one_rig else JUDGED_BY_RIG
+    ledgers = [judge_claims(rig, printed, fitted, claims) for rig in rigs]
     units = [tables.rig_errors(rig.replicates, rig.controls, printed) for rig in rigs]
     sums = pd.DataFrame([tables.sums_of(unit) for unit in units])
     held = pd.DataFrame({row["id"]: row["verdict"] == REPRODUCED for row in x} for x in ledgers)
-    worth = [_worth(ledger) for ledger in ledgers]
     targets = printed_errors(printed)
     every = [errors_of(report) for rig in rigs for report in rig.replicates]
     off = [errors[key] / targets[key] for errors in every for key in targets]
@@ -149,7 +128,6 @@ def _judged(
         "errors": _rows(units),
         "sums": {key: _quantiles(sums[key]) for key in sums},
         "rms": rms(np.log(off)),
-        "worth": worth[0] if one_rig else _quantiles([middle for middle, *_ in worth]),
         "claims": [
             {
                 **{key: row[key] for key in ("id", "claim", "rig")},
@@ -228,8 +206,3 @@ def _rows(units: Sequence[pd.DataFrame]) -> list[dict[str, Any]]:
 
 def _quantiles(values: Any) -> list[float]:
     return [float(value) for value in np.quantile(values, (0.5, 0.025, 0.975))]
-
-
-def _worth(ledger: Sequence[Mapping[str, Any]]) -> list[float]:
-    (statement,) = next(row["statements"] for row in ledger if row["id"] == "B1")
-    return [statement[key] for key in ("mean", "first", "last")]
