@@ -77,7 +77,6 @@ def test_families_stand_side_by_side(studied):
         assert {of_claim["rigs"] for of_claim in held.values()} == {2}
         assert all(claim["low"] <= claim["share"] <= claim["high"] for claim in held.values())
         assert {"C1a", "C7a", "C13a", "C18b"} <= set(held)
-    assert len(pd.read_csv(folder / "answer.csv")) == 5
 
 
 def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(studied):

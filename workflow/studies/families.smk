@@ -29,7 +29,7 @@ SETS = {
         },
     },
 }
-FAMILY_TABLES = ("errors", "claims", "answer")
+FAMILY_TABLES = ("errors", "claims")
 
 
 use rule replicate as replicate_on_rig with:

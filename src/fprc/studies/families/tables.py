@@ -113,30 +113,8 @@ def _claims(families: Families) -> tuple[pd.DataFrame, str]:
     return page, note
 
 
-def _answer(families: Families) -> tuple[pd.DataFrame, str]:
-    """Return a row per family: deviation from the printed errors, and counted verdicts."""
-    rows = []
-    for family in families:
-        verdicts = pd.Series([claim["verdict"] for claim in family["claims"]])
-        counted = ", ".join(f"{count} {name}" for name, count in verdicts.value_counts().items())
-        rows.append(
-            {
-                "Rigs": family["description"],
-                "Tables II and III off print": f"{100 * family['rms']:.0f} % (rms)",
-                "Open-loop Table IV off print, at most": _percent(family["sums"]["open_loop"]),
-                "Claims": counted or "-",
-            }
-        )
-    note = (
-        "Families of rigs. Deviations from print: root mean square of the logarithms of the "
-        "training and test errors of single recordings over the printed ones; for open-loop Table "
-        f"IV, the largest of the four. Claims are all but those on execution times. {_RANGES}"
-    )
-    return pd.DataFrame(rows), note
-
-
 #: Of each table: from the families to its page and a note; the summary has the numbers.
-TABLES = {"errors": _errors, "claims": _claims, "answer": _answer}
+TABLES = {"errors": _errors, "claims": _claims}
 
 
 def _verdict(claim: Mapping[str, Any] | None) -> str:

@@ -16,8 +16,7 @@ from fprc.claims.paper import ASSUMED, CLAIMS, TIMED
 from fprc.errors import FprcError
 from fprc.figures import style
 from fprc.paper import SOURCES
-from fprc.signals import LEVEL, rms
-from fprc.studies.calibration.objective import errors_of, printed_errors
+from fprc.signals import LEVEL
 from fprc.studies.families import tables
 from fprc.tables.text import write_table
 from fprc.yaml_file import read_yaml
@@ -68,8 +67,8 @@ def compare_families(
 
     Writes a list of families, each with ``name``, ``title`` and ``description``; ``errors``, a row
     per printed number with its ``published``, ``middle``, ``low`` and ``high``; ``sums``, the same
-    three of each of ``tables.SUMS``; ``rms``, the root mean square of logarithms of errors over the
-    printed ones; and ``claims``, with ``verdict``, or with ``holds``, see ``share_of``.
+    three of each of ``tables.SUMS``; and ``claims``, with ``verdict``, or with ``holds``, see
+    ``share_of``.
 
     Raises
     ------
@@ -119,15 +118,11 @@ def _judged(
     units = [tables.rig_errors(rig.replicates, rig.controls, printed) for rig in rigs]
     sums = pd.DataFrame([tables.sums_of(unit) for unit in units])
     held = pd.DataFrame({row["id"]: row["verdict"] == REPRODUCED for row in x} for x in ledgers)
-    targets = printed_errors(printed)
-    every = [errors_of(report) for rig in rigs for report in rig.replicates]
-    off = [errors[key] / targets[key] for errors in every for key in targets]
     return {
         "title": title,
         "description": description,
         "errors": _rows(units),
         "sums": {key: _quantiles(sums[key]) for key in sums},
-        "rms": rms(np.log(off)),
         "claims": [
             {
                 **{key: row[key] for key in ("id", "claim", "rig")},
@@ -140,7 +135,7 @@ def _judged(
 
 
 def tabulate_families(summary: str, *, table: str, **files: str) -> None:
-    """Write one of the tables of the families: errors, claims, or answer."""
+    """Write one of the tables of the families: errors or claims."""
     page, note = tables.TABLES[table](read_json(summary)["families"])
     write_table(page, page, f"{note}\nData: {SOURCES['sim']}.", **files)
 
