@@ -12,13 +12,11 @@ FITTED_RIGS = [name for name, path in OTHER_RIGS.items() if path.with_suffix(".j
 SETS = {
     "near_print": {
         "title": "Near print",
-        "description": "rigs near the training and test errors of Tables II and III",
         "terms": ["tables"],
         "family": {},
     },
     "drawn": {
         "title": "Drawn",
-        "description": "rigs drawn at random from the physical ranges, not fitted",
         "terms": [],
         "family": {
             "seeds_per_rig": BEYOND["seeds_per_rig"],
@@ -66,9 +64,9 @@ STUDY_RESULTS["judge_family"] = judgement_spec(
 )
 
 
-STUDY_RESULTS["families_summary"] = result_spec(
-    "families/summary",
-    "verdicts",
+STUDY_RESULTS["families_tables"] = result_spec(
+    "families/tables",
+    "tables",
     {
         **{name: PATHS.below(f"families/{name}.json") for name in SETS},
         "published": PUBLISHED,
@@ -76,8 +74,11 @@ STUDY_RESULTS["families_summary"] = result_spec(
         "grids": on_rigs("grids"),
         "controls": on_rigs("control"),
     },
-    {"summary": PATHS.below("families/summary.json")},
-    **stage("studies.families.compare_families"),
+    {
+        table: [PATHS.below(f"families/{table}.{kind}") for kind in ("csv", "md")]
+        for table in FAMILY_TABLES
+    },
+    **stage("studies.families.tabulate_families"),
     named=lambda wildcards: {
         SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
         **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
@@ -85,17 +86,9 @@ STUDY_RESULTS["families_summary"] = result_spec(
     sets=SETS,
 )
 
-for table in FAMILY_TABLES:
-    STUDY_RESULTS[f"families_{table}"] = table_spec(
-        f"families/{table}",
-        {"summary": PATHS.below("families/summary.json")},
-        **stage("studies.families.tabulate_families"),
-        table=table,
-    )
-
 STUDY_RESULTS["families_figure"] = figure_spec(
     "families/figure",
-    {"summary": PATHS.below("families/summary.json")},
+    {"claims": PATHS.below("families/claims.csv")},
     **stage("studies.families.draw_claims"),
 )
 
@@ -104,6 +97,6 @@ STUDY_TARGETS |= {
     "families": [
         *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
         PATHS.below("families/figure.pdf"),
-        *STUDY_RESULTS["families_summary"].given.values(),
+        *STUDY_RESULTS["families_tables"].given.values(),
     ],
 }

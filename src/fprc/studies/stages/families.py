@@ -9,51 +9,54 @@ import pandas as pd
 from matplotlib.axes import Axes
 from scipy.stats import binomtest
 
-from fprc.artifacts import read_json, write_json
+from fprc.artifacts import read_json
 from fprc.claims.finding import REPRODUCED, Results
 from fprc.claims.ledger import Fit, judge_claims
 from fprc.claims.paper import ASSUMED, CLAIMS, TIMED
 from fprc.errors import FprcError
 from fprc.figures import style
-from fprc.paper import SOURCES
+from fprc.paper import ERRORS, REFERENCE_NAMES, SOURCES
+from fprc.registry import controller_title, title_of
 from fprc.signals import LEVEL
-from fprc.studies.families import tables
-from fprc.tables.text import write_table
+from fprc.tables.models import over_seeds
+from fprc.tables.text import format_mean, spread, write_table
+from fprc.tables.tracking import tracking_over_seeds
 from fprc.yaml_file import read_yaml
 
 #: Claims that Tables II to IV, weights and loops decide; the others need grids or times, or are
 #: assumed.
 JUDGED_BY_RIG = [claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != ASSUMED]
 
+_ENDS = ("middle", "low", "high")
+
 #: Shape and colour of each set.
 _LOOKS = (("o", "black"), ("s", "tab:blue"))
 
-
-def share_of(held: np.ndarray) -> dict[str, Any]:
-    """Return on how many rigs something holds, their number, the share and its Wilson interval."""
-    holds = int(held.sum())
-    interval = binomtest(holds, held.size).proportion_ci(LEVEL, method="wilson")
-    return {
-        "holds": holds,
-        "rigs": held.size,
-        "share": holds / held.size,
-        "low": float(interval.low),
-        "high": float(interval.high),
-    }
+_ERRORS_NOTE = (
+    "Families of rigs: errors, and their deviation from print. Of one rig: mean and its 95 % "
+    "interval over seeds. Of many rigs, one recording of each: median and 95 % of the rigs."
+)
+_CLAIMS_NOTE = (
+    "Claims on families of rigs. Of one rig: the verdict over seeds, and whether the rig was "
+    "fitted to the claim. Of many rigs: on how many the claim holds, and the share with its "
+    "95 % interval, which does not cover the choice of how the rigs were found; grids are not "
+    "judged on them."
+)
 
 
-def compare_families(
+def tabulate_families(
     published: str,
     models: Sequence[str],
     grids: Sequence[str],
     controls: Sequence[str],
-    summary: str,
     *,
     named: Mapping[str, Fit],
     sets: Mapping[str, Mapping[str, Any]],
+    errors: Sequence[str],
+    claims: Sequence[str],
     **judged: str,
 ) -> None:
-    """Judge the claims on every family.
+    """Judge every family; write its errors beside the printed ones, and the verdicts.
 
     Parameters
     ----------
@@ -61,14 +64,11 @@ def compare_families(
         Results over seeds, rig by rig; every named rig has the same number of them.
     named, sets : Mapping
         Families of one rig: what it was fitted to, see ``judge_claims``. Families of many rigs: the
-        ``terms``, the ``title`` and the ``description``.
+        ``terms`` that they were fitted to, and the ``title``.
+    errors, claims : sequence of str
+        The tables to write, as CSV and as Markdown: see ``family_errors`` and ``family_claims``.
     **judged
         Result of ``judge_tables`` of each set.
-
-    Writes a list of families, each with ``name``, ``title`` and ``description``; ``errors``, a row
-    per printed number with its ``published``, ``middle``, ``low`` and ``high``; ``sums``, the same
-    three of each of ``tables.SUMS``; and ``claims``, with ``verdict``, or with ``holds``, see
-    ``share_of``.
 
     Raises
     ------
@@ -76,128 +76,196 @@ def compare_families(
         No rig of a set could be judged.
     """
     printed = read_yaml(published)
-    families = []
-    for k, name in enumerate(named):
+    # one rig with the results of its seeds, grids among them, or many rigs without grids
+    families: list[tuple[str, Fit, list[Results]]] = []
+    for k, (name, fitted) in enumerate(named.items()):
         of_models, of_grids, of_control = (
             [read_json(path) for path in np.array_split(paths, len(named))[k]]
             for paths in (models, grids, controls)
         )
-        rig, words = Results(of_models, of_grids, of_control, {}, {}), f"Rig {name}"
-        of_rig = _judged(printed, named[name], [rig], words, words, one_rig=True)
-        families.append({"name": name, **of_rig})
+        rig = Results(of_models, of_grids, of_control, {}, {})
+        families.append((f"Rig {name}", fitted, [rig]))
     for name, described in sets.items():
-        rigs = read_json(judged[name])["cells"]
+        cells = read_json(judged[name])["cells"]
         good = [
-            Results([rig["compared"]], [], [rig["measured"]], {}, {})
-            for rig in rigs
-            if "failed" not in rig
+            Results([cell["compared"]], [], [cell["measured"]], {}, {})
+            for cell in cells
+            if "failed" not in cell
         ]
         if not good:
             raise FprcError(
-                f"{name}: none of the {len(rigs)} rigs could be judged; the first: "
-                f"{rigs[0]['failed']}"
+                f"{name}: none of the {len(cells)} rigs could be judged; the first: "
+                f"{cells[0]['failed']}"
             )
-        words = f"{len(good)} {described['description']}"
-        of_set = _judged(printed, {"to": described["terms"]}, good, described["title"], words)
-        families.append({"name": name, **of_set})
-    write_json(summary, {"source": "sim", "families": families})
+        families.append((described["title"], {"to": described["terms"]}, good))
+    of_errors = pd.concat(
+        family_errors(rigs, printed).assign(rigs=title) for title, _, rigs in families
+    )
+    of_claims = pd.concat(
+        family_claims(rigs, fitted, printed).assign(rigs=title) for title, fitted, rigs in families
+    )
+    heads = {"number": "Number", "paper": "Paper", "id": "Id", "claim": "Claim"}
+    for table, rows, note, files in (
+        (of_errors, ["number", "paper"], _ERRORS_NOTE, errors),
+        (of_claims, ["id", "claim"], _CLAIMS_NOTE, claims),
+    ):
+        page = table.pivot(index=rows, columns="rigs", values="text")
+        page = page.reindex(index=table.set_index(rows).index.unique(), columns=table.rigs.unique())
+        page = page.fillna("-").reset_index().rename(columns=heads)
+        tidy = table.drop(columns=["text", "paper"], errors="ignore").assign(source="sim")
+        tidy.insert(0, "rigs", tidy.pop("rigs"))
+        write_table(tidy, page, f"{note}\nData: {SOURCES['sim']}.", *files)
 
 
-def _judged(
-    printed: Mapping[str, Any],
-    fitted: Fit,
-    rigs: Sequence[Results],
-    title: str,
-    description: str,
-    *,
-    one_rig: bool = False,
-) -> dict[str, Any]:
-    """Judge a family: one rig with all its seeds, or many rigs with one recording each."""
-    claims = [claim for claim in CLAIMS if claim.kind != TIMED] if one_rig else JUDGED_BY_RIG
-    ledgers = [judge_claims(rig, printed, fitted, claims) for rig in rigs]
-    units = [tables.rig_errors(rig.replicates, rig.controls, printed) for rig in rigs]
-    sums = pd.DataFrame([tables.sums_of(unit) for unit in units])
-    held = pd.DataFrame({row["id"]: row["verdict"] == REPRODUCED for row in x} for x in ledgers)
+def family_errors(rigs: Sequence[Results], printed: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the errors of Tables II to IV that the paper prints, and sums of their deviations.
+
+    Columns are ``number``; ``published``, empty for a sum; ``middle``, ``low`` and ``high``, of the
+    seeds of one rig or over many rigs; and for readers ``paper`` and ``text``.
+    """
+    units = [rig_errors(rig.replicates, rig.controls, printed) for rig in rigs]
+    if rigs[0].grids:
+        table = units[0][["number", "published", "mean", "low", "high"]]
+        table = table.rename(columns={"mean": "middle"})
+    else:
+        table = units[0][["number", "published"]]
+        table = table.assign(**_quantiles([unit["mean"] for unit in units]))
+    off = 100 * (table["middle"] / table["published"] - 1.0)
+    texts = [
+        f"{format_mean(row, 'middle')}, {deviation:+.0f} %"
+        for row, deviation in zip(table.to_dict("records"), off, strict=True)
+    ]
+    table = table.assign(paper=[spread(value, None) for value in table["published"]], text=texts)
+    deviations = pd.DataFrame([sums_of(unit) for unit in units])
+    sums = pd.DataFrame({"number": list(deviations), "paper": "", **_quantiles(deviations)})
+    shares = zip(*(sums[end].map(lambda share: f"{100 * share:.0f}") for end in _ENDS), strict=True)
+    sums["text"] = [
+        f"{middle} %" if low == high else f"{middle} % ({low} to {high})"
+        for middle, low, high in shares
+    ]
+    return pd.concat([table, sums])
+
+
+def _quantiles(units: Any) -> dict[str, np.ndarray]:
+    """Return the median and the ends of 95 % of the units."""
+    found = np.quantile(np.asarray(units, dtype=float), (0.5, 0.025, 0.975), axis=0)
+    return dict(zip(_ENDS, found, strict=True))
+
+
+def rig_errors(
+    models: Sequence[Mapping[str, Any]],
+    controls: Sequence[Mapping[str, Any]],
+    published: Mapping[str, Any],
+) -> pd.DataFrame:
+    """Return the errors of Tables II to IV on one rig that the paper prints, tidy.
+
+    Among the columns are ``number``, ``table``, ``controller``, ``published``, ``mean``, ``low``,
+    ``high``, and ``deviation``, which is ours / print - 1.
+    """
+    tables = []
+    for number, log in (("II", "sweep"), ("III", "complex")):
+        errors = over_seeds(models, published, log).rename(columns={"published_mean": "published"})
+        what = errors["model"].map(title_of) + ", " + errors["metric"].map(ERRORS)
+        tables.append(errors.assign(table=number, what=what))
+    loops = tracking_over_seeds(controls, published).rename(
+        columns={"rmse_deg": "mean", "published_rmse_deg": "published"}
+    )
+    of_loops = loops["controller"].map(controller_title), loops["reference"].map(REFERENCE_NAMES)
+    tables.append(loops.assign(table="IV", unit="deg", what=of_loops[0] + ", " + of_loops[1]))
+    table = pd.concat(tables).dropna(subset="published").reset_index(drop=True)
+    return table.assign(
+        number="Table " + table["table"] + ", " + table["what"] + " [" + table["unit"] + "]",
+        deviation=table["mean"] / table["published"] - 1.0,
+    )
+
+
+def sums_of(errors: pd.DataFrame) -> dict[str, float]:
+    """Return the deviations from print in a few numbers, absolute, as shares.
+
+    Parameters
+    ----------
+    errors : DataFrame
+        Result of ``rig_errors``.
+    """
+    off, table, controller = errors["deviation"].abs(), errors["table"], errors["controller"]
+    tables, closed_loop = off[table != "IV"], off[controller == "fprc_pd"]
     return {
-        "title": title,
-        "description": description,
-        "errors": _rows(units),
-        "sums": {key: _quantiles(sums[key]) for key in sums},
-        "claims": [
-            {
-                **{key: row[key] for key in ("id", "claim", "rig")},
-                "verdict": row["verdict"] if one_rig else None,
-                "holds": None if one_rig else share_of(held[row["id"]].to_numpy()),
-            }
-            for row in ledgers[0]
-        ],
+        "Tables II and III, median deviation": tables.median(),
+        "Tables II and III, largest deviation": tables.max(),
+        "Table IV, open loop, largest deviation": off[controller == "fprc"].max(),
+        "Table IV, closed loop, median deviation": closed_loop.median(),
+        "Table IV, closed loop, largest deviation": closed_loop.max(),
     }
 
 
-def tabulate_families(summary: str, *, table: str, **files: str) -> None:
-    """Write one of the tables of the families: errors or claims."""
-    page, note = tables.TABLES[table](read_json(summary)["families"])
-    write_table(page, page, f"{note}\nData: {SOURCES['sim']}.", **files)
+def family_claims(rigs: Sequence[Results], fitted: Fit, printed: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the verdicts on one rig over its seeds, or on how many of several rigs a claim holds.
+
+    Columns are ``id`` and ``claim``; of one rig ``verdict`` and ``fitted``; of several ``holds``,
+    their number, of ``judged``, with the ``share`` and its Wilson interval, ``low`` and ``high``;
+    and ``text``, for readers.
+    """
+    if rigs[0].grids:
+        claims = [claim for claim in CLAIMS if claim.kind != TIMED]
+        table = pd.DataFrame(judge_claims(rigs[0], printed, fitted, claims))
+        table = table[["id", "claim", "verdict", "rig"]].rename(columns={"rig": "fitted"})
+        return table.assign(text=table["verdict"] + " (" + table["fitted"] + ")")
+    ledgers = [pd.DataFrame(judge_claims(rig, printed, fitted, JUDGED_BY_RIG)) for rig in rigs]
+    holds = sum((ledger["verdict"] == REPRODUCED).astype(int) for ledger in ledgers)
+    table = ledgers[0][["id", "claim"]].assign(holds=holds, judged=len(rigs))
+    table["share"] = table["holds"] / table["judged"]
+    intervals = [
+        binomtest(count, len(rigs)).proportion_ci(LEVEL, method="wilson") for count in holds
+    ]
+    table["low"], table["high"] = zip(*intervals, strict=True)
+    return table.assign(
+        text=[
+            f"{row.holds} of {row.judged}: {100 * row.share:.0f} % "
+            f"({100 * row.low:.0f} to {100 * row.high:.0f})"
+            for row in table.itertuples()
+        ]
+    )
 
 
-def draw_claims(summary: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_claims(claims: str, pdf: str, png: str) -> Mapping[str, Any]:
     """Draw on how many rigs of each set the claims hold."""
-    report = read_json(summary)
-    sets = [family for family in report["families"] if family["claims"][0]["holds"]]
     fig, ax = style.figure(1, 1, style.PAGE_IN, 7.0)
     # long labels are wider at the resolution of the file than at that of the layout
     fig.set_layout_engine("constrained", w_pad=0.15)
-    plot_shares(sets, ax)
+    plot_shares(pd.read_csv(claims).dropna(subset="share"), ax)
     style.legend_above(ax)
-    return style.save(fig, report | {"seeds": []}, pdf, png)
+    return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
 
 
-def plot_shares(sets: Sequence[Mapping[str, Any]], ax: Axes) -> None:
+def plot_shares(table: pd.DataFrame, ax: Axes) -> None:
     """Draw the share of rigs on which each claim holds, with its interval, a colour per set.
 
     Parameters
     ----------
-    sets : sequence of mapping
-        Families of many rigs, see ``compare_families``. Claims are
+    table : DataFrame
+        Rows of ``family_claims`` of families of many rigs, with their name as ``rigs``. Claims are
         drawn from the share of the first family downwards.
     """
-    first = sorted(sets[0]["claims"], key=lambda claim: -claim["holds"]["share"])
+    first = table[table["rigs"] == table["rigs"].iloc[0]]
+    first = first.sort_values("share", ascending=False, kind="stable").set_index("id")
     rows = np.arange(len(first))
-    for k, (family, (marker, color)) in enumerate(zip(sets, _LOOKS, strict=False)):
-        held = {claim["id"]: claim["holds"] for claim in family["claims"]}
-        share, low, high = (
-            np.array([100 * held[claim["id"]][key] for claim in first])
-            for key in ("share", "low", "high")
-        )
+    families = table.groupby("rigs", sort=False)
+    for k, ((title, family), (marker, color)) in enumerate(zip(families, _LOOKS, strict=False)):
+        held = 100 * family.set_index("id").loc[first.index]
         ax.errorbar(
-            share, rows + 0.26 * (k - 0.5), xerr=[share - low, high - share], fmt=marker,
-            color=color, markersize=3, capsize=0, linewidth=0.8, label=family["title"],
+            held["share"], rows + 0.26 * (k - 0.5),
+            xerr=[held["share"] - held["low"], held["high"] - held["share"]], fmt=marker,
+            color=color, markersize=3, capsize=0, linewidth=0.8, label=title,
         )  # fmt: skip
-    labels = [_label(claim) for claim in first]
+    labels = [_label(name, claim) for name, claim in first["claim"].items()]
     ax.set(xlim=(-3, 103), xlabel="Share of rigs, 95 % interval [%]", yticks=rows)
     ax.set_yticklabels(labels, fontsize=style.MARK_PT, linespacing=0.95)
     ax.set_ylim(len(first) - 0.5, -0.5)
     ax.grid(axis="y", color="0.9", linewidth=0.5)
 
 
-def _label(claim: Mapping[str, Any]) -> str:
+def _label(name: str, claim: str) -> str:
     """Return id and text of a claim in two lines at most."""
-    text = f"{claim['id']}: {claim['claim'].replace('+-', '±')}"
+    text = f"{name}: {claim.replace('+-', '±')}"
     lines = textwrap.wrap(text, 64, max_lines=2, placeholder=" ...", break_on_hyphens=False)
     return "\n".join(map(style.symbols, lines))
-
-
-def _rows(units: Sequence[pd.DataFrame]) -> list[dict[str, Any]]:
-    """Return the printed numbers with middle and range: over seeds of one rig, or over rigs."""
-    rows = units[0][["number", "published"]].to_dict("records")
-    if len(units) == 1:
-        ends = units[0][["mean", "low", "high"]].to_numpy().tolist()
-    else:
-        means = np.array([unit["mean"] for unit in units])
-        ends = [_quantiles(column) for column in means.T]
-    names = ("middle", "low", "high")
-    return [row | dict(zip(names, end, strict=True)) for row, end in zip(rows, ends, strict=True)]
-
-
-def _quantiles(values: Any) -> list[float]:
-    return [float(value) for value in np.quantile(values, (0.5, 0.025, 0.975))]

@@ -14,7 +14,6 @@ from fprc.experiments.settings import RigSettings
 from fprc.studies.calibration.space import decode, free_parameters
 from fprc.studies.families import family as families
 from fprc.studies.families.family import draw_rig, judge_tables, unit_of
-from fprc.studies.stages.families import share_of
 
 PATHS = [
     "bending.stiffness_kpa_per_deg",
@@ -161,10 +160,3 @@ def test_no_plausible_rig_is_an_error(on_rig, monkeypatch):
     monkeypatch.setattr(families, "ACCEPTED", ranges)
     with pytest.raises(EvaluationError, match=r"calibration\.ranges"):
         draw_rig(SEED, FREE, on_rig)
-
-
-def test_share_and_wilson_interval():
-    """Newcombe, Statistics in Medicine 17, 1998, Table I: 15 of 148."""
-    share = share_of(np.arange(148) < 15)
-    assert (share["holds"], share["rigs"], share["share"]) == (15, 148, 15 / 148)
-    assert [share["low"], share["high"]] == pytest.approx([0.0624, 0.1605], abs=5e-5)

@@ -5,6 +5,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from fprc.claims.finding import Results
 from fprc.errors import FprcError
 from fprc.studies.stages import families as stage
 
@@ -56,7 +57,8 @@ def reports_of(tmp_path):
 
 
 NAMED = {"dry": {"to": []}, "viscous": {"to": ["tables"]}}
-SETS = {"drawn": {"title": "Drawn", "description": "rigs drawn at random", "terms": []}}
+SETS = {"drawn": {"title": "Drawn", "terms": []}}
+TABLES = ("errors", "claims")
 
 
 @pytest.fixture
@@ -81,7 +83,7 @@ def judged(monkeypatch):
 
 @pytest.fixture
 def compared(reports_of, judged, tmp_path):
-    """Compare two named rigs with four drawn ones, of which one failed."""
+    """Tabulate two named rigs and four drawn ones, of which one failed."""
     files = reports_of({"dry": 0.1, "viscous": -0.2})
     rigs = [
         {"unit": unit, "seed": unit, "compared": reports(error), "measured": CONTROL}
@@ -90,31 +92,30 @@ def compared(reports_of, judged, tmp_path):
     rigs.append({"unit": 3, "seed": 3, "failed": "it diverged"})
     drawn = str(tmp_path / "drawn.json")
     Path(drawn).write_text(json.dumps({"source": "sim", "cells": rigs}))
-    summary = str(tmp_path / "summary.json")
-    stage.compare_families(**files, drawn=drawn, summary=summary, named=NAMED, sets=SETS)
-    return summary
+    tables = {name: [str(tmp_path / f"{name}.{end}") for end in ("csv", "md")] for name in TABLES}
+    stage.tabulate_families(**files, **tables, drawn=drawn, named=NAMED, sets=SETS)
+    return tables
 
 
 def test_named_rigs_are_judged_on_all_seeds_and_others_one_by_one(compared, judged):
     assert judged == [[SEEDS] * 3] * 2 + [[1, 0, 1]] * 3
-    dry, _, drawn = json.loads(Path(compared).read_text())["families"]
-    tables = [row for row in dry["errors"] if not row["number"].startswith("Table IV")]
-    assert [row["middle"] for row in tables] == pytest.approx([1.1] * 18)
-    assert drawn["description"] == "3 rigs drawn at random"
-    first = drawn["errors"][0]
+    errors = pd.read_csv(compared["errors"][0]).set_index(["rigs", "number"])
+    dry = errors.loc["Rig dry"].filter(regex="^Table III?, ", axis="index")
+    assert dry["middle"].tolist() == pytest.approx([1.1] * 18)
+    drawn = errors.loc["Drawn"]
     expected = np.quantile([0.5, 0.9, 2.0], (0.5, 0.025, 0.975))
-    assert [first[key] for key in ("middle", "low", "high")] == pytest.approx(expected)
-    assert drawn["sums"]["largest"][0] == pytest.approx(0.5)  # of 0.5, 0.1 and 1
-    (held,) = (claim["holds"] for claim in drawn["claims"] if claim["id"] == "C1a")
-    assert (held["holds"], held["rigs"]) == (2, 3)
+    assert drawn.iloc[0][["middle", "low", "high"]].tolist() == pytest.approx(expected)
+    largest = drawn.loc["Tables II and III, largest deviation", "middle"]
+    assert largest == pytest.approx(0.5)  # of 0.5, 0.1 and 1
+    held = pd.read_csv(compared["claims"][0]).set_index(["rigs", "id"]).loc[("Drawn", "C1a")]
+    assert (held["holds"], held["judged"]) == (2, 3)
 
 
-def test_tables_show_every_family(compared, tmp_path):
-    written = {end: str(tmp_path / f"table.{end}") for end in ("csv", "md")}
+def test_tables_show_every_family(compared):
     rows = {}
-    for name in ("errors", "claims"):
-        stage.tabulate_families(compared, table=name, **written)
-        lines = Path(written["md"]).read_text().splitlines()
+    for name, (_, page) in compared.items():
+        lines = Path(page).read_text().splitlines()
+        assert "nan" not in Path(page).read_text()
         rows[name] = [[cell.strip() for cell in x.split("|")[1:-1]] for x in lines if x[:1] == "|"]
     assert rows["errors"][0] == ["Number", "Paper", "Rig dry", "Rig viscous", "Drawn"]
     assert rows["errors"][2][2].endswith(", +10 %")
@@ -122,15 +123,94 @@ def test_tables_show_every_family(compared, tmp_path):
     assert claims["C2"][:2] == ["reproduced (predicted)", "reproduced (fitted)"]
     assert claims["C1a"][2].startswith("2 of 3: 67 % (")
     assert claims["C9a"][2] == "-"  # needs a grid
-    assert not pd.read_csv(written["csv"]).isna().any().any()
 
 
 def test_set_of_which_no_rig_could_be_judged_is_an_error(reports_of, judged, tmp_path):
     drawn = tmp_path / "drawn.json"
     drawn.write_text(json.dumps({"cells": [{"unit": 0, "seed": 0, "failed": "it diverged"}]}))
     with pytest.raises(FprcError, match="drawn.*it diverged"):
-        stage.compare_families(
-            **reports_of({"dry": 0.1}), drawn=str(drawn), summary=str(tmp_path / "summary.json"),
-            named={"dry": {"to": []}}, sets=SETS,
+        stage.tabulate_families(
+            **reports_of({"dry": 0.1}), drawn=str(drawn), errors=[str(tmp_path / "errors.csv")],
+            claims=[], named={"dry": {"to": []}}, sets=SETS,
         )  # fmt: skip
-    assert not (tmp_path / "summary.json").exists()
+    assert not (tmp_path / "errors.csv").exists()
+
+
+def test_share_and_wilson_interval(monkeypatch):
+    """Newcombe, Statistics in Medicine 17, 1998, Table I: 15 of 148."""
+
+    def judge(rig, *rest):
+        verdict = "reproduced" if rig.replicates[0] < 15 else "not reproduced"
+        return [{"id": "C2", "claim": "Text.", "verdict": verdict}]
+
+    monkeypatch.setattr(stage, "judge_claims", judge)
+    rigs = [Results([number], [], [], {}, {}) for number in range(148)]
+    (row,) = stage.family_claims(rigs, {"to": []}, {}).to_dict("records")
+    assert (row["holds"], row["judged"], row["share"]) == (15, 148, 15 / 148)
+    assert [row["low"], row["high"]] == pytest.approx([0.0624, 0.1605], abs=5e-5)
+
+
+# --- errors of one rig ---------------------------------------------------------------------------
+
+PRINTED_ERRORS = {
+    "table_2_models": {"esn": {"train_rmse_kpa": [10.0, 0.1], "validation_rmse_kpa": [10.0, 0.1],
+                               "test_rmse_kpa": 20.0}},
+    "table_3_reversed": {"esn": {"train_rmse_kpa": [8.0, 0.1], "validation_rmse_kpa": [8.0, 0.1],
+                                 "test_rmse_kpa": 40.0}},
+    "table_4_tracking_rmse_deg": {"fprc": {"sweep": 2.0}, "fprc_pd": {"sweep": 1.0}},
+}  # fmt: skip
+
+
+def models_of(train, test):
+    return {
+        "source": "sim",
+        "models": [
+            {
+                "model": "esn",
+                "trained_on": log,
+                "unit": "kPa",
+                "source": "sim",
+                "train_rmse_kpa": [train - 1.0, train + 1.0],
+                "validation_rmse_kpa": [train, train],
+                "test_rmse_kpa": test,
+            }
+            for log in ("sweep", "complex")
+        ],
+    }
+
+
+def control_of(opened, closed):
+    runs = {"sweep/fprc": opened, "sweep/fprc_pd": closed, "sweep/pd": 30.0}
+    return {"source": "sim", "rmse_deg": runs}
+
+
+@pytest.fixture
+def table():
+    return stage.rig_errors(
+        [models_of(11.0, 18.0), models_of(13.0, 22.0)],
+        [control_of(1.5, 1.1), control_of(2.5, 1.3)],
+        PRINTED_ERRORS,
+    )
+
+
+def test_every_printed_error_has_a_row_with_its_deviation(table):
+    assert len(table) == 2 * 3 + 2
+    means = dict(zip(table["number"], table["mean"], strict=True))
+    assert means["Table II, ESN, Training RMSE [kPa]"] == pytest.approx(12.0)
+    assert means["Table III, ESN, Test RMSE [kPa]"] == pytest.approx(20.0)
+    assert means["Table IV, FPRC, Sweep [deg]"] == pytest.approx(2.0)
+    np.testing.assert_allclose(table["deviation"], table["mean"] / table["published"] - 1.0)
+    away = table.set_index("number")["deviation"]
+    assert away["Table III, ESN, Test RMSE [kPa]"] == pytest.approx(-0.5)
+    assert (table["low"] < table["mean"]).all()
+
+
+def test_sums_are_of_each_table_and_loop(table):
+    sums = stage.sums_of(table)
+    off = table.set_index("number")["deviation"].abs()
+    tables = off[~off.index.str.startswith("Table IV")]
+    assert sums["Tables II and III, median deviation"] == pytest.approx(np.median(tables))
+    assert sums["Tables II and III, largest deviation"] == pytest.approx(tables.max())
+    assert sums["Table IV, open loop, largest deviation"] == pytest.approx(0.0)
+    for which in ("median", "largest"):
+        assert sums[f"Table IV, closed loop, {which} deviation"] == pytest.approx(0.2)
