@@ -29,7 +29,7 @@ STUDY_RESULTS["beyond_world"] = judgement_spec(
     "beyond.contest.judge_models",
     *COMPETITORS,
     given={"near_print": NEAR_PRINT, "tuned": TUNED},
-    families=lambda wildcards: [family_named(wildcards.world)],
+    family=lambda wildcards: family_named(wildcards.world),
     units=list(range(BEYOND["units"])),
     how={"contest": CONTEST, "slow": BEYOND["slow"]},
 )

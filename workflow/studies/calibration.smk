@@ -11,7 +11,7 @@ STUDY_RESULTS["measure_sensitivity"] = judgement_spec(
     *MODELS,
     *COMPETITORS,
     runtime=240,
-    families=lambda wildcards: [family_named(SETTINGS["fitted"]["name"])],
+    family=lambda wildcards: family_named(SETTINGS["fitted"]["name"]),
     units=list(range(len(SETTINGS["calibration"]["free"]))),
     how={
         "paths": SETTINGS["calibration"]["free"],

@@ -48,7 +48,7 @@ def memory_of(wildcards, threads):
 
 
 def judgement_spec(stem, judge, *models, given=None, runtime=120, **params):
-    """Return what is peculiar to a job that judges families of rigs, with a checkpoint.
+    """Return what is peculiar to a job that judges a family of rigs, with a checkpoint.
 
     Parameters
     ----------
@@ -61,10 +61,10 @@ def judgement_spec(stem, judge, *models, given=None, runtime=120, **params):
     runtime : int
         Minutes.
     **params
-        ``families``, ``units`` and ``how``, see ``fprc.studies.stages.judge``.
+        ``family``, ``units`` and ``how``, see ``fprc.studies.stages.judge``.
     """
     judged_by = f"fprc.studies.{judge.rpartition('.')[0]}"
-    of_stage = stage("studies.judge.judge_families")
+    of_stage = stage("studies.judge.judge_family")
 
     # the checkpoint depends on it too
     def version(wildcards):

@@ -58,7 +58,7 @@ STUDY_RESULTS["judge_family"] = judgement_spec(
     "families.family.judge_tables",
     *MODELS,
     given={"near_print": NEAR_PRINT},
-    families=lambda wildcards: [family_named(wildcards.family)],
+    family=lambda wildcards: family_named(wildcards.family),
     units=list(range(BEYOND["units"])),
     how={"tracking": SETTINGS["tracking"], "judgement": EVERY_SEED},
 )

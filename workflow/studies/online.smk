@@ -9,9 +9,9 @@ STUDY_RESULTS["judge_online"] = judgement_spec(
     "online.judge.judge_online",
     *COMPETITORS,
     given={"near_print": NEAR_PRINT},
-    families=lambda wildcards: [
+    family=lambda wildcards: (
         family_named(wildcards.world) | {"first_seed": FIRST_ONLINE, "seeds_per_rig": 1}
-    ],
+    ),
     units=list(range(BEYOND["slow"])),
     how={"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
 )

@@ -73,7 +73,7 @@ def stage_of(name: str) -> Callable[..., Any]:
 def module_of(name: str) -> str:
     """Return the module of a stage: ``judge.judge`` is in ``fprc.stages.judge``.
 
-    ``studies.judge.judge_families`` is in ``fprc.studies.stages.judge``.
+    ``studies.judge.judge_family`` is in ``fprc.studies.stages.judge``.
     """
     *package, module, _ = name.split(".")
     return ".".join(["fprc", *package, "stages", module])

@@ -29,12 +29,6 @@ LOOPS = ("open_loop", "closed_loop")
 _TITLES = {"bouc_wen": "Bouc-Wen", "near_print": "near print"}
 
 
-def family_of(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the one family of a report of ``fprc.studies.stages.judge`` with what was measured."""
-    ((name, described),) = report["families"].items()
-    return {"name": name, **described, "cells": report["cells"]}
-
-
 def family_title(name: str) -> str:
     """Return a family's name for readers."""
     return _TITLES.get(name, name.replace("_", "-"))

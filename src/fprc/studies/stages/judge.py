@@ -1,4 +1,4 @@
-"""Judge families of simulated rigs with any function of the studies."""
+"""Judge a family of simulated rigs with any function of the studies."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -14,74 +14,66 @@ from fprc.studies.families.family import unit_of
 from fprc.yaml_file import read_yaml
 
 
-def judge_families(
+def judge_family(
     judged: str,
     near_print: str = "",
     tuned: str = "",
     *,
     judge: str,
-    families: Sequence[Mapping[str, Any]],
+    family: Mapping[str, Any],
     units: Sequence[int],
     how: Mapping[str, Any],
     workers: int,
     **run: Any,
 ) -> None:
-    """Judge some units of families of rigs with one function.
+    """Judge some units of a family of rigs with one function.
 
-    Writes ``families``, by name what each is ``fitted`` to; and ``cells``, all that the function
-    found, each with its ``family`` and ``unit``.
+    Writes the family's ``name``, what it is ``fitted`` to, and ``cells``, all that the function
+    found, each with its ``unit``.
 
     Parameters
     ----------
     near_print : str
-        File of the rigs near print, if a family has them.
+        File of the rigs near print, if the family has them.
     tuned : str
         Settings of the tuned models, by family and name, if the function needs them.
     judge : str
         Function below ``fprc.studies``, such as ``online.judge.judge_online``. It takes a
         ``fprc.experiments.settings.Unit`` and ``how``, and returns a list of JSON mappings.
-    families : sequence of Mapping
+    family : Mapping
         See ``fprc.studies.families.family.unit_of``; also ``name`` and ``fitted``.
     workers : int
         Most processes.
     **run
         ``checkpoint`` and ``version`` of ``judged_cells``.
     """
-    by_name = {family["name"]: dict(family) for family in families}
     if tuned:
-        for family in by_name.values():
-            family["tuned"] = _tuned(tuned, family, units)
-    units_of_all = [{"family": name, "unit": unit} for name in by_name for unit in units]
+        family = {**family, "tuned": _tuned(tuned, family, units)}
     with judged_cells(
-        partial(_judge, judge=judge, families=by_name, near_print=near_print, how=how),
-        units_of_all,
-        settings=[by_name, how],
+        partial(_judge, judge=judge, family=family, near_print=near_print, how=how),
+        [{"unit": unit} for unit in units],
+        settings=[family, how],
         files=[near_print] if near_print else [],
         # to start a process takes as long as several units
-        workers=max(1, min(workers, len(units_of_all) // 4)),
+        workers=max(1, min(workers, len(units) // 4)),
         **run,
     ) as cells:
-        described = {name: {"fitted": family["fitted"]} for name, family in by_name.items()}
-        found = [
-            {"family": cell["family"], "unit": cell["unit"], **row}
-            for cell in cells
-            for row in cell["found"]
-        ]
-        write_json(judged, {"source": "sim", "families": described, "cells": found})
+        found = [{"unit": cell["unit"], **row} for cell in cells for row in cell["found"]]
+        described = {key: family[key] for key in ("name", "fitted")}
+        write_json(judged, {"source": "sim", **described, "cells": found})
 
 
 def _judge(
     cell: Mapping[str, Any],
     *,
     judge: str,
-    families: Mapping[str, Mapping[str, Any]],
+    family: Mapping[str, Any],
     near_print: str,
     how: Mapping[str, Any],
 ) -> dict[str, Any]:
     module, _, function = judge.rpartition(".")
     judged_by = getattr(import_module(f"fprc.studies.{module}"), function)
-    unit = unit_of(cell["unit"], families[cell["family"]], near_print)
-    return {"found": judged_by(unit, **how)}
+    return {"found": judged_by(unit_of(cell["unit"], family, near_print), **how)}
 
 
 def _tuned(path: str, family: Mapping[str, Any], units: Sequence[int]) -> Any:

@@ -10,7 +10,7 @@ from fprc.artifacts import read_json
 from fprc.figures import style
 from fprc.paper import REFERENCES, SOURCES
 from fprc.signals import rms
-from fprc.studies.beyond.measurements import family_of, family_title
+from fprc.studies.beyond.measurements import family_title
 from fprc.studies.beyond.tables import named, wide
 from fprc.studies.beyond.verdicts import Claim, Pair, claims_page, judge_family
 from fprc.tables.text import write_table
@@ -105,7 +105,7 @@ def rmse_of(family: Mapping[str, Any]) -> pd.DataFrame:
 def tabulate_verdicts(families: Sequence[str], **files: str) -> None:
     """Judge D1 to D3 in every family, and write the verdicts."""
     judged = []
-    for family in map(family_of, map(read_json, families)):
+    for family in map(read_json, families):
         by_run = rmse_of(family).set_index("unit").groupby([*_RUN, "reference"])["rmse_deg"]
         judged.append(judge_family(family, CLAIMS, dict(iter(by_run)), D4))
     table = pd.concat(judged, ignore_index=True)
@@ -121,7 +121,7 @@ def tabulate_verdicts(families: Sequence[str], **files: str) -> None:
 
 def tabulate_errors(families: Sequence[str], **files: str) -> None:
     """Write the tracking errors under every condition; the page has those of the first family."""
-    found = [family_of(read_json(path)) for path in families]
+    found = [read_json(path) for path in families]
     errors = pd.concat(rmse_of(family).assign(family=family["name"]) for family in found)
     overall = errors[errors["reference"] == "all"].groupby(["family", *_RUN], sort=False)
     numbers = {"mean_deg": "mean", "low_deg": "min", "high_deg": "max", "units": "count"}

@@ -12,7 +12,7 @@ from fprc.figures import style
 from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond.claims import B8, CLAIMS, numbers_of
-from fprc.studies.beyond.measurements import LOOPS, family_of
+from fprc.studies.beyond.measurements import LOOPS
 from fprc.studies.beyond.verdicts import judge_family
 
 #: Columns of the table of the claims.
@@ -42,7 +42,7 @@ def tabulate_beyond(
     **csv : str
         Tables by name: ``models``, ``claims``, ``offsets``.
     """
-    found = [family_of(read_json(path)) for path in families]
+    found = [read_json(path) for path in families]
     judged = [judge_family(family, CLAIMS, numbers_of(family), B8) for family in found]
     verdicts = pd.concat(judged, ignore_index=True)
     made = {

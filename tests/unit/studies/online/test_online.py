@@ -114,8 +114,7 @@ def family(units=12, seed=1, **ratios):
             for reference in REFERENCES
         ]  # fmt: skip
         cells.append({"unit": unit, "seed": unit, "rows": rows})
-    described = {"dry": {"fitted": []}}
-    return {"source": "sim", "families": described, "cells": cells}
+    return {"source": "sim", "name": "dry", "fitted": [], "cells": cells}
 
 
 @pytest.fixture

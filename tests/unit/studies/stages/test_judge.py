@@ -5,7 +5,7 @@ import pytest
 
 from fprc.artifacts import read_json
 from fprc.errors import FprcError
-from fprc.studies.stages.judge import judge_families
+from fprc.studies.stages.judge import judge_family
 
 
 @pytest.fixture
@@ -13,7 +13,7 @@ def run(tmp_path):
     """Judge with one process, which shares the module that a test has changed."""
 
     def run(**how):
-        judge_families(
+        judge_family(
             str(tmp_path / "judged.json"), workers=1, version="1",
             checkpoint=str(tmp_path / "partial.jsonl"), **how,
         )  # fmt: skip
@@ -22,25 +22,16 @@ def run(tmp_path):
     return run
 
 
-def test_every_unit_of_every_family_is_judged_and_described(family, run, monkeypatch):
+def test_every_unit_of_a_family_is_judged_and_described(family, run, monkeypatch):
     def judge(unit, factor):
         return [{"seed": seed, "found": factor * unit.number} for _, seed in unit.rigs]
 
     monkeypatch.setattr("fprc.studies.online.judge.judge_online", judge)
     family["seeds_per_rig"] = 2
-    near = family | {"name": "other", "fitted": [], "seeds_per_rig": 1}
-    report = run(
-        judge="online.judge.judge_online", families=[family, near], units=[0, 2], how={"factor": 3}
-    )
-    assert report["families"] == {
-        "dry": {"fitted": ["tables"]}, "other": {"fitted": []},
-    }  # fmt: skip
-    found = [tuple(cell[key] for key in ("family", "unit", "seed", "found")) for cell in
-             report["cells"]]  # fmt: skip
-    assert found == [
-        ("dry", 0, 601, 0), ("dry", 0, 602, 0), ("dry", 2, 605, 6), ("dry", 2, 606, 6),
-        ("other", 0, 601, 0), ("other", 2, 603, 6),
-    ]  # fmt: skip
+    report = run(judge="online.judge.judge_online", family=family, units=[0, 2], how={"factor": 3})
+    assert (report["name"], report["fitted"]) == ("dry", ["tables"])
+    found = [tuple(cell[key] for key in ("unit", "seed", "found")) for cell in report["cells"]]
+    assert found == [(0, 601, 0), (0, 602, 0), (2, 605, 6), (2, 606, 6)]
 
 
 @pytest.mark.parametrize(("units", "workers"), [(3, 1), (12, 3), (40, 8)])
@@ -54,8 +45,8 @@ def test_pool_has_a_process_for_four_units_within_its_limit(
 
     asked = []
     monkeypatch.setattr("fprc.studies.stages.judge.judged_cells", judged_cells)
-    judge_families(
-        str(tmp_path / "judged.json"), judge="online.judge.judge_online", families=[family],
+    judge_family(
+        str(tmp_path / "judged.json"), judge="online.judge.judge_online", family=family,
         units=range(units), how={}, workers=8,
     )  # fmt: skip
     assert asked == [workers]
@@ -74,6 +65,6 @@ def test_family_without_tuned_settings_is_refused_before_anything_is_judged(fami
     ):
         tuned.write_text(known)
         with pytest.raises(FprcError, match=message):
-            run(tuned=str(tuned), judge="beyond.contest.judge_models", families=[judged],
+            run(tuned=str(tuned), judge="beyond.contest.judge_models", family=judged,
                 units=units, how={})  # fmt: skip
     assert [path.name for path in tmp_path.iterdir()] == ["tuned.yaml"]

@@ -18,8 +18,7 @@ def tabulated(make_family, tmp_path_factory):
     written = {
         family["name"]: {
             "source": "sim",
-            "families": {family["name"]: {key: family[key] for key in ["fitted"]}},
-            "cells": family["cells"],
+            **family,
         }
         for family in families
     }
