@@ -5,10 +5,9 @@ TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 CONFIGURED_FAMILY = SETTINGS["fitted"]["name"]
 FAMILIES = [CONFIGURED_FAMILY, *OTHER_RIGS, *SETS]
-#: Tables of the figures.
-FIGURES_BEYOND = {"pairs": "claims", "offsets": "offsets"}
 #: Names of the tables in Markdown.
 PAGES_BEYOND = "claims models offsets beside fitted details leaderboard".split()
+FIGURES_BEYOND = ("pairs", "offsets")
 #: Settings of the models and of their competitors, with their own number of starts of a clustering.
 CONTESTANTS = paper_models(SETTINGS) | {
     "fprc": SETTINGS["models"]["fprc"] | {"restarts": BEYOND["restarts"]}
@@ -42,18 +41,22 @@ STUDY_RESULTS["beyond_tables"] = result_spec(
         **{name: PATHS.below(f"beyond/{name}.csv") for name in PAGES_BEYOND[:3]},
         "pages": expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
     },
-    **stage("studies.show_beyond.tabulate_beyond"),
+    **stage("studies.beyond.tabulate_beyond"),
     family=CONFIGURED_FAMILY,
 )
 
-for figure, table in FIGURES_BEYOND.items():
-    STUDY_RESULTS[f"draw_{figure}"] = figure_spec(
-        f"beyond/figure_{figure}",
-        {"table": PATHS.below(f"beyond/{table}.csv")},
-        **stage("studies.show_beyond.draw_beyond"),
-        figure=figure,
-        family=CONFIGURED_FAMILY,
-    )
+STUDY_RESULTS["draw_pairs"] = figure_spec(
+    "beyond/figure_pairs",
+    {"claims": PATHS.below("beyond/claims.csv")},
+    **stage("studies.beyond.draw_pairs"),
+)
+
+STUDY_RESULTS["draw_offsets"] = figure_spec(
+    "beyond/figure_offsets",
+    {"offsets": PATHS.below("beyond/offsets.csv")},
+    **stage("studies.beyond.draw_offsets"),
+    family=CONFIGURED_FAMILY,
+)
 
 
 STUDY_TARGETS |= {

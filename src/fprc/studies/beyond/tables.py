@@ -5,13 +5,10 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.paper import SOURCES
 from fprc.registry import choice_of, title_of
-from fprc.studies.beyond.claims import beside_page
 from fprc.studies.beyond.measurements import LOOPS, MEASURES, measured
-from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page
 from fprc.tables.models import means_of
-from fprc.tables.text import format_mean, markdown, three_digits
+from fprc.tables.text import format_mean, three_digits
 
 Families = Sequence[Mapping[str, Any]]
 
@@ -84,37 +81,6 @@ def offsets_page(table: pd.DataFrame) -> pd.DataFrame:
 def _heading(measure: str) -> str:
     words = MEASURES[measure]
     return words[:1].upper() + words[1:]
-
-
-def pages(
-    families: Families, verdicts: pd.DataFrame, tables: Mapping[str, pd.DataFrame], family: str
-) -> dict[str, str]:
-    """Return the tables in Markdown by their names; docs/beyond.md and others show them.
-
-    Parameters
-    ----------
-    verdicts : DataFrame
-        Result of ``verdicts.judge_family``, of all families.
-    tables : Mapping
-        ``models`` and ``offsets``, tidy.
-    family : str
-        The family that the tables of models and offsets show.
-    """
-    of_family = {name: table[table["world"] == family] for name, table in tables.items()}
-    shown = {
-        "claims": claims_page(verdicts),
-        "beside": beside_page(families),
-        "fitted": fitted_page(verdicts),
-        "details": details_page(verdicts),
-        "models": models_page(of_family["models"]),
-        "offsets": offsets_page(of_family["offsets"]),
-        "leaderboard": leaderboard(of_family["models"]),
-    }
-    note = f"Data: {SOURCES['sim']}."
-    half = float((of_family["offsets"]["high"] - of_family["offsets"]["low"]).max() / 2.0)
-    widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
-    notes = {"offsets": f"{note} Means{widest}."}
-    return {name: markdown(page, notes.get(name, note)) for name, page in shown.items()}
 
 
 def _means(table: pd.DataFrame, *keys: str) -> pd.DataFrame:

@@ -3,8 +3,8 @@
 import pytest
 from matplotlib.colors import to_hex
 
-from fprc.studies.beyond import figures as figures
 from fprc.studies.beyond import tables as tables
+from fprc.studies.stages import beyond as figures
 
 
 @pytest.fixture(scope="module")

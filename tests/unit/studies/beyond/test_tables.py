@@ -1,8 +1,5 @@
 """Tables of families whose numbers are known."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -95,16 +92,3 @@ def test_offsets_have_their_columns(families):
         shown = float(page.loc[("FPRC", measure), "-2"])
         assert shown == pytest.approx(low.item(), rel=5e-3)
     assert page.loc[("FPRC", "Forward test [kPa]")].ne("-").all()
-
-
-def test_pages_are_the_blocks_of_the_documentation(families, verdicts):
-    found = {"models": tables.models(families), "offsets": tables.offsets(families)}
-    pages = tables.pages(families, verdicts, found, "dry")
-    root = Path(__file__).parents[4]
-    begun = {
-        name
-        for page in ("docs/beyond.md", "docs/beyond-details.md", "docs/benchmark.md")
-        for name in re.findall(r"<!-- (\w+): generated -->", (root / page).read_text("utf-8"))
-    }
-    assert {f"beyond_{name}" for name in pages} == begun
-    assert pages["leaderboard"].startswith("Data: simulated rig, not hardware.")

@@ -1,15 +1,31 @@
-"""What the reservoir is worth: pairs of models, offsets."""
+"""Tables, pages and figures of the comparison beyond the paper."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullLocator
-from pandas import DataFrame
 
 from fprc import escape
+from fprc.artifacts import read_json, write_csv, write_text
 from fprc.claims.paired import EQUIVALENT_WITHIN
-from fprc.figures.style import line_of, symbols
+from fprc.figures import style
+from fprc.paper import SOURCES
 from fprc.registry import choice_of, title_of
-from fprc.studies.beyond.measurements import MEASURES, family_title
+from fprc.studies.beyond import tables as tables
+from fprc.studies.beyond.claims import B8, CLAIMS, beside_page, numbers_of
+from fprc.studies.beyond.measurements import LOOPS, MEASURES, family_title
+from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page, judge_family
+from fprc.tables.text import markdown, three_digits
+
+#: Columns of the table of the claims.
+_CLAIMS = [
+    "world", "title", "id", "claim", "part", "mean", "low", "high", "verdict", "p",
+    "stable", "units", "dropped", "favours", "fitted", "source",
+]  # fmt: skip
 
 #: Marker and colour of each family, in their order, safe for colour-blind readers (Tol). Colours
 #: are signals elsewhere, but no figure of families shows one.
@@ -25,14 +41,78 @@ _WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
 
 
-def plot_pairs(table: DataFrame, ax: Axes) -> None:
+def tabulate_beyond(
+    families: Sequence[str],
+    pages: Sequence[str],
+    *,
+    family: str,
+    **csv: str,
+) -> None:
+    """Judge B1-B7 in every family, and write the tables.
+
+    Parameters
+    ----------
+    families : sequence of str
+        Reports of the families.
+    pages : sequence of str
+        Tables in Markdown, which docs/beyond.md and others show; their names are those below.
+    family : str
+        Family whose models and offsets the pages show.
+    **csv : str
+        Tables by name: ``models``, ``claims``, ``offsets``.
+    """
+    found = [read_json(path) for path in families]
+    judged = [judge_family(family, CLAIMS, numbers_of(family), B8) for family in found]
+    verdicts = pd.concat(judged, ignore_index=True)
+    models, offsets = tables.models(found), tables.offsets(found)
+    made = {"models": models, "claims": verdicts[_CLAIMS], "offsets": offsets}
+    for name, table in made.items():
+        write_csv(csv[name], table)
+    models, offsets = (table[table["world"] == family] for table in (models, offsets))
+    shown = {
+        "claims": claims_page(verdicts),
+        "beside": beside_page(found),
+        "fitted": fitted_page(verdicts),
+        "details": details_page(verdicts),
+        "models": tables.models_page(models),
+        "offsets": tables.offsets_page(offsets),
+        "leaderboard": tables.leaderboard(models),
+    }
+    note = f"Data: {SOURCES['sim']}."
+    half = float((offsets["high"] - offsets["low"]).max() / 2.0)
+    widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
+    notes = {"offsets": f"{note} Means{widest}."}
+    for path in pages:
+        name = Path(path).stem
+        write_text(path, markdown(shown[name], notes.get(name, note)))
+
+
+def draw_pairs(claims: str, pdf: str, png: str) -> Mapping[str, Any]:
+    """Draw the ratios of the claims in every family."""
+    fig, ax = style.figure(1, 1, style.PAGE_IN, 4.6)
+    plot_pairs(pd.read_csv(claims), ax)
+    style.share_legend(fig, ax)
+    return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
+
+
+def draw_offsets(offsets: str, pdf: str, png: str, *, family: str) -> Mapping[str, Any]:
+    """Draw the forward test error and the tracking errors over the offset of P_o in a family."""
+    table = pd.read_csv(offsets)
+    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6, sharex=True)
+    for ax, measure in zip(axes, ("forward", *LOOPS), strict=True):
+        plot_offsets(table[table["world"] == family], measure, ax)
+    style.share_legend(fig, axes[0])
+    return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
+
+
+def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     """Draw the ratios of the claims, one row per pair and one marker per family.
 
     The band holds what counts as equivalent. A hollow marker is a claim that is undecided.
 
     Parameters
     ----------
-    table : DataFrame
+    table : pd.DataFrame
         From ``verdicts.judge_family``, families in their order.
     """
     table = table.dropna(subset="part")
@@ -54,7 +134,7 @@ def plot_pairs(table: DataFrame, ax: Axes) -> None:
     ax.set_xscale("log")
     _decimal_ticks(ax, table["low"].min(), table["high"].max())
     # what is measured is on a second line
-    pairs = [symbols(part).replace(" (", "\n", 1).removesuffix(")") for _, part in rows]
+    pairs = [style.symbols(part).replace(" (", "\n", 1).removesuffix(")") for _, part in rows]
     labels = [f"{name}  {pair}" for (name, _), pair in zip(rows, pairs, strict=True)]
     ax.set_yticks(range(len(rows)), labels)
     ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
@@ -83,13 +163,13 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     ax.xaxis.set_minor_locator(NullLocator())
 
 
-def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> None:
+def plot_offsets(table: pd.DataFrame, measure: str, ax: Axes) -> None:
     """Draw an error over the offset of P_o; Fuzzy-linear, without P_o, is a level line.
 
     Parameters
     ----------
-    table : DataFrame
-        One family of ``tables.beyond.offsets``.
+    table : pd.DataFrame
+        One family of ``tables.offsets``.
     measure : str
         forward, open_loop or closed_loop.
     """
@@ -97,11 +177,15 @@ def plot_offsets(table: DataFrame, measure: str, ax: Axes) -> None:
     others = iter(_READERS)
     for model, rows in table.groupby("model", sort=False):
         rows = rows.sort_values("offset_kpa")
-        label = symbols(title_of(str(model)))
+        label = style.symbols(title_of(str(model)))
         if len(rows) == 1:
-            ax.axhline(rows["mean"].iloc[0], **line_of(str(model)), label=label)
+            ax.axhline(rows["mean"].iloc[0], **style.line_of(str(model)), label=label)
             continue
-        look = line_of("fprc") if model == "fprc" else dict(zip(_LOOK, next(others), strict=True))
+        look = (
+            style.line_of("fprc")
+            if model == "fprc"
+            else dict(zip(_LOOK, next(others), strict=True))
+        )
         ax.plot(rows["offset_kpa"], rows["mean"], **look, marker="o", markersize=2, label=label)
         ax.fill_between(
             rows["offset_kpa"], rows["low"], rows["high"], color=look["color"], alpha=0.2, lw=0

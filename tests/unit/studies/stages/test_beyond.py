@@ -1,10 +1,11 @@
 import json
+import re
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from fprc.studies.stages.show_beyond import draw_beyond, tabulate_beyond
+from fprc.studies.stages import beyond as stage
 
 CSV = ("models", "claims", "offsets")
 PAGES = (*CSV, "beside", "fitted", "details", "leaderboard")
@@ -26,7 +27,7 @@ def tabulated(make_family, tmp_path_factory):
         (tmp_path / f"{name}.json").write_text(json.dumps(content))
     path = {name: str(tmp_path / f"{name}.json") for name in written}
     tables = {name: str(tmp_path / f"{name}.csv") for name in CSV}
-    tabulate_beyond(
+    stage.tabulate_beyond(
         [path["dry"], path["viscous"]],
         [str(tmp_path / f"beyond/{name}.md") for name in PAGES], family="dry", **tables,
     )  # fmt: skip
@@ -42,11 +43,22 @@ def test_every_table_has_every_family_and_every_page_is_written(tabulated):
     assert {path.stem for path in written} == set(PAGES)
 
 
+def test_pages_are_the_blocks_of_the_documentation():
+    docs = Path(__file__).parents[4] / "docs"
+    begun = {
+        name
+        for page in ("beyond.md", "beyond-details.md", "benchmark.md")
+        for name in re.findall(r"<!-- (\w+): generated -->", (docs / page).read_text("utf-8"))
+    }
+    assert {f"beyond_{name}" for name in PAGES} == begun
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", ["pairs", "offsets"])
 def test_figure_is_drawn_from_its_table(tabulated, tmp_path, figure):
     table = tabulated["claims" if figure == "pairs" else figure]
     pdf, png = (str(tmp_path / f"{figure}.{kind}") for kind in ("pdf", "png"))
-    data = draw_beyond(table, pdf, png, figure=figure, family="dry")
+    how = {"family": "dry"} if figure == "offsets" else {}
+    data = getattr(stage, f"draw_{figure}")(table, pdf, png, **how)
     assert data["source"] == "sim"
     assert Path(png).stat().st_size > 1000
