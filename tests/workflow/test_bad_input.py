@@ -21,7 +21,7 @@ def test_all_config_errors_at_once_before_any_job(project):
 def test_repeated_key_of_a_json_configuration_is_refused(project):
     path = project.folder / "mine.json"
     path.write_text('{\n\t"seed": 2, "source": "sim",\n\n"seed": 3,"models":{"n_y":5,"n_y":6}}')
-    with pytest.raises(ConfigError, match=r"(?s)(?=.*\bseed\b).*\bmodels\.n_y\b") as caught:
+    with pytest.raises(ConfigError, match=r"line 4: seed\b") as caught:
         read_yaml(path)
     done = project.snakemake("--dry-run", "all", "--configfile", "mine.json")
     assert done.returncode != 0
