@@ -14,7 +14,7 @@ from fprc.logs import Columns, headers, refuse_other_source
 from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, RESULTS, Result
-from fprc.registry import controllers, entries, feedforward_of
+from fprc.registry import controllers, entries, feedforward_of, outside_classes
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
 TRAINING = EXPERIMENTS[0]
@@ -255,10 +255,11 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
     Raises
     ------
     ConfigError
-        A grid is too small for the claims.
+        A class of ``models.others`` is no model, or a grid is too small for the claims.
     LogError
         A log cannot be read or has another source than ``source`` says, or there is none to use.
     """
+    outside_classes(settings["models"])
     small = [
         f"grids.{name} = {values}: give three or more values, each once; the claims ask for one "
         "between others"
