@@ -13,7 +13,6 @@ from fprc.errors import EvaluationError
 from fprc.evaluation.folds import Fold
 from fprc.models import SequenceModel
 from fprc.models.learned import features_of
-from fprc.models.recordings import transform_each
 from fprc.signals import rms
 
 #: Most bytes of the features of a log; training takes up to twice as many.
@@ -139,9 +138,7 @@ def prepare(
                 f"memory, so with its settings it takes at most {most:,}: use a shorter log, or "
                 "fewer features"
             )
-        rows = {
-            name: transform_each(features, X, *lengths) for name, (X, _, *lengths) in logs.items()
-        }
+        rows = {name: features.transform(X, *lengths) for name, (X, _, *lengths) in logs.items()}
     return Prepared(model, features, rows, {name: log[1] for name, log in logs.items()})
 
 

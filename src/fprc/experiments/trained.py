@@ -22,7 +22,7 @@ def trained_on(model: Any, data: Data, name: str, models: Mapping[str, Any] | No
     model.units_ = np.array(data.units(entry_of(name, models).inputs), dtype=object)
     if isinstance(model, SequenceModel) and model.learns_online():
         X, _, lengths = data.samples(name, models)
-        return model.remember(np.split(X, np.cumsum(lengths)[:-1]))
+        return model.remember(X, lengths)
     return model
 
 

@@ -89,10 +89,31 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         self.reset()
         return self
 
-    def transform(self, X: ArrayLike) -> np.ndarray:
-        """Return the features of every sample of a log."""
+    def transform(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> np.ndarray:
+        """Return the features of every sample of a log.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_inputs)
+        lengths : sequence of int, optional
+            Samples of each recording, if the log holds several: features restart at each.
+
+        Raises
+        ------
+        ValueError
+            A recording, which the message names, is shorter than the taps.
+        """
         check_is_fitted(self)
-        return self._transform(self._samples(X, first=False))
+        samples = self._samples(X, first=False)
+        if lengths is None or len(lengths) == 1:
+            return self._transform(samples)
+        rows = []
+        for number, part in enumerate(np.split(samples, np.cumsum(lengths)[:-1]), 1):
+            try:
+                rows.append(self._transform(part))
+            except ValueError as error:
+                raise ValueError(f"recording {number} of {len(lengths)}: {error}") from error
+        return np.concatenate(rows)
 
     def _samples(self, X: ArrayLike, *, first: bool) -> np.ndarray:
         samples = validate_data(self, X, reset=first, dtype=np.float64)

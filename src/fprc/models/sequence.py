@@ -1,24 +1,19 @@
 """A model with memory: a sequential feature map, and a readout of single rows."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from copy import deepcopy
 from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin, clone
-from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.learned import Learned, LearnedPart, features_of
 from fprc.models.limits import Array
-from fprc.models.recordings import are_several, joined, transform_each
 
 Part = TypeVar("Part", bound=BaseEstimator)
-
-#: Samples of one recording, or a list with one array per recording.
-Recordings = Any
 
 #: Most weights of a readout that learns online: its covariance has the square of them.
 MOST_WEIGHTS = 512
@@ -46,59 +41,47 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         shared = part.get_params(deep=False).keys() & own.keys() - settings.keys()
         return part.set_params(**{name: own[name] for name in shared})
 
-    def fit(self, X: Recordings, y: Recordings) -> Self:
-        """Train on one recording or on several.
-
-        Features restart at the first sample of each recording; the readout is trained on all
-        rows. The splitters of scikit-learn keep the recordings of a list whole.
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
+        """Train on a log; ``fprc.evaluation.prepare`` also takes several recordings.
 
         Parameters
         ----------
-        X : array-like of shape (n_samples, n_inputs), or list of them
-            Samples in the order of time; a list has one array per recording.
-        y : array-like of shape (n_samples,), or list of them
+        X : array-like of shape (n_samples, n_inputs)
+            Samples in the order of time.
+        y : array-like of shape (n_samples,)
             P_exp, kPa.
 
         Raises
         ------
         ValueError
-            ``X`` or ``y`` is not finite, or a recording is shorter than the taps.
+            ``X`` or ``y`` is not finite, or the log is shorter than the taps.
         """
-        X, y, lengths = joined(X, y)
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         self.features_ = self.make_features().fit(rows)
-        features = transform_each(self.features_, rows, lengths)
-        self.readout_ = self.make_readout().fit(features, targets)
+        self.readout_ = self.make_readout().fit(self.features_.transform(rows), targets)
         return self
 
-    def predict(self, X: Recordings) -> Any:
-        """Return P_ff of whole recordings, kPa.
-
-        Parameters
-        ----------
-        X
-            As ``fit`` takes it.
-
-        Returns
-        -------
-        ndarray of shape (n_samples,), or list of them
-            A list if ``X`` is one.
-        """
+    def predict(self, X: ArrayLike) -> np.ndarray:
+        """Return P_ff of every sample of a log, kPa."""
         check_is_fitted(self)
-        samples, _, parts = joined(X)
-        rows = validate_data(self, samples, reset=False, dtype=np.float64)
-        output = self.readout_.predict(transform_each(self.features_, rows, parts))
-        return np.split(output, np.cumsum(parts)[:-1]) if parts else output
+        rows = validate_data(self, X, reset=False, dtype=np.float64)
+        return self.readout_.predict(self.features_.transform(rows))
 
     def learns_online(self) -> bool:
         """Return whether the fitted model can learn on: its readout is linear in few weights."""
         weights = getattr(self.readout_, "weights", None)
         return weights is not None and weights.size <= MOST_WEIGHTS
 
-    def remember(self, X: Recordings) -> Self:
+    def remember(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> Self:
         """Keep of the training data what ``Online`` needs to go on from it.
 
         Sets ``information_``, the sum of the products of the readout's regressors.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_inputs)
+        lengths : sequence of int, optional
+            Samples of each recording, if there are several.
 
         Raises
         ------
@@ -111,30 +94,14 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
                 f"{type(self).__name__} cannot learn on: that needs a readout of this package with "
                 f"at most {MOST_WEIGHTS} weights"
             )
-        X, _, lengths = joined(X)
         rows = validate_data(self, X, reset=False, dtype=np.float64)
-        phi = self.readout_.regressors(transform_each(self.features_, rows, lengths))
+        phi = self.readout_.regressors(self.features_.transform(rows, lengths))
         self.information_ = phi.T @ phi
         return self
 
     def __sklearn_is_fitted__(self) -> bool:
         """Return whether ``fit`` has ended: one that failed leaves some attributes."""
         return hasattr(self, "readout_")
-
-    def score(self, X: Recordings, y: Recordings, sample_weight: ArrayLike | None = None) -> float:
-        """Return R^2 over all samples.
-
-        Parameters
-        ----------
-        X, y
-            As ``fit`` takes them.
-        sample_weight : array-like of shape (n_samples,), optional
-            Weight of each sample, over all recordings.
-        """
-        _, y, _ = joined(X, y)
-        output = self.predict(X)
-        output = np.concatenate(output) if are_several(X) else output
-        return r2_score(y, output, sample_weight=sample_weight)
 
     def assembled(self, features: BaseEstimator, readout: BaseEstimator) -> Self:
         """Return a fitted copy of this model made of fitted parts, with a separate stream."""
