@@ -16,9 +16,7 @@ from fprc.provenance import sha256
 from fprc.registry import outside_classes
 
 
-def export_c(
-    model: str, *, c: str, float_: bool = False, learn: bool = False, config: Sequence[str] = ()
-) -> None:
+def export_c(model: str, *, c: str, learn: bool = False, config: Sequence[str] = ()) -> None:
     """Turn a trained model into C code for a controller.
 
     Writes an FPRC or Fuzzy-linear as one C99 header without memory allocation. docs/deploy.md
@@ -30,8 +28,6 @@ def export_c(
         Model of ``fprc train`` or the workflow.
     c : NAME.h
         Header to write; every name in it begins with NAME.
-    float_ : bool
-        Compute with float instead of double.
     learn : bool
         Let the model learn on the controller, with the settings of ``control.feedforward``.
     config : FILE
@@ -40,7 +36,7 @@ def export_c(
     Examples
     --------
     fprc export model.h5 --c fprc_model.h
-    fprc export results/models/sweep_fprc.h5 --c fprc_model.h --float
+    fprc export results/models/sweep_fprc.h5 --c fprc_model.h --learn
 
     Raises
     ------
@@ -66,7 +62,7 @@ def export_c(
         if learn:
             parts = (settings[key] for key in ("tracking", "control", "rig", "seed"))
             online = Track(*parts).online(fitted)
-        text = c_header(fitted, path.stem, single=float_, origin=origin, online=online)
+        text = c_header(fitted, path.stem, origin=origin, online=online)
     except FprcError as error:
         raise FprcError(f"{model}: {error}") from error
     write_text(path, text)

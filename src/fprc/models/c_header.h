@@ -17,10 +17,24 @@ $inputs
 
 #include <math.h>
 
-/* Of each feature: its column of x, its kind, and the number of that kind, see pff_step. Of each rule:
- * its centre, weights, and output at the centre, kPa. Of a model that learns: its settings, and the
- * covariance of its weights after the training. */
-$definitions
+$sizes
+
+/* Define PFF_FLOAT, by the command of the compiler or above, to compute with float. A model that
+ * learns does not: its covariance would lose its sign. */
+#ifndef PFF_FLOAT
+typedef double pff_real;
+#define PFF_EXP exp
+#elif defined(PFF_LEARNS)
+#error "a model that learns computes with double only"
+#else
+typedef float pff_real;
+#define PFF_EXP expf
+#endif
+
+/* Of each feature: its column of x, its kind, and the number of that kind, see pff_step. Of each
+ * rule: its centre, weights, and output at the centre, kPa. Of a model that learns: its settings,
+ * and the covariance of its weights after the training. */
+$tables
 
 /* One stream of samples. */
 typedef struct {

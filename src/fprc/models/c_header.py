@@ -32,7 +32,6 @@ def c_header(
     model: SequenceModel,
     name: str,
     *,
-    single: bool = False,
     origin: str = "",
     online: Online | None = None,
 ) -> str:
@@ -48,20 +47,16 @@ def c_header(
         ridge or a fuzzy readout, such as FPRC and FuzzyLinear.
     name : str
         Begins every name in the header.
-    single : bool, default=False
-        Compute with float instead of double.
     origin : str, optional
         Where the model comes from, for the comment at the top.
     online : Online, optional
         The same model as it learns: the header then has ``NAME_learn(&state, error, theta)`` and
-        ``NAME_sent(&state, p_fb)`` too, as in ``Online``. Only in double: in float the covariance
-        would lose its sign.
+        ``NAME_sent(&state, p_fb)`` too, as in ``Online``.
 
     Raises
     ------
     FprcError
-        The model cannot be exported, ``name`` is no C name, a number exceeds the
-        range of float, or a model is to learn in float.
+        The model cannot be exported, or ``name`` is no C name.
 
     References
     ----------
@@ -75,8 +70,6 @@ def c_header(
     if not isinstance(model, SequenceModel):
         raise FprcError(f"{type(model).__name__} is a part of a model; export the whole model")
     rows = rows_of(model.features_)
-    if single and online is not None:
-        raise FprcError("a model learns in double only; export it without --float")
     readout = _readout(model.readout_)
     if rows is None or readout is None:
         raise FprcError(
@@ -97,12 +90,6 @@ def c_header(
         tables |= {"stop": settings.stop_deg, "prior": online.prior}
         described += f", {settings}"
         use = f"{name}_learn(&state, error, theta); {use} {name}_sent(&state, p_fb);"
-    definitions = [
-        *(f"#define {name.upper()}_{size} {number}" for size, number in sizes.items()),
-        f"#define {name.upper()}_EXP {'expf' if single else 'exp'}",
-        f"typedef {'float' if single else 'double'} {name}_real;",
-        *(_definition(name, key, np.array(values), single) for key, values in tables.items()),
-    ]
     code = Path(__file__).with_name("c_header.h").read_text(encoding="utf-8")
     named = code.replace("pff_", f"{name}_").replace("PFF_", f"{name.upper()}_")
     return Template(named).substitute(
@@ -114,7 +101,8 @@ def c_header(
         unit=_comment(getattr(model, "units_", ["kPa"])[0]),
         rate=f"at {model.sample_rate_hz_:.6g} Hz" if hasattr(model, "sample_rate_hz_") else _RATE,
         use=use,
-        definitions="\n".join(definitions),
+        sizes="\n".join(f"#define {name.upper()}_{key} {size}" for key, size in sizes.items()),
+        tables="\n".join(_table(name, key, np.array(table)) for key, table in tables.items()),
     )
 
 
@@ -163,16 +151,9 @@ def _comment(text: str) -> str:
     return re.sub(r"[^\w .,:;=()\[\]{}'+-]", "_", " ".join(text.split()), flags=re.ASCII)
 
 
-def _definition(name: str, key: str, values: np.ndarray, single: bool) -> str:
+def _table(name: str, key: str, table: np.ndarray) -> str:
     """Return the definition of a number or a table in C, without loss."""
-    kind = "int" if values.dtype.kind == "i" else f"{name}_real"
-    if single and kind != "int":
-        with np.errstate(over="ignore"):
-            rounded = values.astype(np.float32)
-        if not np.all(np.isfinite(rounded)):
-            worst = np.abs(values).max()
-            raise FprcError(f"{key}: {worst:.3g} exceeds the range of float; export in double")
-        values = rounded
-    text = json.dumps(values.tolist()).replace("], [", "],\n    [").translate(_BRACES)
-    sizes = "".join(f"[{size}]" for size in values.shape)
+    kind = "int" if table.dtype.kind == "i" else f"{name}_real"
+    sizes = "".join(f"[{size}]" for size in table.shape)
+    text = json.dumps(table.tolist()).replace("], [", "],\n    [").translate(_BRACES)
     return f"static const {kind} {name}_{key}{sizes} = {text};"

@@ -79,7 +79,7 @@ def test_header_names_its_model_file_and_is_the_same_again(model, header):
 
 @pytest.mark.parametrize(
     ("example", "precision"),
-    [("setup()", []), ("rclcpp::init", ["--float"])],
+    [("setup()", []), ("rclcpp::init", ["-DFPRC_MODEL_FLOAT"])],
     ids=["arduino, double", "ros2, float"],
 )
 def test_documented_program_compiles(example, precision, model, header, tmp_path):
@@ -92,9 +92,9 @@ def test_documented_program_compiles(example, precision, model, header, tmp_path
     for path, text in (("rclcpp/rclcpp.hpp", RCLCPP), ("std_msgs/msg/float64.hpp", FLOAT64)):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text(text)
-    main(["export", str(model), "--c", str(header), *precision])
+    main(["export", str(model), "--c", str(header)])
     standard = "-std=c++11" if arduino else "-std=c++17"
-    command = ["c++", standard, "-Wall", "-Wextra", "-Werror", "-I.", "-fsyntax-only"]
+    command = ["c++", standard, "-Wall", "-Wextra", "-Werror", "-I.", "-fsyntax-only", *precision]
     subprocess.run([*command, "program.cpp"], cwd=tmp_path, check=True)
 
 
