@@ -81,7 +81,6 @@ def write_report(
             missing=missing,
             pages=pages.values(),
             figures=shown,
-            glossary=GLOSSARY,
             settings=settings,
             changed=_changed(settings),
             yaml=yaml.safe_dump(dict(settings), sort_keys=False),
@@ -226,45 +225,20 @@ def _commit(commit: str | None, dirty: bool | None) -> str:
     return f"{commit[:12]}{' with uncommitted changes' if dirty else ''}"
 
 
-#: The paper's symbols, and what they mean.
-GLOSSARY = {
-    "theta": "bending angle of the actuator",
-    "theta_d": "desired bending angle, the reference",
-    "P_exp": "pressure of the actuator; its command is what the models learn",
-    "P_ff": "pressure that the feedforward model asks for",
-    "P_fb": "pressure that the PD controller adds",
-    "P_d": "desired pressure of the actuator, P_ff + P_fb",
-    "P_i": "pressure in the driven chamber of the reservoir",
-    "P_o": "pressure in the sealed chamber of the reservoir, its output",
-    "F_r": "mapping of the reservoir from P_i to P_o",
-    "phi": "bending angle of the reservoir",
-    "K_in": "gain from the desired angle to the pressure that drives the reservoir",
-    "epsilon": "filter factor of P_o",
-    "n_c": "number of fuzzy rules",
-    "n_u": "number of samples of P_o that a model sees (tap size)",
-    "n_y": "number of samples of theta_d that a model sees (tap size)",
-    "sigma": "scale of the Gaussian memberships of the fuzzy rules",
-    "alpha": "ridge parameter of the regression",
-    "f_input": "input scaling factor of the ESN",
-    "gamma": "leaky rate of the ESN",
-    "rho": "spectral radius of the ESN",
-    "w_in": "input weights of the ESN",
-    "W_r": "weights of the ESN's network",
-    "w_out": "output weights of the ESN",
-}
 _GREEK = {
     "theta": "θ", "epsilon": "ε", "gamma": "γ", "rho": "ρ", "sigma": "σ", "alpha": "α", "phi": "φ",
 }  # fmt: skip
-_SYMBOL = re.compile(rf"\b({'|'.join(GLOSSARY)})\b")
+_SYMBOL = re.compile(
+    rf"\b(?:({'|'.join(_GREEK)})(?:_(d))?|([PFKnfwW])_(exp|ff|fb|d|i|o|r|input|in|out|c|u|y))\b"
+)
 
 
 def symbols(text: object) -> Markup:
-    """Return text as HTML with the paper's symbols typeset and explained: theta as θ."""
+    """Return text as HTML with the paper's symbols typeset: theta_d as θ with a low d."""
 
     def shown(match: re.Match[str]) -> str:
-        letter, _, index = match[0].partition("_")
+        letter, index = match[1] or match[3], match[2] or match[4]
         symbol = f"<i>{_GREEK.get(letter, letter)}</i>"
-        symbol = f"{symbol}<sub>{index}</sub>" if index else symbol
-        return f'<abbr title="{escape(GLOSSARY[match[0]])}">{symbol}</abbr>'
+        return f"{symbol}<sub>{index}</sub>" if index else symbol
 
     return Markup(_SYMBOL.sub(shown, str(escape(text))))

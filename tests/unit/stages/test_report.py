@@ -17,7 +17,7 @@ from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.provenance import hash_of
 from fprc.stages import report
-from fprc.stages.report import GLOSSARY, symbols, write_report
+from fprc.stages.report import symbols, write_report
 from fprc.tables.text import markdown
 
 TEMPLATE = [
@@ -177,7 +177,7 @@ def project(tmp_path):
     ],
 )
 def test_symbols_of_the_paper_are_shown_as_mathematics(text, shown):
-    assert re.sub("</?abbr[^>]*>", "", symbols(text)) == shown
+    assert symbols(text) == shown
 
 
 @pytest.mark.parametrize(
@@ -193,10 +193,7 @@ PIECES = st.sampled_from(["<", ">", "&", '"', "'", "P_o", "theta", "<i>", "&lt;"
 @given(st.lists(PIECES | st.text(max_size=4), max_size=12).map("".join))
 def test_whatever_a_text_holds_it_adds_no_other_tag_and_loses_nothing(text):
     shown = str(symbols(text))
-    titles = {f'<abbr title="{meaning}">' for meaning in GLOSSARY.values()}
-    allowed = {"<i>", "</i>", "<sub>", "</sub>", "</abbr>"} | titles
-    assert set(re.findall(r"<[^>]*>", shown)) <= allowed
-    shown = re.sub("</?abbr[^>]*>", "", shown)
+    assert set(re.findall(r"<[^>]*>", shown)) <= {"<i>", "</i>", "<sub>", "</sub>"}
     plain = re.sub("<i>(.)</i><sub>(.*?)</sub>", r"\1_\2", shown)
     plain = html.unescape(re.sub("</?i>", "", plain))
     for word, letter in (("theta", "θ"), ("epsilon", "ε"), ("gamma", "γ"), ("rho", "ρ"),
@@ -408,7 +405,7 @@ def test_every_link_within_the_page_has_its_target(project):
     page = project.page()
     targets = {element["id"] for element in page.elements if "id" in element}
     links = [link["href"] for link in page.all("a") if link["href"].startswith("#")]
-    sections = {"content", "claims", "tables", "figures", "symbols", "settings"}
+    sections = {"content", "claims", "tables", "figures", "settings"}
     shown = {"0", "1", "fig4", "fig6", "fig12"}
     assert {link[1:] for link in links} == sections | shown
     assert {link[1:] for link in links} <= targets
@@ -454,7 +451,7 @@ def test_page_without_a_ledger_has_tables_and_figures_but_no_claims(project):
     page = project.page()
     assert "#claims" not in [link["href"] for link in page.all("a")]
     assert page.all("div", **{"class": "claims"}) == []
-    sections = ["Tables", "Figures", "Symbols", "Settings, seeds, versions"]
+    sections = ["Tables", "Figures", "Settings, seeds, versions"]
     assert page.texts("h2") == sections
     assert len(page.all("figure")) == 3
 
