@@ -15,7 +15,8 @@ from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
 from fprc.registry import COMPETITORS, build, entry_of
-from fprc.studies.beyond.measurements import LOOPS, over_references
+from fprc.signals import rms
+from fprc.studies.beyond.measurements import LOOPS
 
 #: Models judged on every rig: those that a claim compares, and one competitor of every other kind.
 BRIEF = (
@@ -136,9 +137,9 @@ def _follow(
     bench: Track, model: SequenceModel, name: str, followed: Mapping[str, np.ndarray]
 ) -> dict[str, float]:
     """Return the error over the references, deg, with feedforward alone and with PD."""
-    errors: dict[str, dict[str, float]] = {loop: {} for loop in LOOPS}
+    errors: dict[str, list[float]] = {loop: [] for loop in LOOPS}
     for reference, inputs in followed.items():
         precomputed = bench.precompute(model, columns_for(name, inputs))
         for loop, feedback in zip(LOOPS, (False, True), strict=True):
-            errors[loop][reference] = bench.error(reference, precomputed, feedback=feedback)
-    return {loop: over_references(of_loop) for loop, of_loop in errors.items()}
+            errors[loop].append(bench.error(reference, precomputed, feedback=feedback))
+    return {loop: rms(np.array(of_loop)) for loop, of_loop in errors.items()}

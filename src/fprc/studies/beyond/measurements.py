@@ -7,11 +7,7 @@ rig and seed, with the errors of each model).
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import pandas as pd
-
-from fprc.paper import REFERENCES
-from fprc.signals import rms
 
 #: Measures of every model, as readers see them, with their units; errors are RMSE.
 MEASURES = {
@@ -54,8 +50,3 @@ def measured(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     ]
     columns = ["world", "unit", "seed", "model", "measure", "value"]
     return pd.DataFrame(rows, columns=columns).astype({"value": float})
-
-
-def over_references(errors_deg: Mapping[str, float]) -> float:
-    """Return the root mean square of the errors over the references of Table IV."""
-    return rms(np.array([errors_deg[name] for name in REFERENCES]))
