@@ -1,4 +1,4 @@
-"""The same computations with other libraries, and with plain NumPy."""
+"""The same computations with other libraries."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -14,27 +14,6 @@ class Peer(NamedTuple):
 
     states: Callable[[np.ndarray], np.ndarray]  #: x(k+1) for each sample k of a log
     step: Callable[[np.ndarray], np.ndarray] | None  #: x after one more sample, if it can
-
-
-def numpy_loop(features: EchoStates) -> Peer:
-    """Return Eq. (3) as a loop; BLAS multiplies by W_r."""
-    w_in, W_r, gamma = features.w_in_, features.W_r_, features.gamma
-    x = np.zeros(features.r)
-
-    def step(theta: np.ndarray) -> np.ndarray:
-        nonlocal x
-        x = gamma * x + (1.0 - gamma) * np.tanh(w_in @ theta + W_r @ x)
-        return x
-
-    def states(X: np.ndarray) -> np.ndarray:
-        nonlocal x
-        x = np.zeros(features.r)
-        found = np.empty((len(X), features.r))
-        for k, theta in enumerate(X):
-            found[k] = step(theta)
-        return found
-
-    return Peer(states, step)
 
 
 def reservoirpy(features: EchoStates, package: str = "reservoirpy") -> Peer:
@@ -103,7 +82,6 @@ def esnfed(features: EchoStates) -> Peer:
 
 #: By label in the table: its package, and how to make the peer.
 PEERS = {
-    "a loop in NumPy": ("numpy", numpy_loop),
     "ReservoirPy": ("reservoirpy", reservoirpy),
     "ReservoirPy in JAX": ("reservoirpy", reservoirpy_jax),
     "lax.scan in JAX": ("jax", jax_scan),
