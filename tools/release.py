@@ -10,23 +10,16 @@ import re
 import subprocess
 import sys
 import tempfile
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
-
-from rocrate.rocrate import ROCrate
 
 from fprc.errors import FprcError
 from tools import twice
 
-PROFILE = "workflow-ro-crate-1.0"
 CHANGELOG = Path("CHANGELOG.md")
 #: The only place of the version; packages, logs and results take it from here.
 VERSION = Path("src/fprc/__init__.py")
-WORKFLOW = "workflow/Snakefile"
-PAPER = (
-    "Control Pneumatic Soft Bending Actuator with Feedforward Hysteresis Compensation by "
-    "Pneumatic Physical Reservoir Computing"
-)
 #: Leaves out what the jobs of the workflow printed.
 NO_LOGS = ":(exclude,glob)results/**/logs/**"
 
@@ -36,7 +29,7 @@ BY_HAND = """
 1. git tag -a v{version} {commit} -m "fprc {version}"
    git push origin v{version}
 2. {tools} -m twine upload {folder}/*.whl {folder}/*.tar.gz
-3. Upload {folder}/{crate} to https://zenodo.org/uploads/new (type: Dataset,
+3. Upload {folder}/{archive} to https://zenodo.org/uploads/new (type: Dataset,
    version {version}, license MIT), publish it, and add its DOI to CITATION.cff.
 """
 
@@ -72,7 +65,7 @@ def build(root: Path, tools: str, cores: str, configfiles: Sequence[str] = ()) -
     version = version_of(root)
     target = root / "dist" / version
     page = (root / CHANGELOG).read_text(encoding="utf-8")
-    heading = re.search(rf"^## {re.escape(version)} \((\d{{4}}-\d\d-\d\d)\)$", page, re.MULTILINE)
+    heading = re.search(rf"^## {re.escape(version)} \(\d{{4}}-\d\d-\d\d\)$", page, re.MULTILINE)
     wrong = {
         "uncommitted changes; commit them, then build again": bool(
             _git(root, "status", "--porcelain")
@@ -85,9 +78,9 @@ def build(root: Path, tools: str, cores: str, configfiles: Sequence[str] = ()) -
         f"{target}: exists; move it away": target.exists(),
     }
     problems = [problem for problem, holds in wrong.items() if holds]
-    if problems or not heading:
+    if problems:
         raise FprcError("\n".join(["no release:", *problems]))
-    crate = f"fprc-{version}.crate.zip"
+    archive = f"fprc-{version}.zip"
     target.parent.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".") as scratch:
         clone, folder = Path(scratch, "clone"), Path(scratch, version)
@@ -96,71 +89,28 @@ def build(root: Path, tools: str, cores: str, configfiles: Sequence[str] = ()) -
         commit = _git(clone, "rev-parse", "HEAD").strip()
         chosen = ["--configfile", *configfiles] if configfiles else []
         twice.build(clone, (cores, {}), *chosen)
-        described(clone, version, heading[1]).write_zip(folder / crate)
-        validate(folder / crate, tools)
+        pack(clone, folder / archive)
         build_packages(clone, folder, tools)
         folder.rename(target)
     shown = target.relative_to(root)
-    print(BY_HAND.format(folder=shown, version=version, commit=commit, tools=tools, crate=crate))
+    by_hand = {"folder": shown, "version": version, "commit": commit, "archive": archive}
+    print(BY_HAND.format(**by_hand, tools=tools))
 
 
-def described(clone: Path, version: str, published: str) -> ROCrate:
-    """Return the crate of a release, which writes itself and its metadata.
-
-    RO-Crate 1.1 with the profile Workflow RO-Crate 1.0. It has the files of the commit, the raw
-    logs, and the results with their digests.
+def pack(clone: Path, archive: Path) -> None:
+    """Write the files of the commit, the raw logs, and the results with their digests into a ZIP.
 
     Parameters
     ----------
     clone : Path
         A checkout in which the workflow has run, and nothing else.
-    version, published : str
-        Version of the release, and its date as ISO 8601.
     """
-    crate = ROCrate(version="1.1")
-    mit, developers, paper = (
-        crate.add_jsonld({"@id": identifier, "@type": kind, "name": name})
-        for identifier, kind, name in (
-            ("https://spdx.org/licenses/MIT", "CreativeWork", "MIT License"),
-            ("#developers", "Organization", "The fprc developers"),
-            ("https://doi.org/10.1109/LRA.2024.3523229", "ScholarlyArticle", PAPER),
-        )
-    )
     made = _git(clone, "ls-files", "-z", "--others", "--", "results", "data/raw", NO_LOGS)
     names = _git(clone, "ls-files", "-z") + made
-    for name in sorted({*names.split("\0")[:-1]} - {WORKFLOW}):
-        if (clone / name).is_file():  # no link to a folder
-            crate.add_file(clone / name, name, record_size=True, properties={"name": name})
-    of_release = {"version": version, "license": mit}
-    crate.add_workflow(
-        clone / WORKFLOW,
-        WORKFLOW,
-        main=True,
-        lang="snakemake",
-        record_size=True,
-        properties={"name": "The paper, from raw logs to tables and figures", **of_release},
-    )
-    crate.get("README.md")["about"] = crate.root_dataset
-    about = {
-        "name": f"fprc {version}: code, raw logs and results",
-        "description": "A reproduction of feedforward hysteresis compensation by pneumatic "
-        "physical reservoir computing. README.md says what was measured and what was "
-        "simulated.",
-        "datePublished": published,
-        "author": developers,
-        "publisher": developers,
-        "citation": paper,
-        **of_release,
-    }
-    for key, value in about.items():
-        crate.root_dataset[key] = value
-    return crate
-
-
-def validate(crate: Path, tools: str) -> None:
-    """Validate a crate with its profile; the validator reads the JSON-LD context from the web."""
-    checked = ["validate", "--profile-identifier", PROFILE, "--verbose", "--no-paging", str(crate)]
-    _run(str(Path(tools).with_name("rocrate-validator")), "--no-interactive", *checked)
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name in sorted(names.split("\0")[:-1]):
+            if (clone / name).is_file():  # no link to a folder
+                packed.write(clone / name, name)
 
 
 def build_packages(clone: Path, folder: Path, tools: str) -> None:
