@@ -7,7 +7,6 @@ CONFIGURED_FAMILY = SETTINGS["fitted"]["name"]
 FAMILIES = [CONFIGURED_FAMILY, *OTHER_RIGS, *SETS]
 #: Names of the tables in Markdown.
 PAGES_BEYOND = "claims models offsets beside fitted details leaderboard".split()
-FIGURES_BEYOND = ("pairs", "offsets")
 #: Settings of the models and of their competitors, with their own number of starts of a clustering.
 CONTESTANTS = paper_models(SETTINGS) | {
     "fprc": SETTINGS["models"]["fprc"] | {"restarts": BEYOND["restarts"]}
@@ -51,18 +50,11 @@ STUDY_RESULTS["draw_pairs"] = figure_spec(
     **stage("studies.beyond.draw_pairs"),
 )
 
-STUDY_RESULTS["draw_offsets"] = figure_spec(
-    "beyond/figure_offsets",
-    {"offsets": PATHS.below("beyond/offsets.csv")},
-    **stage("studies.beyond.draw_offsets"),
-    family=CONFIGURED_FAMILY,
-)
-
 
 STUDY_TARGETS |= {
     "beyond": [
         PATHS.below("beyond/claims.md"),
-        *expand(PATHS.below("beyond/figure_{name}.pdf"), name=FIGURES_BEYOND),
+        PATHS.below("beyond/figure_pairs.pdf"),
         *STUDY_RESULTS["beyond_tables"].given.values(),
     ],
 }

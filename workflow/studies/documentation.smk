@@ -18,10 +18,7 @@ SHOWN_ON = {
     "beyond_page": SimpleNamespace(
         pages=["docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
         tables=by_block("beyond", PAGES_BEYOND),
-        figures={
-            f"docs/images/beyond_{name}.png": PATHS.below(f"beyond/figure_{name}.png")
-            for name in FIGURES_BEYOND
-        },
+        figures={"docs/images/beyond_pairs.png": PATHS.below("beyond/figure_pairs.png")},
         targets=["beyond"],
     ),
     "drift_page": SimpleNamespace(

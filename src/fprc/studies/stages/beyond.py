@@ -1,4 +1,4 @@
-"""Tables, pages and figures of the comparison beyond the paper."""
+"""Tables, pages and the figure of the comparison beyond the paper."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,10 +14,9 @@ from fprc.artifacts import read_json, write_csv, write_text
 from fprc.claims.paired import EQUIVALENT_WITHIN
 from fprc.figures import style
 from fprc.paper import SOURCES
-from fprc.registry import choice_of, title_of
 from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond.claims import B8, CLAIMS, beside_page, numbers_of
-from fprc.studies.beyond.measurements import LOOPS, MEASURES, family_title
+from fprc.studies.beyond.measurements import family_title
 from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page, judge_family
 from fprc.tables.text import markdown, three_digits
 
@@ -33,9 +32,6 @@ _FAMILIES = (
     ("o", "#000000"), ("s", "#ee6677"), ("D", "#4477aa"),
     ("^", "#228833"), ("v", "#aa3377"), ("P", "#ccbb44"),
 )  # fmt: skip
-#: Looks of the models that read P_o, beside FPRC's.
-_READERS = (("0.45", "-."), ("0.6", ":"), ("0.3", (0, (5, 1))), ("0.7", "-"))
-_LOOK = ("color", "linestyle")
 #: A ratio beyond this, or beyond one over it, is not shown.
 _WIDEST = 5.0
 _UNDECIDED = ("undecided", "not judged")
@@ -95,16 +91,6 @@ def draw_pairs(claims: str, pdf: str, png: str) -> Mapping[str, Any]:
     return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
 
 
-def draw_offsets(offsets: str, pdf: str, png: str, *, family: str) -> Mapping[str, Any]:
-    """Draw the forward test error and the tracking errors over the offset of P_o in a family."""
-    table = pd.read_csv(offsets)
-    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.6, sharex=True)
-    for ax, measure in zip(axes, ("forward", *LOOPS), strict=True):
-        plot_offsets(table[table["world"] == family], measure, ax)
-    style.share_legend(fig, axes[0])
-    return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
-
-
 def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     """Draw the ratios of the claims, one row per pair and one marker per family.
 
@@ -161,34 +147,3 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     ax.set_xticks(sorted(kept))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_locator(NullLocator())
-
-
-def plot_offsets(table: pd.DataFrame, measure: str, ax: Axes) -> None:
-    """Draw an error over the offset of P_o; Fuzzy-linear, without P_o, is a level line.
-
-    Parameters
-    ----------
-    table : pd.DataFrame
-        One family of ``tables.offsets``.
-    measure : str
-        forward, open_loop or closed_loop.
-    """
-    table = table[(table["measure"] == measure) & (table["model"].map(choice_of) == "")]
-    others = iter(_READERS)
-    for model, rows in table.groupby("model", sort=False):
-        rows = rows.sort_values("offset_kpa")
-        label = style.symbols(title_of(str(model)))
-        if len(rows) == 1:
-            ax.axhline(rows["mean"].iloc[0], **style.line_of(str(model)), label=label)
-            continue
-        look = (
-            style.line_of("fprc")
-            if model == "fprc"
-            else dict(zip(_LOOK, next(others), strict=True))
-        )
-        ax.plot(rows["offset_kpa"], rows["mean"], **look, marker="o", markersize=2, label=label)
-        ax.fill_between(
-            rows["offset_kpa"], rows["low"], rows["high"], color=look["color"], alpha=0.2, lw=0
-        )
-    ax.set(xlabel="Offset of $P_o$ after training [kPa]", ylabel=f"RMSE, {MEASURES[measure]}")
-    ax.set_ylim(bottom=0)

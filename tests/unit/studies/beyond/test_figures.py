@@ -3,7 +3,6 @@
 import pytest
 from matplotlib.colors import to_hex
 
-from fprc.studies.beyond import tables as tables
 from fprc.studies.stages import beyond as figures
 
 
@@ -14,10 +13,6 @@ def families(make_family):
         "dry": make_family(spread=0.02),
         "sparse": make_family("sparse", units=3, models=few),
     }
-
-
-def of(table, family):
-    return table[table["world"] == family]
 
 
 @pytest.mark.parametrize("family", ["dry", "sparse"])
@@ -44,26 +39,9 @@ def test_hollow_markers_are_undecided(families, axes, judge_claims):
     assert centres == pytest.approx(shown["mean"].tolist())
 
 
-@pytest.mark.parametrize("family", ["dry", "sparse"])
-@pytest.mark.parametrize("measure", ["forward", "open_loop", "closed_loop"])
-def test_offsets_have_fuzzy_linear_as_a_level_line(families, family, measure, axes):
-    table = of(tables.offsets(list(families.values())), family)
-    figures.plot_offsets(table, measure, axes)
-    lines = {line.get_label(): line for line in axes.lines}
-    level = table[table["model"] == "fuzzy_linear"].set_index("measure")["mean"][measure]
-    assert list(lines["Fuzzy-linear"].get_ydata()) == [level, level]
-    assert lines["Fuzzy-linear"].get_linestyle() == "--"
-    assert list(lines["FPRC"].get_xdata()) == [-5, -2, -1, 0, 1, 2, 5]
-    assert not any("tuned" in label for label in lines)
-
-
-@pytest.mark.parametrize("what", ["pairs", "offsets"])
-def test_family_of_failures_is_drawn_empty(what, make_family, axes, judge_claims):
+def test_family_of_failures_is_drawn_empty(make_family, axes, judge_claims):
     family = make_family(cells=[{"unit": 0, "seed": 1, "failed": "no pressure"}])
-    if what == "pairs":
-        figures.plot_pairs(judge_claims(family), axes)
-    else:
-        figures.plot_offsets(tables.offsets([family]), "forward", axes)
+    figures.plot_pairs(judge_claims(family), axes)
     assert axes.get_xlabel()
     assert not axes.texts
     assert not axes.containers
