@@ -58,7 +58,7 @@ PLANNED = [
     (["report"], {"report_page", "ledger", "draw_fig11"}, {"judge_family"}),
     (
         [*STUDIES, "families"],
-        {"judge_family", "families_figure", "replicate"},
+        {"judge_family", "families_tables", "replicate"},
         {"judge"},
     ),
     ([*STUDIES, "readme"], {"readme", "timing_table", "ledger"}, {"judge_family"}),

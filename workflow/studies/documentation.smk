@@ -10,7 +10,6 @@ SHOWN_ON = {
         pages=["docs/calibration.md"],
         tables=by_block("families", FAMILY_TABLES) | by_block("calibration", ["sensitivity"]),
         figures={
-            "docs/images/families.png": PATHS.below("families/figure.png"),
             "docs/images/sensitivity.png": PATHS.below("calibration/sensitivity_figure.png"),
         },
         targets=["families", "sensitivity"],

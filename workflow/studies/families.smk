@@ -86,17 +86,10 @@ STUDY_RESULTS["families_tables"] = result_spec(
     sets=SETS,
 )
 
-STUDY_RESULTS["families_figure"] = figure_spec(
-    "families/figure",
-    {"claims": PATHS.below("families/claims.csv")},
-    **stage("studies.families.draw_claims"),
-)
-
 
 STUDY_TARGETS |= {
     "families": [
         *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
-        PATHS.below("families/figure.pdf"),
         *STUDY_RESULTS["families_tables"].given.values(),
     ],
 }

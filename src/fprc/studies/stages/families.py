@@ -1,12 +1,10 @@
 """Judge the claims on families of rigs, and show the families side by side."""
 
-import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from scipy.stats import binomtest
 
 from fprc.artifacts import read_json
@@ -14,7 +12,6 @@ from fprc.claims.finding import REPRODUCED, Results
 from fprc.claims.ledger import Fit, judge_claims
 from fprc.claims.paper import ASSUMED, CLAIMS, TIMED
 from fprc.errors import FprcError
-from fprc.figures import style
 from fprc.paper import ERRORS, REFERENCE_NAMES, SOURCES
 from fprc.registry import controller_title, title_of
 from fprc.signals import LEVEL
@@ -28,9 +25,6 @@ from fprc.yaml_file import read_yaml
 JUDGED_BY_RIG = [claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != ASSUMED]
 
 _ENDS = ("middle", "low", "high")
-
-#: Shape and colour of each set.
-_LOOKS = (("o", "black"), ("s", "tab:blue"))
 
 _ERRORS_NOTE = (
     "Families of rigs: errors, and their deviation from print. Of one rig: mean and its 95 % "
@@ -225,47 +219,3 @@ def family_claims(rigs: Sequence[Results], fitted: Fit, printed: Mapping[str, An
             for row in table.itertuples()
         ]
     )
-
-
-def draw_claims(claims: str, pdf: str, png: str) -> Mapping[str, Any]:
-    """Draw on how many rigs of each set the claims hold."""
-    fig, ax = style.figure(1, 1, style.PAGE_IN, 7.0)
-    # long labels are wider at the resolution of the file than at that of the layout
-    fig.set_layout_engine("constrained", w_pad=0.15)
-    plot_shares(pd.read_csv(claims).dropna(subset="share"), ax)
-    style.legend_above(ax)
-    return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
-
-
-def plot_shares(table: pd.DataFrame, ax: Axes) -> None:
-    """Draw the share of rigs on which each claim holds, with its interval, a colour per set.
-
-    Parameters
-    ----------
-    table : DataFrame
-        Rows of ``family_claims`` of families of many rigs, with their name as ``rigs``. Claims are
-        drawn from the share of the first family downwards.
-    """
-    first = table[table["rigs"] == table["rigs"].iloc[0]]
-    first = first.sort_values("share", ascending=False, kind="stable").set_index("id")
-    rows = np.arange(len(first))
-    families = table.groupby("rigs", sort=False)
-    for k, ((title, family), (marker, color)) in enumerate(zip(families, _LOOKS, strict=False)):
-        held = 100 * family.set_index("id").loc[first.index]
-        ax.errorbar(
-            held["share"], rows + 0.26 * (k - 0.5),
-            xerr=[held["share"] - held["low"], held["high"] - held["share"]], fmt=marker,
-            color=color, markersize=3, capsize=0, linewidth=0.8, label=title,
-        )  # fmt: skip
-    labels = [_label(name, claim) for name, claim in first["claim"].items()]
-    ax.set(xlim=(-3, 103), xlabel="Share of rigs, 95 % interval [%]", yticks=rows)
-    ax.set_yticklabels(labels, fontsize=style.MARK_PT, linespacing=0.95)
-    ax.set_ylim(len(first) - 0.5, -0.5)
-    ax.grid(axis="y", color="0.9", linewidth=0.5)
-
-
-def _label(name: str, claim: str) -> str:
-    """Return id and text of a claim in two lines at most."""
-    text = f"{name}: {claim.replace('+-', '±')}"
-    lines = textwrap.wrap(text, 64, max_lines=2, placeholder=" ...", break_on_hyphens=False)
-    return "\n".join(map(style.symbols, lines))
