@@ -1,34 +1,42 @@
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 import yaml
 
-from fprc.artifacts import write_json
+from fprc.artifacts import read_json
 from fprc.cli import main
 from fprc.commands import calibrate as command
 from fprc.config import PUBLISHED, check, from_files, rig_file
 from fprc.config.reference import RIG
-from fprc.studies.calibration.rig_file import WRITTEN
+from fprc.config.rig import Rig
+from fprc.yaml_file import read_yaml
 
 CONFIG = Path(__file__).parents[3] / "config"
 FILES = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]
 
 
+#: What is known of a fit.
+SUMMARY = {
+    "date": "2030-01-02", "software": "fprc 9.8.7", "fit": ["tables"], "seeds": [21],
+    "full_seeds": [41], "printed": {}, "residuals": {}, "median_deviation": 0.05,
+    "largest_deviation": 0.2, "loss_at_start": 1.0, "evaluations": 9, "parameters": [],
+}  # fmt: skip
+
+
 @pytest.fixture
 def fit(monkeypatch):
-    """Replace the fit by one that writes its files at once; ``fit.calls`` are its arguments."""
+    """Replace the fit by one that ends at once; ``fit.calls`` are its arguments."""
 
-    def calibrate(published, fitted, report, **settings):
-        files = {"published": published, "fitted": fitted, "report": report}
-        calibrate.calls.append(files | settings)
-        Path(fitted).write_text(f"# {WRITTEN}\nrig: {{drift: {{time_s: 3.5}}}}\n", encoding="utf-8")
-        write_json(report, {"fit": [], "loss_at_start": 1.0})
+    def fit_rig(printed, on_rig, **settings):
+        fit_rig.calls.append({"printed": printed, "on_rig": asdict(on_rig)} | settings)
+        return Rig(drift={"time_s": 3.5}).model_dump(mode="json"), SUMMARY
 
-    calibrate.calls = []
-    monkeypatch.setattr(command, "calibrate", calibrate)
+    fit_rig.calls = []
+    monkeypatch.setattr(command, "fit_rig", fit_rig)
     monkeypatch.setattr(command, "fingerprint", lambda *modules: f"code of {modules}")
-    return calibrate
+    return fit_rig
 
 
 @pytest.fixture
@@ -48,9 +56,9 @@ def test_fit_is_written_where_it_is_asked_for(run, tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.json", "mine.yaml"]
     written = yaml.safe_load((tmp_path / "mine.yaml").read_text(encoding="utf-8"))
     assert check(written).rig.drift.time_s == 3.5
-    assert call["report"] == str(tmp_path / "mine.json")
+    assert read_json(tmp_path / "mine.json") == SUMMARY
     assert call["checkpoint"] == str(tmp_path / "mine.partial.jsonl")
-    assert capsys.readouterr().err == ""
+    assert "mine.yaml" in capsys.readouterr().err
 
 
 def test_fit_takes_its_settings_from_the_files_merged_in_their_order(run, tmp_path):
@@ -90,11 +98,13 @@ def test_without_files_the_configuration_of_the_project_is_taken(fit, tmp_path, 
     monkeypatch.chdir(tmp_path)
     assert main(["calibrate", "--out", str(out)]) == 0
     (call,) = fit.calls
-    assert call["published"] == str(PUBLISHED)
+    assert call["printed"] == read_yaml(PUBLISHED)
     expected = from_files(["config/config.yaml"]).model_dump(mode="json")
     assert call["on_rig"]["rig"] == expected["rig"]
-    assert call["began"] == expected["fitted"]
-    assert call["began"]["start"]
+    began = expected["fitted"]
+    noted = read_yaml(out)["fitted"]
+    assert noted["start"] == list(dict.fromkeys([*began["to"], *began["start"]])) != began["to"]
+    assert noted["seeds"] == sorted({*began["seeds"], 21, 41})
     assert call["judgement"]["models"] == expected["models"]
 
 

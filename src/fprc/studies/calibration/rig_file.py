@@ -16,8 +16,7 @@ def parameter_file(
     rig: Mapping[str, Any],
     summary: Mapping[str, Any],
     name: str,
-    start: Sequence[str] = (),
-    seeds: Sequence[int] = (),
+    began: Mapping[str, Sequence[Any]],
 ) -> str:
     """Return the text of a rig's file: what was fitted, and what differs from the defaults.
 
@@ -27,10 +26,8 @@ def parameter_file(
         As ``fprc.studies.calibration.fit.fit_rig`` returns it.
     name : str
         Name of the rig.
-    start : sequence of str
-        Terms that the rig at which the fit began had been searched for.
-    seeds : sequence of int
-        Noise seeds that the fit of that rig saw.
+    began : Mapping
+        Section ``fitted`` of the rig at which the fit began.
     """
     head = _HEAD.format(
         **summary,
@@ -51,8 +48,8 @@ def parameter_file(
         "fitted": {
             "name": name,
             "to": list(summary["fit"]),
-            "start": list(start),
-            "seeds": sorted({*seeds, *summary["seeds"], *summary["full_seeds"]}),
+            "start": list(dict.fromkeys([*began["to"], *began["start"]])),
+            "seeds": sorted({*began["seeds"], *summary["seeds"], *summary["full_seeds"]}),
         },
         "rig": Rig.model_validate(rig).model_dump(mode="json", exclude_defaults=True),
     }

@@ -1,5 +1,4 @@
 import importlib
-import logging
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from fprc.artifacts import read_json
+from fprc.artifacts import read_json, write_json
 from fprc.config import PUBLISHED, Settings, check
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, SimulationError
@@ -21,6 +20,7 @@ from fprc.studies.calibration import fit as stage
 from fprc.studies.calibration import objective, surrogate
 from fprc.studies.calibration.full_models import judge_fully
 from fprc.studies.calibration.objective import TERMS, aim_of, deviations, printed_errors
+from fprc.studies.calibration.rig_file import parameter_file
 from fprc.studies.calibration.space import decode, encode, free_parameters, resolved
 from fprc.studies.calibration.surrogate import LOOPS, MEASURES, judge_by_surrogate
 
@@ -171,11 +171,11 @@ def test_clusterings_begin_at_those_of_the_rig_beside(judge_of, monkeypatch):
 
 def fit(folder, settings, **changes):
     folder.mkdir(exist_ok=True)
-    paths = [str(folder / name) for name in ("rig.yaml", "fit.json")]
-    stage.calibrate(
-        str(PUBLISHED), *paths, began={"to": ["C18", "C8"], "start": ["C15", "C8"], "seeds": [3]},
-        **settings | {"checkpoint": str(folder / "search.jsonl")} | changes,
-    )  # fmt: skip
+    how = settings | {"checkpoint": str(folder / "search.jsonl")} | changes
+    rig, summary = stage.fit_rig(PRINTED, RigSettings(**how.pop("on_rig")), **how)
+    write_json(folder / "fit.json", summary)
+    began = {"to": [], "start": [], "seeds": []}
+    (folder / "rig.yaml").write_text(parameter_file(rig, summary, "rig", began), encoding="utf-8")
     return folder
 
 
@@ -207,11 +207,6 @@ def written(fitted):
     """Return the rig of the parameter file and of the configuration's defaults."""
     text = (fitted / "rig.yaml").read_text(encoding="utf-8")
     return check(yaml.safe_load(text)).rig.model_dump(mode="json")
-
-
-def test_fit_notes_what_the_rig_was_searched_for_at_which_it_began(fitted):
-    text = (fitted / "rig.yaml").read_text(encoding="utf-8")
-    assert yaml.safe_load(text)["fitted"]["start"] == ["C18", "C8", "C15"]
 
 
 def test_fit_improves_the_loss(report):
@@ -384,21 +379,6 @@ def test_rig_from_which_the_full_models_are_farther_than_from_the_start_is_warne
     assert found["full_seeds"] == [41, 42]
     assert (found["median_deviation"] > found["median_deviation_at_start"]) is warned
     assert any("closer to Tables II and III" in text for text in caplog.messages) is warned
-
-
-def test_lines_on_single_rigs_do_not_bury_those_of_the_search(
-    settings, tmp_path, monkeypatch, caplog
-):
-    def fit_rig(*given, **settings):
-        for name in ("fprc.experiments.comparison", "fprc.studies.calibration.fit"):
-            logging.getLogger(name).info(name)
-        raise EvaluationError("stopped")
-
-    monkeypatch.setattr("fprc.studies.calibration.fit.fit_rig", fit_rig)
-    with caplog.at_level("INFO", logger="fprc"), pytest.raises(EvaluationError):
-        fit(tmp_path, settings)
-    assert caplog.messages == ["fprc.studies.calibration.fit"]
-    assert logging.getLogger("fprc.experiments").level == logging.NOTSET
 
 
 def test_each_search_begins_where_the_one_before_ended(quick, judged, tmp_path, monkeypatch):

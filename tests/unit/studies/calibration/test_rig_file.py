@@ -14,6 +14,8 @@ from fprc.studies.calibration.space import decode, free_parameters
 RIG = Rig().model_dump(mode="json")
 PATHS = Settings().calibration.free
 FREE = free_parameters(PATHS)
+BEGAN = {"to": ["C8"], "start": ["C15", "C8"], "seeds": [3, 41]}
+NOT_FITTED = {"to": [], "start": [], "seeds": []}
 
 points = st.lists(st.floats(0.0, 1.0), min_size=len(FREE), max_size=len(FREE)).map(np.array)
 
@@ -48,7 +50,7 @@ def test_file_gives_the_very_rig_back(point):
         expected = Rig.model_validate(rig)
     except ValidationError:
         assume(False)
-    found = check(yaml.safe_load(parameter_file(rig, summary(), "mine", ["C8", "C15"], [3, 41])))
+    found = check(yaml.safe_load(parameter_file(rig, summary(), "mine", BEGAN)))
     assert found.rig == expected
     fitted = {"name": "mine", "to": ["tables", "C8"], "start": ["C8", "C15"]}
     fitted["seeds"] = [3, *range(21, 31), 41, 42]
@@ -61,7 +63,7 @@ def test_file_holds_only_what_differs_from_the_defaults():
     rig = copy.deepcopy(RIG)
     rig["bending"]["relaxation_time_s"][1] = 5.5
     rig["drift"]["sigma_kpa"] = 1e-5
-    assert yaml.safe_load(parameter_file(rig, summary(), "mine")) == {
+    assert yaml.safe_load(parameter_file(rig, summary(), "mine", NOT_FITTED)) == {
         "fitted": {
             "name": "mine",
             "to": ["tables", "C8"],
@@ -77,7 +79,7 @@ def test_head_names_the_parameters_that_ended_near_an_end_and_no_others():
         zip(PATHS, (0.0, 0.0199, 0.0201, 0.9799, 0.9801, 1.0), strict=False)
     )
     parameters = [{"path": path, "share": share} for path, share in shares.items()]
-    head = " ".join(head_of(parameter_file(RIG, summary(parameters=parameters), "mine")))
+    head = " ".join(head_of(parameter_file(RIG, summary(parameters=parameters), "mine", BEGAN)))
     assert "4.6 %" in head
     assert "errors/sweep/esn/train: 11.5, +1.2 %" in head
     assert "open_loop/sweep: 2.67, -21.0 %" in head
