@@ -280,16 +280,23 @@ def _searched(judge: Judge, workers: int, checkpoint: str, version: str) -> Sear
         workers=workers,
         checkpoint=checkpoint,
         key=key,
-        progress=partial(log.info, "round %d of %d, least loss %.4f"),
     )
 
 
 def _outcome(judged: Corrected, aim: Aim) -> dict[str, Any]:
     """Describe a rig by the full models' errors, and the surrogate's terms and properties.
 
-    The median and the largest deviation are of Tables II and III; a term is a sum of squares.
+    ``residuals`` are shares of the printed errors; the median and the largest deviation are of
+    Tables II and III; a term is a sum of squares.
     """
-    residuals = relative(judged.full, aim)
+    residuals = {
+        measure: {
+            key: float(np.mean([seed[measure][key] for seed in judged.full]) / printed - 1.0)
+            for key, printed in aim.printed[measure].items()
+        }
+        for measure in judged.full[0]
+        if measure in aim.printed
+    }
     off = np.abs(list(residuals["errors"].values()))
     apart = deviations(scaled(judged.estimated, judged.ratios), aim)
     terms = {name: float(np.sum(values**2)) for name, values in apart.items()}
@@ -307,18 +314,4 @@ def _outcome(judged: Corrected, aim: Aim) -> dict[str, Any]:
         },
         "plausible": dict(aim.ranges),
         "surrogate_ratios": judged.ratios,
-    }
-
-
-def relative(
-    full: Sequence[Mapping[str, Mapping[str, float]]], aim: Aim
-) -> dict[str, dict[str, float]]:
-    """Return by what share each error, averaged over seeds, deviates from the printed one."""
-    return {
-        measure: {
-            key: float(np.mean([seed[measure][key] for seed in full]) / printed - 1.0)
-            for key, printed in aim.printed[measure].items()
-        }
-        for measure in full[0]
-        if measure in aim.printed
     }

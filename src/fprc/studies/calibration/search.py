@@ -10,6 +10,7 @@ round it leaves the worse half of them. What judges is cheap and not exact: wher
 an exact judge corrects it. It resumes from a checkpoint after a kill.
 """
 
+import logging
 import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -20,6 +21,8 @@ from joblib import Parallel, delayed, parallel_config
 from scipy.optimize import least_squares
 
 from fprc.artifacts import resuming
+
+log = logging.getLogger(__name__)
 
 #: Steps of the finite differences, in units of the cube's edge: the first one, the least and the
 #: largest, and by how much the numbers should change (norm). A longer step sees the curvature, a
@@ -75,7 +78,6 @@ def search(
     workers: int,
     checkpoint: Path | str,
     key: str,
-    progress: Callable[[int, int, float], None] = lambda begun, total, best: None,
 ) -> SearchResult:
     """Minimise the sum of squares of ``deviations_of`` over the unit cube.
 
@@ -102,8 +104,6 @@ def search(
         file with another head is kept.
     key : str
         Hash of everything that the judgements depend on.
-    progress : callable
-        Called after each step with the rounds begun and planned, and the least loss.
     """
     head = {"key": key, "starts": np.asarray(starts).tolist(), "rounds": rounds}
     evaluations = begun = 0
@@ -166,7 +166,7 @@ def search(
                 begun += 1
                 for after in _steps(here, judged, solved):
                     lowest = min(lowest, after, key=_loss)
-                    progress(begun, sum(planned), lowest.loss)
+                    log.info("round %d of %d, least loss %.4f", begun, sum(planned), lowest.loss)
                 ended.append(after)
         else:
             best = min([best, *corrected(ended)], key=_loss)
