@@ -24,17 +24,21 @@ def on_rigs(part):
 
 def family_named(name):
     """Return a family: its rigs, their seeds, and the settings of their simulation."""
+    calibration = SETTINGS["calibration"]
+    drawn = {
+        "seeds_per_rig": BEYOND["seeds_per_rig"],
+        "free": {"paths": calibration["free"], "ranges": calibration["ranges"]},
+    }
     file = named_rig(name) if name in OTHER_RIGS else pick(SETTINGS, "rig", "fitted")
-    rig, fitted = file["rig"], file["fitted"]["to"]
     return {
         "name": name,
         "rigs": name if name in SETS else "one",
         "every_model": name == CONFIGURED_FAMILY,
         "first_seed": BEYOND["first_seed"],
         "seeds_per_rig": 1,
-        "fitted": SETS[name]["terms"] if name in SETS else fitted,
-        "on_rig": on_rig(SETTINGS) | {"rig": rig},
-        **(SETS[name]["family"] if name in SETS else {}),
+        "fitted": SETS.get(name, file["fitted"]["to"]),
+        "on_rig": on_rig(SETTINGS) | {"rig": file["rig"]},
+        **(drawn if name == "drawn" else {}),
     }
 
 

@@ -7,26 +7,8 @@ OTHER_RIGS = {
 }
 #: Those of them that were fitted, with a report of the fit.
 FITTED_RIGS = [name for name, path in OTHER_RIGS.items() if path.with_suffix(".json").exists()]
-#: Families of many rigs: for readers, what they were fitted to, and what
-#: ``fprc.studies.families.family.unit_of`` needs.
-SETS = {
-    "near_print": {
-        "title": "Near print",
-        "terms": ["tables"],
-        "family": {},
-    },
-    "drawn": {
-        "title": "Drawn",
-        "terms": [],
-        "family": {
-            "seeds_per_rig": BEYOND["seeds_per_rig"],
-            "free": {
-                "paths": SETTINGS["calibration"]["free"],
-                "ranges": SETTINGS["calibration"]["ranges"],
-            },
-        },
-    },
-}
+#: Families of many rigs, and the terms that they were fitted to.
+SETS = {"near_print": ["tables"], "drawn": []}
 FAMILY_TABLES = ("errors", "claims")
 
 
@@ -83,7 +65,6 @@ STUDY_RESULTS["families_tables"] = result_spec(
         SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
         **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
     },
-    sets=SETS,
 )
 
 

@@ -15,6 +15,7 @@ from fprc.errors import FprcError
 from fprc.paper import ERRORS, REFERENCE_NAMES, SOURCES
 from fprc.registry import controller_title, title_of
 from fprc.signals import LEVEL
+from fprc.studies.beyond.measurements import family_title
 from fprc.tables.models import over_seeds
 from fprc.tables.text import format_mean, spread, write_table
 from fprc.tables.tracking import tracking_over_seeds
@@ -45,7 +46,6 @@ def tabulate_families(
     controls: Sequence[str],
     *,
     named: Mapping[str, Fit],
-    sets: Mapping[str, Mapping[str, Any]],
     errors: Sequence[str],
     claims: Sequence[str],
     **judged: str,
@@ -56,18 +56,17 @@ def tabulate_families(
     ----------
     models, grids, controls : sequence of str
         Results over seeds, rig by rig; every named rig has the same number of them.
-    named, sets : Mapping
-        Families of one rig: what it was fitted to, see ``judge_claims``. Families of many rigs: the
-        ``terms`` that they were fitted to, and the ``title``.
+    named : Mapping
+        What each named rig was fitted to, see ``judge_claims``.
     errors, claims : sequence of str
         The tables to write, as CSV and as Markdown: see ``family_errors`` and ``family_claims``.
     **judged
-        Result of ``judge_tables`` of each set.
+        Families of many rigs, by their names: results of ``judge_tables``.
 
     Raises
     ------
     FprcError
-        No rig of a set could be judged.
+        No rig of a family could be judged.
     """
     printed = read_yaml(published)
     # one rig with the results of its seeds, grids among them, or many rigs without grids
@@ -79,8 +78,9 @@ def tabulate_families(
         )
         rig = Results(of_models, of_grids, of_control, {}, {})
         families.append((f"Rig {name}", fitted, [rig]))
-    for name, described in sets.items():
-        cells = read_json(judged[name])["cells"]
+    for name, path in judged.items():
+        report = read_json(path)
+        cells = report["cells"]
         good = [
             Results([cell["compared"]], [], [cell["measured"]], {}, {})
             for cell in cells
@@ -91,7 +91,7 @@ def tabulate_families(
                 f"{name}: none of the {len(cells)} rigs could be judged; the first: "
                 f"{cells[0]['failed']}"
             )
-        families.append((described["title"], {"to": described["terms"]}, good))
+        families.append((family_title(name).capitalize(), {"to": report["fitted"]}, good))
     of_errors = pd.concat(
         family_errors(rigs, printed).assign(rigs=title) for title, _, rigs in families
     )

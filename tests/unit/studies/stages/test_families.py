@@ -57,7 +57,6 @@ def reports_of(tmp_path):
 
 
 NAMED = {"dry": {"to": []}, "viscous": {"to": ["tables"]}}
-SETS = {"drawn": {"title": "Drawn", "terms": []}}
 TABLES = ("errors", "claims")
 
 
@@ -91,9 +90,9 @@ def compared(reports_of, judged, tmp_path):
     ]
     rigs.append({"unit": 3, "seed": 3, "failed": "it diverged"})
     drawn = str(tmp_path / "drawn.json")
-    Path(drawn).write_text(json.dumps({"source": "sim", "cells": rigs}))
+    Path(drawn).write_text(json.dumps({"source": "sim", "fitted": [], "cells": rigs}))
     tables = {name: [str(tmp_path / f"{name}.{end}") for end in ("csv", "md")] for name in TABLES}
-    stage.tabulate_families(**files, **tables, drawn=drawn, named=NAMED, sets=SETS)
+    stage.tabulate_families(**files, **tables, drawn=drawn, named=NAMED)
     return tables
 
 
@@ -131,7 +130,7 @@ def test_set_of_which_no_rig_could_be_judged_is_an_error(reports_of, judged, tmp
     with pytest.raises(FprcError, match="drawn.*it diverged"):
         stage.tabulate_families(
             **reports_of({"dry": 0.1}), drawn=str(drawn), errors=[str(tmp_path / "errors.csv")],
-            claims=[], named={"dry": {"to": []}}, sets=SETS,
+            claims=[], named={"dry": {"to": []}},
         )  # fmt: skip
     assert not (tmp_path / "errors.csv").exists()
 
