@@ -16,7 +16,6 @@ from importlib.metadata import version
 from pathlib import Path
 from time import process_time
 
-import numba
 import numpy as np
 import pandas as pd
 from scipy.spatial.distance import cdist
@@ -28,7 +27,7 @@ from fprc.artifacts import write_text
 from fprc.datasets import load_hysteresis
 from fprc.evaluation.timing import machine
 from fprc.models import FPRC, EchoStates
-from fprc.models.echo import aligned, echo_states
+from fprc.models.echo import echo_states
 from fprc.models.fcm import fuzzy_c_means
 from fprc.studies.blocks import replace_block
 from fprc.tables.text import three_digits, within
@@ -111,45 +110,6 @@ def _ratio(theirs: Sequence[float], ours: Sequence[float]) -> str:
     return within(statistics.median(ratios), min(ratios), max(ratios))
 
 
-@numba.njit(fastmath=True)
-def _sum(numbers: np.ndarray) -> float:
-    total = np.float32(0.0)
-    for k in range(numbers.size):  # unlike a loop over the numbers, it has vector instructions
-        total += numbers[k]
-    return total
-
-
-def bandwidth(features: EchoStates, X: np.ndarray) -> str:
-    """Return sentences: how fast a step reads W_r and multiplies, beside what this core can do."""
-    few = X[:1000]
-    same = aligned(features.W_r_.astype(np.float32).ravel())
-    large, square = np.ones(1 << 26, np.float32), np.ones((1000, 1000), np.float32)
-    work = {
-        "step": partial(_stepped, features.advance, few),
-        "same": lambda: [_sum(same) for _ in few],
-        "large": lambda: _sum(large),
-        "product": lambda: square @ square,
-    }
-    features.reset(few[0])
-    for run in work.values():
-        run()
-    seconds = interleaved(work)
-    read = {"step": same.nbytes * len(few), "same": same.nbytes * len(few), "large": large.nbytes}
-    gb_per_s = {name: read[name] / statistics.median(seconds[name]) / 1e9 for name in read}
-    share = statistics.median(a / b for a, b in zip(seconds["same"], seconds["step"], strict=True))
-    gflop = {"step": 2e-9 * same.size * len(few), "product": 2e-9 * len(square) ** 3}
-    rate = {name: gflop[name] / statistics.median(seconds[name]) for name in gflop}
-    return (
-        f"A step of ours reads W_r, {same.nbytes / 1e6:.2f} MB in float32, at "
-        f"{gb_per_s['step']:.3g} GB/s. That is {100 * share:.0f} % of what this core reaches when "
-        f"it only adds up as many numbers again and again ({gb_per_s['same']:.3g} GB/s, from its "
-        f"caches); from memory beyond them it reads {gb_per_s['large']:.3g} GB/s. It "
-        f"multiplies and adds {rate['step']:.3g} billion numbers a second, "
-        f"{100 * rate['step'] / rate['product']:.0f} % of what BLAS reaches in a product of "
-        f"matrices ({rate['product']:.3g} billion), which reads each number many times."
-    )
-
-
 def scikit_fuzzy(rows: np.ndarray, centers: np.ndarray) -> float:
     """Return the objective that scikit-fuzzy's fuzzy c-means reaches from these centres."""
     # cmeans starts from memberships, not from centres
@@ -209,7 +169,6 @@ def report() -> str:
         f"ESN with {features.r} states, float64, {len(theta)} samples, medians of {ROUNDS} rounds "
         "in turn; in brackets the smallest and largest ratio of a round:",
         networks(features, theta).to_markdown(**plain),
-        bandwidth(features, theta),
         f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:",
         clusterings(rows, fuzzy.n_c, starts=5).to_markdown(**plain),
     ]
