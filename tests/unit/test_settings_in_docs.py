@@ -76,7 +76,6 @@ def quoted():
             f"a step longer than {settings.quality.gap_periods:g} median steps",
             f"constant for more than {settings.quality.stuck_s:g} s",
             f"occurs {diagnosis.CLIPPED_RATIO:g} times as often",
-            f"at least {100 * sealed_chamber._STEP_SHARE:g} % of the range",
             f"less than {100 * sealed_chamber._EXPLAINED:g} % of P_o",
             f"counts from {diagnosis.LEAK_KPA_PER_MIN:g} kPa per minute on",
         ],

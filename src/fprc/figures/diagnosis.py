@@ -14,8 +14,8 @@ from fprc.figures.hysteresis import plot_loop
 from fprc.logs.clock import Recording
 from fprc.logs.diagnosis import MARKS
 
-#: Colours of gaps and steps, and of the stretches of a channel.
-_GAP, _STEP = "0.75", "#222222"
+#: Colours of gaps, and of the stretches of a channel.
+_GAP = "0.75"
 _SHADES = {"frozen": "#fff3b0", "clipped": "#fbd0dd"}
 #: Limit on points that are drawn; more could not be seen.
 _POINTS = 20000
@@ -71,7 +71,7 @@ def draw_diagnosis(
 def plot_channel(
     time_s: np.ndarray, values: np.ndarray, name: str, diagnosis: Mapping[str, Any], ax: Axes
 ) -> None:
-    """Draw one channel: gaps grey, its stretches in their shades, steps as lines."""
+    """Draw one channel: gaps grey, its stretches in their shades."""
     quantity = name.rpartition("_")[0].removesuffix("_command")
     colour = style.SIGNALS.get(quantity, style.SIGNALS["valve"])  # grey: it has none of its own
     ax.plot(time_s, values, color=colour, linewidth=0.6)
@@ -82,10 +82,6 @@ def plot_channel(
         for stretch in diagnosis["channels"][name][kind]:
             ax.axvspan(stretch["from_s"], stretch["to_s"], color=shade, linewidth=0,
                        zorder=0, label=MARKS[kind])  # fmt: skip
-    if name == "p_o_kpa" and diagnosis["sealed"]:
-        for step in diagnosis["sealed"]["steps"]:
-            ax.axvline(step["at_s"], color=_STEP, linewidth=0.6, linestyle=(0, (3, 2)),
-                       label="re-fill or sudden loss")  # fmt: skip
 
 
 def _axis(name: str, units: Mapping[str, str]) -> str:

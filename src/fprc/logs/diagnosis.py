@@ -33,7 +33,7 @@ def diagnose(recording: Recording, *, quality: Mapping[str, Any]) -> dict[str, A
     dict
         ``samples``, ``duration_s``; ``clock``; ``channels``, each with its
         range, the rate of new values, and the stretches of each of ``MARKS``; ``identical`` pairs;
-        ``sealed``, leak and re-fills of ``p_o_kpa``, or None.
+        ``sealed``, leak of ``p_o_kpa``, or None.
     """
     time_s, channels = recording.time_s, recording.channels
     clock = _clock(time_s, quality["gap_periods"])
@@ -168,18 +168,12 @@ def _describe_leak(diagnosis: Mapping[str, Any], unit: str) -> Iterator[str]:
     if slope is None:
         yield (
             f"{sealed['relative_to']} explains only {sealed['explained']:.0%} of its variance, too "
-            "little for a sealed chamber; leak and re-fills are not evaluated"
+            "little for a sealed chamber; a leak is not evaluated"
         )
         return
     limit = LEAK_KPA_PER_MIN if unit else 0.05 * (channel["highest"] - channel["lowest"])
     if abs(slope) > limit:
-        what = "leaks" if slope < 0.0 else "warms, or has an inflow"
+        what = "leaks" if slope < 0.0 else "warms, or was re-filled"
         short = diagnosis["duration_s"] < SHORT_S
         doubt = "; hysteresis can cause this in under a minute" if short else ""
         yield f"{what}: at equal {sealed['relative_to']} {slope:+.2g}{unit} a minute{doubt}"
-    if sealed["steps"]:
-        steps = [f"{s['height_kpa']:+.3g} at {s['at_s']:.1f} s" for s in sealed["steps"]]
-        more = ", ..." if len(steps) > 6 else ""
-        yield (
-            f"re-fills (+) and sudden losses (-){unit}: {len(steps)}, {', '.join(steps[:6])}{more}"
-        )
