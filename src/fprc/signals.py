@@ -110,21 +110,6 @@ def swing_frequency(time_s: np.ndarray, x: np.ndarray) -> np.ndarray:
     return np.interp(time_s, 0.5 * (turns[1:] + turns[:-1]), 0.5 / np.diff(turns))
 
 
-def repeat_cycle(
-    time_s: np.ndarray, reference: np.ndarray, values: np.ndarray, until_s: float
-) -> np.ndarray | None:
-    """Return the last cycle of ``values`` before ``until_s``, repeated at all times ``time_s``.
-
-    A cycle is one period of ``reference``; None if that turns fewer than three times by then.
-    """
-    before = time_s < until_s
-    turns = time_s[before][turning_points(reference[before])]
-    if len(turns) < 3:
-        return None
-    period_s = turns[-1] - turns[-3]
-    return np.interp(until_s - period_s + (time_s - until_s) % period_s, time_s, values)
-
-
 #: Confidence of every interval.
 LEVEL = 0.95
 

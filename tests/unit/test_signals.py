@@ -11,7 +11,6 @@ from fprc.signals import (
     pressure_command,
     random_pushes,
     reference_angle,
-    repeat_cycle,
     sample_times,
     swing_frequency,
     width_at_middle,
@@ -136,11 +135,3 @@ def test_swing_frequency_ignores_noise_and_knows_no_half_cycle():
     assert np.abs(found / 0.25 - 1.0).max() < 0.1
     for still in (t_s, 0.0 * t_s):
         assert set(swing_frequency(t_s, still)) == {1.0 / t_s[-1]}
-
-
-def test_last_undisturbed_cycle_is_repeated():
-    t_s = sample_times(40.0, 200.0)
-    reference, values = np.sin(2 * np.pi * 0.25 * t_s), np.cos(2 * np.pi * 0.25 * t_s)
-    pushed = values + (t_s >= 20.0)
-    assert np.abs(repeat_cycle(t_s, reference, pushed, 20.0) - values).max() < 0.02
-    assert repeat_cycle(t_s, reference, pushed, 4.0) is None

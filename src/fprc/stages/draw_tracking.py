@@ -3,16 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from fprc.artifacts import write_csv
 from fprc.figures import style
 from fprc.figures.tracking import plot_error, plot_following, plot_reference_loops
 from fprc.logs import read_run
 from fprc.logs.isolated import isolated_each
 from fprc.paper import LOOPS, REFERENCE_NAMES
-from fprc.signals import repeat_cycle, settled
-from fprc.tables.figure_data import deviations, error_summary
+from fprc.signals import settled
+from fprc.tables.figure_data import error_summary
 
 #: Behind the time of settling or of pushes.
 _GREY = "0.92"
@@ -80,45 +78,26 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
 def draw_disturbance(
     run: str, csv: str, pdf: str, png: str, *, quiet_s: float
 ) -> Mapping[str, Any]:
-    """Figure 17: tracking and reservoir while random forces push the reservoir.
-
-    The reservoir's signals are drawn over their last undisturbed cycle, repeated.
-    """
+    """Figure 17: tracking and reservoir while random forces push the reservoir."""
     (log,) = isolated_each(read_run, [run])
-    channels, settle_s = log.channels, log.attributes["settle_s"]
-    time_s = channels["time_s"]
-    cycles = {
-        name: repeat_cycle(time_s, channels["theta_d_deg"], channels[name], quiet_s)
-        for name in _RESERVOIR
-    }
-    table = deviations(log, cycles, quiet_s)
+    channels, time_s = log.channels, log.channels["time_s"]
+    table = error_summary([log])
     write_csv(csv, table)
-    rms = table.set_index("channel")
+    (errors,) = table.itertuples()
     fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.8, sharex=True, height_ratios=(4, 3, 3, 4, 4))
     plot_following(channels, axes[0])
-    judged = settled(channels, settle_s)
-    largest = np.abs(judged["theta_d_deg"] - judged["theta_deg"]).max()
-    plot_error(channels, axes[1], limit=1.05 * largest, rmse=rms.loc["theta_deg", "rms"])
+    limit = 1.05 * errors.max_abs_error_deg
+    plot_error(channels, axes[1], limit=limit, rmse=errors.rmse_deg)
     for ax, (name, title) in zip(axes[2:], _RESERVOIR.items(), strict=True):
-        cycle, (signal, unit) = cycles[name], name.rsplit("_", 1)
+        signal, unit = name.rsplit("_", 1)
         style.letter(ax, title)
-        if cycle is not None:
-            cycle = np.where(time_s < settle_s, np.nan, cycle)
-            ax.plot(time_s, cycle, color=style.SIGNALS[signal], alpha=0.3, linewidth=2.5)
-            errors = rms.loc[name]
-            share = f"{errors['percent_of_swing']:.0f} % of its swing"
-            off = f"{errors['rms']:.2g} {errors['unit']} rms from the band, {share}"
-            ax.set_title(off, loc="right")
         ax.plot(time_s, channels[name], color=style.SIGNALS[signal], linewidth=0.7)
         ax.set_ylabel("Angle [deg]" if unit == "deg" else "Pressure [kPa]")
     for ax in axes:
-        ax.axvspan(0.0, quiet_s, color="#fff8d6", linewidth=0, zorder=0)
         ax.axvspan(quiet_s, time_s[-1], color=_GREY, linewidth=0, zorder=0)
         ax.margins(x=0)
     style.letter(axes[0], "(a) FPRC+PD")
     style.legend_above(axes[0])
     fig.align_ylabels(axes)
-    axes[-1].set_xlabel(
-        "Time [s]\nyellow: undisturbed, grey: pushed; pale band: last undisturbed cycle"
-    )
+    axes[-1].set_xlabel("Time [s]; grey: pushed")
     return style.save(fig, log.attributes, pdf, png)

@@ -61,40 +61,6 @@ def error_summary(runs: Sequence[Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def deviations(log: Any, cycles: Mapping[str, np.ndarray | None], quiet_s: float) -> pd.DataFrame:
-    """Errors of Fig. 17: of theta from its reference, of channels from their undisturbed cycle.
-
-    Parameters
-    ----------
-    cycles : Mapping
-        By channel: its undisturbed cycle, repeated; None leaves the channel out.
-
-    Returns
-    -------
-    DataFrame
-        ``channel``, ``rms`` (of theta after the settling time, else from ``quiet_s`` on), ``unit``,
-        ``percent_of_swing`` (of the reference's, else of the cycle's), ``source``.
-    """
-    time_s, settle_s = log.channels["time_s"], log.attributes["settle_s"]
-    against = {"theta_deg": log.channels["theta_d_deg"], **cycles}
-    rows = []
-    for name, expected in against.items():
-        if expected is None:
-            continue
-        judged = time_s >= (settle_s if name == "theta_deg" else quiet_s)
-        off = rms((log.channels[name] - expected)[judged])
-        rows.append(
-            {
-                "channel": name,
-                "rms": off,
-                "unit": "deg" if name.endswith("_deg") else "kPa",
-                "percent_of_swing": 100.0 * off / np.ptp(expected),
-                "source": log.attributes["source"],
-            }
-        )
-    return pd.DataFrame(rows)
-
-
 def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
     """Share of each weight in its rule, and each feature's mean over rules, ours and the paper's.
 
