@@ -178,8 +178,22 @@ container:  ## build the image of the Containerfile with podman, docker or build
 test-container: .venv/.ready  ## build the image and run it as a user without a home: ten minutes
 	FPRC_CONTAINER=1 BASE=$(BASE) pytest tests/workflow/test_container.py
 
-release: .venv/.ready release-tools  ## make all results in a new clone; wheel, sdist and archive into dist/; upload nothing
-	python -m tools.release --cores $(CORES) --tools .venv/release/bin/python
+# Results of a clean clone are all of one commit. Nothing is uploaded. SMOKE=...: options for a smoke run
+VERSION = $(shell sed -n 's/^__version__ = "\(.*\)"/\1/p' src/fprc/__init__.py)
+release: .venv/.ready release-tools  ## make all results in a new clone; wheel, sdist and archive into dist/
+	@test -z "$$(git status --porcelain)" || { echo "release: uncommitted changes; commit them" >&2; exit 1; }
+	@grep -q "^## $(VERSION) (20" CHANGELOG.md || \
+	  { echo "release: CHANGELOG.md has no heading '## $(VERSION) (DATE)'; add it" >&2; exit 1; }
+	@test -z "$$(git tag --list v$(VERSION))" || \
+	  { echo "release: the tag v$(VERSION) exists; give a newer version" >&2; exit 1; }
+	@test ! -e dist || { echo "release: dist exists; move it away" >&2; exit 1; }
+	git clone --quiet . dist/clone
+	cd dist/clone && PYTHONPATH=src snakemake --cores $(CORES) $(SMOKE) all
+	cd dist/clone && { git ls-files -z; git ls-files -z --others results data/raw \
+	  ':(exclude,glob)results/**/logs/**'; } | tar -czf ../fprc-$(VERSION)-with-results.tar.gz --null -T -
+	SOURCE_DATE_EPOCH=$$(git log -1 --format=%ct) .venv/release/bin/python -m build --outdir dist dist/clone
+	.venv/release/bin/python -m twine check --strict dist/*.whl dist/fprc-$(VERSION).tar.gz
+	rm -rf dist/clone
 
 test-release: .venv/.ready release-tools  ## build a release of a smoke run with the real tools
 	pytest tests/workflow/test_release.py

@@ -1,17 +1,15 @@
-"""A release of a smoke run: the archive, the packages, refusals."""
+"""`make release`: what it refuses, and the archive and packages of a smoke run."""
 
+import os
 import shutil
 import subprocess
-import zipfile
+import tarfile
 from pathlib import Path
 
 import pytest
 
-from tools import release
-
 ROOT = Path(__file__).parents[2]
 TOOLS = ROOT / ".venv/release/bin/python"
-SMOKE = ["--configfile", "config/smoke.yaml"]
 VERSION = "99.0"
 
 pytestmark = pytest.mark.slow
@@ -26,90 +24,60 @@ def git(folder, *arguments):
 
 
 @pytest.fixture
-def copying(smoked, monkeypatch):
-    """Copy the results of the smoke run instead of running the workflow."""
-
-    def build(clone, circumstances, *arguments):
-        assert (circumstances[0], list(arguments)) == ("2", SMOKE)
-        shutil.copytree(smoked[0].folder / "results/smoke", clone / "results/smoke")
-        (clone / "src/fprc/__pycache__").mkdir()
-        (clone / "src/fprc/__pycache__/compiled").write_text("")
-
-    monkeypatch.setattr(release.twice, "build", build)
-
-
-@pytest.fixture
-def no_tools(copying, monkeypatch):
-    """Leave out the tools; the last test has them."""
-    monkeypatch.setattr(release, "build_packages", lambda *_: None)
-
-
-@pytest.fixture
-def clone(tmp_path, monkeypatch):
+def clone(tmp_path):
     """The checkout of a version, which a test may break."""
     folder = tmp_path / "clone"
     for name in filter(None, git(ROOT, "ls-files", "-z").split("\0")):
         if (ROOT / name).is_file():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, folder / name)
-    for name, old, new in (
-        (release.CHANGELOG, "## Unreleased", f"## Unreleased\n\n## {VERSION} (2030-01-02)"),
-        (release.VERSION, release.version_of(folder), VERSION),
-    ):
-        text = (folder / name).read_text(encoding="utf-8")
-        (folder / name).write_text(text.replace(old, new, 1), encoding="utf-8")
+    version, changelog = folder / "src/fprc/__init__.py", folder / "CHANGELOG.md"
+    version.write_text(f'"""A version."""\n\n__version__ = "{VERSION}"\n')
+    heading = f"## Unreleased\n\n## {VERSION} (2030-01-02)"
+    changelog.write_text(changelog.read_text("utf-8").replace("## Unreleased", heading, 1), "utf-8")
     git(folder, "init", "--quiet")
     git(folder, "add", "--all")
     git(folder, "commit", "--quiet", "--message", "Release")
-    monkeypatch.chdir(folder)
     return folder
 
 
-@pytest.mark.usefixtures("no_tools")
-def test_archive_has_the_files_of_the_commit_and_the_results(clone, smoked, capsys):
-    assert release.main(SMOKE) == 0
-    assert "git tag -a v99.0" in capsys.readouterr().out
-    with zipfile.ZipFile(clone / f"dist/{VERSION}/fprc-{VERSION}.zip") as archive:
-        held = {name: archive.read(name) for name in archive.namelist()}
-        assert len(held) == len(archive.namelist())
-    results = {
-        str(path.relative_to(smoked[0].folder))
-        for path in (smoked[0].folder / "results/smoke").rglob("*")
-        if path.is_file() and "logs" not in path.parts
-    }
-    tracked = {name for name in git(clone, "ls-files").splitlines() if (clone / name).is_file()}
-    assert held.keys() == results | tracked
-    assert {"results/smoke/raw/sweep.h5", "results/smoke/digests/claims.json.sha256"} <= results
-    assert "src/fprc/logs/__init__.py" in tracked
-    assert held["README.md"] == (clone / "README.md").read_bytes()
+def release(folder, *arguments):
+    """Run ``make release`` with the libraries and tools of this checkout."""
+    if TOOLS.exists():
+        (folder / ".venv").mkdir()
+        (folder / ".venv/release").symlink_to(ROOT / ".venv/release")
+    without = {key: value for key, value in os.environ.items() if not key.startswith("MAKE")}
+    command = ["make", "release", "-o", ".venv/.ready", "-o", "release-tools", *arguments]
+    return subprocess.run(command, cwd=folder, env=without, check=False, capture_output=True)
 
 
-@pytest.mark.usefixtures("no_tools")
-def test_everything_that_forbids_a_release_is_said_at_once(clone, capsys):
-    path = clone / "src/fprc/__init__.py"
-    path.write_text(path.read_text().replace(VERSION, "99.1"))
-    git(clone, "tag", "v99.1")
-    (clone / "dist/99.1").mkdir(parents=True)
-    assert release.main(SMOKE) == 1
-    printed = capsys.readouterr().err
-    for what in ("uncommitted", "CHANGELOG.md", "tag v99.1", "dist/99.1"):
-        assert what in printed
-    assert list((clone / "dist").rglob("*")) == [clone / "dist/99.1"]
-
-
-@pytest.mark.usefixtures("no_tools")
-def test_nothing_is_left_when_a_tool_refuses(clone, monkeypatch):
-    monkeypatch.setattr(release, "build_packages", lambda *_: subprocess.run(["false"], check=True))
-    assert release.main(SMOKE) == 1
-    assert list((clone / "dist").iterdir()) == []
+@pytest.mark.parametrize("wrong", ["uncommitted", "no heading", "tag", "dist"])
+def test_what_forbids_a_release_stops_it_before_anything_is_made(clone, wrong):
+    if wrong == "uncommitted":
+        (clone / "new").touch()
+    elif wrong == "tag":
+        git(clone, "tag", f"v{VERSION}")
+    elif wrong == "dist":
+        (clone / "dist").mkdir()
+    else:
+        shutil.copy2(ROOT / "CHANGELOG.md", clone)
+        git(clone, "commit", "--quiet", "--all", "--message", "No heading")
+    assert release(clone).returncode != 0
+    assert list((clone / "dist").rglob("*")) == []
 
 
 @pytest.mark.skipif(not TOOLS.exists(), reason="the tools that `make release-tools` installs")
-@pytest.mark.usefixtures("copying")
-def test_tools_accept_the_packages(clone):
-    assert release.main(["--tools", str(TOOLS), *SMOKE]) == 0
-    assert sorted(path.name for path in (clone / f"dist/{VERSION}").iterdir()) == [
-        f"fprc-{VERSION}-py3-none-any.whl",
+def test_archive_and_packages_of_a_smoke_run(clone):
+    done = release(clone, "SMOKE=--workflow-profile smoke")
+    assert done.returncode == 0, done.stderr.decode()
+    archive = clone / f"dist/fprc-{VERSION}-with-results.tar.gz"
+    assert {path.name for path in (clone / "dist").iterdir()} == {
+        archive.name,
         f"fprc-{VERSION}.tar.gz",
-        f"fprc-{VERSION}.zip",
-    ]
+        f"fprc-{VERSION}-py3-none-any.whl",
+    }
+    with tarfile.open(archive) as packed:
+        held = {member.name for member in packed.getmembers()}
+    assert {"README.md", "src/fprc/logs/__init__.py", "results/smoke/raw/sweep.h5"} <= held
+    assert {"results/smoke/digests/claims.json.sha256", "results/smoke/report.html"} <= held
+    assert not any("/logs/" in name for name in held if name.startswith("results"))
