@@ -1,7 +1,7 @@
 """Grids of control variables, Sec. III-E, and the weights of Fig. 9."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,26 +10,12 @@ from sklearn.model_selection import ParameterGrid
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import Prepared, evaluate, prepare
-from fprc.evaluation.folds import Fold
 from fprc.experiments.data import Data, models_for
 from fprc.experiments.settings import Judgement
 from fprc.paper import GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build
 
 log = logging.getLogger(__name__)
-
-
-def judge_cell(
-    name: str,
-    train: Data,
-    test: Data,
-    judgement: Judgement,
-    folds: Sequence[Fold],
-    **changed: float,
-) -> dict[str, Any]:
-    """Return the errors of a model, some of whose settings are changed."""
-    model = build(name, judgement.models, judgement.seed, **changed)
-    return evaluate(model, folds, train.samples(name), test.samples(name))
 
 
 def judge_grids(
@@ -49,15 +35,16 @@ def judge_grids(
     train, test = data["sweep"], data["complex"]
     models = models_for(judgement.models, train, test)
     rows = judgement.split_rows(train)[:folds]
+
+    def judge(name: str, cell: Mapping[str, Any]) -> dict[str, Any]:
+        model = build(name, judgement.models, judgement.seed, **cell)
+        errors = evaluate(model, rows, train.samples(name), test.samples(name))
+        return {"model": name, **cell, **errors}
+
     judged = {}
     for grid, names in GRID_MODELS.items():
         cells = ParameterGrid({setting: values[setting] for setting in GRID_SETTINGS[grid]})
-        judged[grid] = [
-            {"model": name, **cell, **judge_cell(name, train, test, judgement, rows, **cell)}
-            for name in names
-            if name in models
-            for cell in cells
-        ]
+        judged[grid] = [judge(name, cell) for name in names if name in models for cell in cells]
         log.info("judged grid %s: %d cells", grid, len(judged[grid]))
     return judged
 

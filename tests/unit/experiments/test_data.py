@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from fprc.errors import LogError
+from fprc.evaluation import evaluate
 from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.data import Data, join, read_data, select_channels
-from fprc.experiments.grids import judge_cell, judge_grids
+from fprc.experiments.grids import judge_grids
 from fprc.experiments.settings import Judgement
 from fprc.logs import Columns, write_columns
 from fprc.logs.quality import other_quantity
 from fprc.models import Learning, Online
+from fprc.registry import build
 
 MODELS = {
     "n_y": 2, "alpha": 1e-3, "others": {},
@@ -135,6 +137,7 @@ def test_grids_agree_cell_by_cell_on_several_recordings(joined, folds):
     for cell in sum(grids.values(), []):
         settings = {k: cell[k] for k in cell if k != "model" and not k.endswith("_kpa")}
         rows = JUDGEMENT.split_rows(joined)
-        alone = judge_cell(cell["model"], joined, joined, JUDGEMENT, rows, **settings)
+        model, samples = build(cell["model"], MODELS, 1, **settings), joined.samples(cell["model"])
+        alone = evaluate(model, rows, samples, samples)
         for phase in ("train_rmse_kpa", "validation_rmse_kpa"):
             assert cell[phase] == pytest.approx(alone[phase][:folds])
