@@ -18,12 +18,12 @@ def main() -> None:
     log = acquire("sweep", signal, control, rig, seed=1)
     data = Data(log | {"p_target_kpa": log["p_exp_kpa"]}, {})
     for name in ON_RECORDINGS:
-        X, y = data.pair(name)
+        X, y, _ = data.samples(name)
         changed = {"r": 20} if name == "esn" else {}
         model = build(name, models, 1, **changed).fit(X, y)
         model.predict(X)
         model.step(X[0])
-    X, y = data.pair("fprc")
+    X, y, _ = data.samples("fprc")
     fprc = build("fprc", models, 1).fit(X, y).remember(X)
     for adapt in (False, True):
         feedforward = control["feedforward"] | {"adapt": adapt}

@@ -131,7 +131,7 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     fitted = load_model(model, outside_classes(models))
     name = _name_of(fitted, model, models)
     data = _read([raw], settings, name)
-    X, y = data.pair(name, models)
+    X, y, _ = data.samples(name, models)
     units = data.units(entry_of(name, models).inputs)
     refuse_other_data(fitted, f"{model}, the model", settings["control"]["sample_rate_hz"], units)
     with threadpool_limits(1), refusals_of(fitted):

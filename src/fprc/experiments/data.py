@@ -50,10 +50,10 @@ class Data(NamedTuple):
             for name in ("p_target_kpa", *inputs)
         ]
 
-    def pair(
+    def samples(
         self, model: str, models: Mapping[str, Any] | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the inputs of a model, and P_exp.
+    ) -> tuple[np.ndarray, np.ndarray, list[int]]:
+        """Return the inputs of a model, P_exp, and the samples of each recording.
 
         Raises
         ------
@@ -68,13 +68,7 @@ class Data(NamedTuple):
                 "channel, or use another model"
             )
         X = np.column_stack([self.channels[name] for name in inputs])
-        return X, self.channels["p_target_kpa"]
-
-    def samples(
-        self, model: str, models: Mapping[str, Any] | None = None
-    ) -> tuple[np.ndarray, np.ndarray, list[int]]:
-        """Do as ``pair``, with the samples of each recording."""
-        return *self.pair(model, models), self.lengths
+        return X, self.channels["p_target_kpa"], self.lengths
 
 
 def read_data(path: str) -> Data:

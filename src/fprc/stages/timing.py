@@ -29,7 +29,7 @@ def measure_times(
     train_data, test_data = read_data(train), read_data(test)
     refuse_mixture(train_data, test_data)
     logs = {
-        name: (train_data.pair(name, models), test_data.pair(name, models))
+        name: (train_data.samples(name, models)[:2], test_data.samples(name, models)[:2])
         for name in models_for(models, train_data, test_data)
     }
     fitted = {name: build(name, models, seed).fit(*pairs[0]) for name, pairs in logs.items()}

@@ -32,7 +32,7 @@ def test_errors_of_a_ridge_are_those_of_its_blocks(seen, judgement):
     """Two recordings of 12 and 8 s: blocks do not cross, features restart, neighbours are out."""
     train, test = data_of(seen["sweep"], 2400, 1600), data_of(seen["complex"])
     found = judge_competitor({"model": "ridge_p_o"}, train=train, test=test, judgement=judgement)
-    X, y = train.pair("ridge_p_o")
+    X, y, _ = train.samples("ridge_p_o")
     taps = TapFeatures(N_Y, n_u=N_U, epsilon=EPSILON).fit(X)
     rows = np.vstack([taps.transform(part) for part in (X[:2400], X[2400:])])
 
@@ -50,7 +50,7 @@ def test_errors_of_a_ridge_are_those_of_its_blocks(seen, judgement):
         block = slice(first, last)
         expected.append(error(~out, rows[block], y[block]))
     assert found["validation_rmse_kpa"] == pytest.approx(expected, rel=1e-6)
-    other, wanted = test.pair("ridge_p_o")
+    other, wanted, _ = test.samples("ridge_p_o")
     whole = error(slice(None), taps.transform(other), wanted)
     assert found["test_rmse_kpa"] == pytest.approx(whole, rel=1e-6)
 
@@ -115,7 +115,7 @@ def test_shifted_p_o_is_that_of_another_time_of_the_same_recording(seed):
     p_o = np.linspace(100.0, 60.0, 500)  # it leaks
     theta, lengths = np.arange(500.0), (200, 300)
     channels = {"time_s": theta / 200.0, "theta_deg": theta, "p_target_kpa": theta, "p_o_kpa": p_o}
-    X, y = shifted(data_of(channels, *lengths), seed).pair("fprc_shifted")
+    X, y, _ = shifted(data_of(channels, *lengths), seed).samples("fprc_shifted")
     np.testing.assert_array_equal(X[:, 0], theta)
     np.testing.assert_array_equal(y, theta)
     begin = 0

@@ -77,7 +77,7 @@ def test_logs_that_do_not_go_together_are_refused_with_every_reason():
 def test_missing_input_names_the_files():
     logs = {name: recording(60, without=["p_o_kpa"]) for name in ("a.h5", "b.h5")}
     with pytest.raises(LogError, match="^a.h5, b.h5: no p_o_kpa, which fprc needs"):
-        join(logs, 0.005).pair("fprc", MODELS)
+        join(logs, 0.005).samples("fprc", MODELS)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_tables_restart_features_at_each_recording(joined):
     reports = {(report["model"], report["trained_on"]): report for report in results["models"]}
     for name, model in fitted.items():
         report = reports[name, "sweep"]
-        X, y = joined.pair(name, MODELS)
+        X, y, _ = joined.samples(name, MODELS)
         rows = np.repeat(np.arange(3), 50)  # three blocks
         trains = rows != report["best_fold"]
         error = (np.concatenate([model.predict(X[:60]), model.predict(X[60:])]) - y)[trains]

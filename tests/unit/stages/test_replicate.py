@@ -94,7 +94,7 @@ def test_main_run_writes_the_same_errors_and_what_they_are_of(
         away_kpa = prediction.channels["p_ff_kpa"] - prediction.channels["p_target_kpa"]
         assert np.sqrt(np.mean(away_kpa**2)) == pytest.approx(reports[i]["test_rmse_kpa"])
         again = load_model(written["fitted"][i])
-        X, _ = read_data(logs[test]).pair(model)
+        X, *_ = read_data(logs[test]).samples(model)
         assert_allclose(again.predict(X), prediction.channels["p_ff_kpa"], rtol=1e-9)
 
 
@@ -116,7 +116,7 @@ def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, jud
         }
     logs, how = simulate(RigSettings(**on_rig), SEED), Judgement(**judgement)
     model = build("fprc", how.models, SEED)
-    (X, y), (other, expected) = (logs[name].pair("fprc") for name in ("complex", "sweep"))
+    (X, y, _), (other, expected, _) = (logs[name].samples("fprc") for name in ("complex", "sweep"))
     features = model.make_features().fit(X)
     part = how.split_rows(logs["complex"])[0][0]
     seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])
@@ -137,7 +137,7 @@ def test_starts_drive_the_loops_of_table_4(errors, settings, on_rig, judgement):
         for controller in ("fprc", "fprc_pd")
     }
     logs, how = simulate(RigSettings(**on_rig), SEED), Judgement(**judgement)
-    (X, y), part = logs["sweep"].pair("fprc"), how.split_rows(logs["sweep"])[0][0]
+    (X, y, _), part = logs["sweep"].samples("fprc"), how.split_rows(logs["sweep"])[0][0]
     model = build("fprc", how.models, SEED)
     features = model.make_features().fit(X)
     seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])

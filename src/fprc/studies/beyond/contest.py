@@ -111,7 +111,7 @@ def judge_rig(
                     found = _follow(bench, model, name, inputs)
                     report |= {f"{loop}/{shift:g}": value for loop, value in found.items()}
             if "p_o_kpa" in entry_of(name).inputs:
-                X, expected = complex_.pair(name)
+                X, expected, _ = complex_.samples(name)
                 report |= {
                     f"forward/{shift:g}": rmse(expected, model.predict(X + [0.0, shift]))
                     for shift in contest.shifts_kpa

@@ -69,7 +69,7 @@ def judge_online(
         sweep = simulate(replace(on_rig, signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
         fitted = {}
         for name in MODELS:
-            X, y = sweep.pair(name)
+            X, y, _ = sweep.samples(name)
             fitted[name] = build(name, models, seed).fit(X, y).remember(X)
         rows = []
         for condition in CONDITIONS:

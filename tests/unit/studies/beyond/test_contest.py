@@ -61,15 +61,15 @@ def judged(on_rig, contest):
 
 @pytest.fixture(scope="module")
 def fprc(logs):
-    X, y = logs["sweep"].pair("fprc")
+    X, y, _ = logs["sweep"].samples("fprc")
     return FPRC(random_state=SEED).fit(X, y)
 
 
 def test_errors_are_those_of_the_model_by_itself(judged, fprc, logs):
-    X, y = logs["complex"].pair("fprc")
+    X, y, _ = logs["complex"].samples("fprc")
     assert judged["fprc"]["forward"] == pytest.approx(rmse(y, fprc.predict(X)))
     backward = FPRC(random_state=SEED).fit(X, y)
-    X, y = logs["sweep"].pair("fprc")
+    X, y, _ = logs["sweep"].samples("fprc")
     assert judged["fprc"]["reversed"] == pytest.approx(rmse(y, backward.predict(X)))
     assert judged["fprc"]["train"] == pytest.approx(rmse(y, fprc.predict(X)))
 
@@ -88,7 +88,7 @@ def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, contes
 
 
 def test_shifted_p_o_is_the_models_input(judged, fprc, logs):
-    X, y = logs["complex"].pair("fprc")
+    X, y, _ = logs["complex"].samples("fprc")
     own = judged["fprc"]
     assert own["forward/0"] == own["forward"]
     assert own["forward/-2"] == pytest.approx(rmse(y, fprc.predict(X - [0.0, 2.0])))
