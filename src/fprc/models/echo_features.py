@@ -12,9 +12,6 @@ from fprc.models.kernels import advance
 from fprc.models.learned import Learned
 from fprc.models.limits import Array, Limit, Seed, Whole
 
-#: Most products before the first sample of a stream: some seconds.
-MOST_PRODUCTS = 1e10
-
 
 @dataclass(eq=False, repr=False)
 class EchoStates(FeatureMap):
@@ -65,13 +62,6 @@ class EchoStates(FeatureMap):
         "washout": Whole(0, 10_000),
         "random_state": Seed(),
     }
-
-    def _check_columns(self) -> None:
-        if self.washout * self.r**2 > MOST_PRODUCTS:
-            raise ValueError(
-                f"EchoStates: washout = {self.washout}, r = {self.r}; washout r^2 must be at most "
-                f"{MOST_PRODUCTS:g}, or a stream takes minutes to start"
-            )
 
     def _prepare(self, X: np.ndarray) -> None:
         rng = check_random_state(self.random_state)

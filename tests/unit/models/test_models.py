@@ -195,7 +195,7 @@ def test_defaults_are_those_of_the_paper():
             for wrong in (np.full(1001, 0.1), [], [0.1, 0.0], [0.1, 1.1], [np.nan])
         ),
         (NVAR(n_taps=100, degree=3), "n_taps"),
-        (EchoStates(r=4000, washout=1000), "washout"),
+        (EchoStates(r=5, washout=-1), "washout"),
         (EchoStates(r=5, random_state="1"), "random_state"),
         (TakagiSugenoReadout(n_c=2, restarts=2.5), "restarts"),
         (SideBySide([(PlayOperators("2"), [0])]), "n_plays"),
