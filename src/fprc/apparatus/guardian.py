@@ -169,13 +169,14 @@ def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) 
             else:
                 written_s = written_s or time.monotonic()
         now_s = time.monotonic()
+        answer = f"the driver {'took the voltages' if written_s else 'has not answered yet'}"
         if written_s and now_s - written_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S:
             return str(NotVentedError("no pressure can be read: the driver does not answer"))
         if received.count(signal.SIGINT) > before:
             given_up.set()
             if written_s:
                 return str(NotVentedError("Ctrl-C ended the wait for the pressures"))
-            return f"{_NOT_VENTED} ({problem})"
+            return f"{_NOT_VENTED} ({problem or answer})"
         if (problem and not printed) or now_s - printed_s > _MESSAGE_S:
             printed_s, printed = now_s, problem
             log.error(
@@ -184,8 +185,7 @@ def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) 
                 if written_s
                 else _NOT_VENTED,
                 now_s - began_s,
-                problem
-                or f"the driver {'took the voltages' if written_s else 'has not answered yet'}",
+                problem or answer,
             )
 
 
