@@ -2,15 +2,12 @@
 
 import logging
 from collections.abc import Iterator, Mapping
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from fprc.apparatus.session import Session, Stop, on_rig
-from fprc.channels import SENSORS
-from fprc.control import run
-from fprc.devices import Clock, Device
+from fprc.channels import SENSORS, Readings
 
 log = logging.getLogger("fprc.rig")
 
@@ -57,25 +54,16 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Stop) -> int:
     DeviceError
         Lists the parts that do not answer.
     """
-    control, hardware = settings["control"], _with_check_limits(settings["hardware"])
-    period_s = 1.0 / control["sample_rate_hz"]
+    settings = {**settings, "hardware": _with_check_limits(settings["hardware"])}
+    rate_hz = settings["control"]["sample_rate_hz"]
 
     def follow(phase: str) -> Session:
         *goals, seconds = PHASES[phase]
 
-        def act(device: Device, clock: Clock) -> dict[str, np.ndarray]:
-            still = SimpleNamespace(read=device.read, write=lambda *volts: None, safe=lambda: None)
-            return run(
-                device if phase in _FILLS else still,
-                clock,
-                lambda k, now: [min(k * period_s * TEST_KPA / RISE_S, goal) for goal in goals],
-                round(seconds / period_s),
-                control,
-                neutral_v=hardware["valves"]["neutral_v"],
-                stop=stop,
-            )
+        def law(k: int, now: Readings) -> list[float]:
+            return [min(k / rate_hz * TEST_KPA / RISE_S, goal) for goal in goals]
 
-        return on_rig(hardware, period_s, act, stop)
+        return on_rig(settings, law, round(seconds * rate_hz), stop, moves=phase in _FILLS)
 
     settled: dict[str, dict[str, float]] = {}
     problems: list[str] = []

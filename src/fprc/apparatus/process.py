@@ -21,8 +21,7 @@ from fprc.apparatus.check import check_rig
 from fprc.apparatus.programme import plan
 from fprc.apparatus.session import Stop, on_rig, reserve_pipes
 from fprc.channels import RAW_CHANNELS
-from fprc.control import RunAbortedError, run
-from fprc.devices import Clock, Device
+from fprc.control import RunAbortedError
 from fprc.errors import FprcError, LogError
 from fprc.logs.journal import Journal
 from fprc.logs.recovery import recover, rescue
@@ -72,33 +71,22 @@ def record(
     experiment = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
-    control, hardware = settings["control"], settings["hardware"]
-    period_s = 1.0 / control["sample_rate_hz"]
+    period_s = 1.0 / settings["control"]["sample_rate_hz"]
     seconds, tenth = experiment.samples * period_s, max(experiment.samples // 10, 1)
+    log.info("%s, %.0f s; Ctrl-C stops it and vents", name, seconds)
+    if experiment.hint:
+        log.info("%s", experiment.hint)
     with Journal(path, experiment.channels, experiment.attributes) as journal:
 
         def keep(tick: int, row: Sequence[float]) -> None:
             journal.append(tick, row)
-            if (tick + 1) % tenth == 0:  # a missed tick tells nothing
-                log.info("%.3g of %.3g s", (tick + 1) * period_s, seconds)
+            if tick % tenth == 0:  # from 0 s, the start, on; a missed tick tells nothing
+                log.info("%.3g of %.3g s", tick * period_s, seconds)
 
-        def drive(device: Device, clock: Clock) -> dict[str, np.ndarray]:
-            log.info("%s starts, %.0f s; Ctrl-C stops it and vents", name, seconds)
-            if experiment.hint:
-                log.info("%s", experiment.hint)
-            return run(
-                device,
-                clock,
-                experiment.law,
-                experiment.samples,
-                control,
-                neutral_v=hardware["valves"]["neutral_v"],
-                extra=experiment.channels[len(RAW_CHANNELS) :],
-                keep=keep,
-                stop=stop,
-            )
-
-        channels, statistics, stopped, unvented = on_rig(hardware, period_s, drive, stop)
+        extra = experiment.channels[len(RAW_CHANNELS) :]
+        channels, statistics, stopped, unvented = on_rig(
+            settings, experiment.law, experiment.samples, stop, extra=extra, keep=keep
+        )
         if unvented:
             complete = "the samples are complete, but the rig was not closed: "
             stopped = (f"{stopped}\n" if stopped else complete) + unvented

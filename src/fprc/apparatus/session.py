@@ -7,14 +7,14 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fprc.apparatus.guardian import ARMED, BEAT_S, HEARTBEAT, OPENING, SAFE, vent_until_shown
-from fprc.control import RunAbortedError
+from fprc.control import Law, RunAbortedError, run
 from fprc.control.clock import Metronome
-from fprc.devices import Clock, Device
 from fprc.devices.hardware import HardwareRig
 from fprc.devices.safety import CheckedRig
 from fprc.errors import DeviceError
@@ -33,26 +33,32 @@ class Session(NamedTuple):
 
 
 def on_rig(
-    hardware: Mapping[str, Any],
-    period_s: float,
-    act: Callable[[Device, Clock], dict[str, np.ndarray]],
+    settings: Mapping[str, Any],
+    law: Law,
+    samples: int,
     stop: "Stop",
+    *,
+    moves: bool = True,
+    **recording: Any,
 ) -> Session:
-    """Open the real rig with its safety limits and clock; act; make it safe and release it.
+    """Open the real rig with its safety limits and clock; run a law; make it safe and release it.
 
     Parameters
     ----------
-    act : callable
-        Returns channels, or raises RunAbortedError.
+    law, samples, **recording
+        See ``fprc.control.run``.
     stop : Stop
-        Tells whether the guardian was heard lately; if not, it does not vent in our place.
+        Also tells whether the guardian was heard lately; if not, it does not vent in our place.
+    moves : bool, default=True
+        Whether the law's voltages are written; otherwise the sensors are only read.
 
     Raises
     ------
     DeviceError
-        A part cannot be opened; or ``act`` raised another error, and closing failed too.
+        A part cannot be opened; or an unexpected exception came, and closing failed too.
     """
-    limits = hardware["limits"]
+    control, hardware = settings["control"], settings["hardware"]
+    limits, period_s = hardware["limits"], 1.0 / control["sample_rate_hz"]
     clock = Metronome(
         period_s, overruns_in_a_row=limits["overruns_in_a_row"], spin_s=hardware["loop"]["spin_s"]
     )
@@ -72,8 +78,13 @@ def on_rig(
     stopped = unvented = ""
     try:
         checked = CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"]))
+        still = SimpleNamespace(read=checked.read, write=lambda *volts: None, safe=lambda: None)
+        device = checked if moves else still
+        neutral_v = hardware["valves"]["neutral_v"]
         try:
-            channels = act(checked, clock)
+            channels = run(
+                device, clock, law, samples, control, neutral_v=neutral_v, stop=stop, **recording
+            )
         except RunAbortedError as aborted:
             channels, stopped = aborted.channels, str(aborted)
         timing = clock.statistics()

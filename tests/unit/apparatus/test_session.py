@@ -51,10 +51,12 @@ def test_rig_that_cannot_be_vented_is_left_to_a_guardian_that_is_there(
         def __init__(self, *given, **named):
             pass
 
+        read = write = safe = None
+
         def close(self):
             raise DeviceError("board AIO001 failed")
 
-    def act(device, clock):
+    def run(device, clock, *given, **named):
         clocks.ran_s += silent_s
         if ended:
             LISTEN(stop)
@@ -63,10 +65,10 @@ def test_rig_that_cannot_be_vented_is_left_to_a_guardian_that_is_there(
 
     tried = []
     monkeypatch.setattr(session, "HardwareRig", Rig)
-    monkeypatch.setattr(session, "CheckedRig", lambda *given, **named: None)
+    monkeypatch.setattr(session, "run", run)
     monkeypatch.setattr(session.os, "read", lambda *_: b"")  # the pipe of a guardian that ended
     monkeypatch.setattr(session, "vent_until_shown", lambda hardware: tried.append(1))
-    found = session.on_rig(settings["hardware"], 0.005, act, stop)
+    found = session.on_rig(settings, lambda k, now: (0.0, 0.0), 1, stop)
     assert "AIO001" in found.unvented
     assert len(tried) == tries_on
 
