@@ -8,6 +8,7 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from sklearn.model_selection import LeaveOneGroupOut
 
 from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
@@ -223,13 +224,17 @@ def test_several_recordings_of_the_page_are_fitted_both_ways():
     page = (DOCS / "chamber.md").read_text(encoding="utf-8")
     snippet = page.split("```python\n")[1].split("```")[0]
     rng = np.random.default_rng(0)
-    names = {"np": np, "FPRC": FPRC}
+    names = {"np": np, "FPRC": FPRC, "LeaveOneGroupOut": LeaveOneGroupOut}
     for i in range(1, 5):
         names |= {f"X{i}": rng.uniform(0.0, 60.0, (300, 2)), f"y{i}": rng.uniform(0.0, 350.0, 300)}
     exec(compile(snippet, "docs/chamber.md", "exec"), names)
-    again = names["model"].predict([names["X3"], names["X4"]])
-    for one, other in zip(names["p_ff"], again, strict=True):
-        np.testing.assert_allclose(one, other)
+    X, y, lengths = names["X"], names["y"], names["lengths"]
+    rows = [
+        names["prepared"].features.transform(part) for part in np.split(X, np.cumsum(lengths)[:-1])
+    ]
+    again = FPRC(random_state=1).make_readout().fit(np.vstack(rows), y)
+    np.testing.assert_allclose(names["model"].readout_.predict(rows[2]), again.predict(rows[2]))
+    assert len(names["errors"]) == 3
 
 
 @pytest.mark.usefixtures("undrawn")
