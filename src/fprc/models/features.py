@@ -6,7 +6,6 @@ assumed to equal its first sample.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import Self
 
@@ -138,10 +137,6 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         self._check_columns()
         self._check_size()
         yield from ()
-
-    def __copy__(self) -> Self:
-        """Return a deep copy: two maps must not share the state of a stream."""
-        return deepcopy(self)
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times."""

@@ -3,7 +3,7 @@
 import math
 from contextlib import suppress
 from copy import deepcopy
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -103,10 +103,6 @@ class Online:
         self.reset()
         # it compiles, before the first tick of a loop; from no command, nothing is learned
         self._learn(0, 0.0, 0.0)
-
-    def __copy__(self) -> Self:
-        """Return a deep copy: two models must not share what they learn."""
-        return deepcopy(self)
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Forget what was learned, and begin a new stream as ``SequenceModel.reset``."""

@@ -118,10 +118,6 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         if self.learns_online():
             yield "information_", Array((self.readout_.weights.size,) * 2)
 
-    def __copy__(self) -> Self:
-        """Return a deep copy: two models must not share the state of a stream."""
-        return deepcopy(self)
-
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times.
 

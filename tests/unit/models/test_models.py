@@ -2,7 +2,7 @@ import ast
 import inspect
 import re
 import tracemalloc
-from copy import copy
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -149,11 +149,11 @@ def test_stream_recovers_from_the_largest_sample(spike, fitted):
     assert_allclose(got[-80:], expected[-80:], rtol=0, atol=1e-6)
 
 
-def test_copy_has_a_stream_of_its_own(fitted):
+def test_deep_copy_has_a_stream_of_its_own(fitted):
     X = other_inputs(fitted)
     for x in X[:40]:
         fitted.step(x)
-    ours, theirs = copy(fitted), copy(fitted.features_)
+    ours, theirs = deepcopy(fitted), deepcopy(fitted.features_)
     expected = [fitted.step(x) for x in X[40:]]
     rows = np.array([theirs.step(x) for x in X[40:]])
     assert [ours.step(x) for x in X[40:]] == expected

@@ -1,4 +1,4 @@
-from copy import copy
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -101,10 +101,10 @@ def test_everything_is_compiled_before_the_first_step(model, monkeypatch):
     assert called
 
 
-def test_copy_learns_apart(model):
+def test_deep_copy_learns_apart(model):
     found, X = model
     first = Online(found, Learning(), PERIOD_S)
-    other = copy(first)
+    other = deepcopy(first)
     for x in X[:40]:
         other.step(x)
         other.learn(1.0, 30.0)
