@@ -100,10 +100,16 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         Raises
         ------
         ValueError
-            A recording, which the message names, is shorter than the taps.
+            A recording, which the message names, is shorter than the taps; or the lengths are not
+            those of recordings that make up the log.
         """
         check_is_fitted(self)
         samples = self._samples(X, first=False)
+        if lengths is not None and (min(lengths, default=0) < 1 or sum(lengths) != len(samples)):
+            raise ValueError(
+                f"lengths = {list(lengths)!r:.60}; each must be at least 1, and their sum the "
+                f"{len(samples)} samples of the log"
+            )
         if lengths is None or len(lengths) == 1:
             return self._transform(samples)
         rows = []

@@ -66,6 +66,13 @@ def test_recording_that_is_shorter_than_the_taps_is_named(model, recordings):
         prepare(model, {"all": (X, y, [60, 3, 94])})
 
 
+@pytest.mark.parametrize("lengths", [[60], [60, 90], [60, 90, 100], [60, 97, 0], [160, -3], []])
+def test_lengths_that_do_not_make_up_the_log_are_refused(lengths, model, recordings):
+    X, y = map(np.concatenate, recordings)
+    with pytest.raises(EvaluationError, match=f"{len(X)} samples"):
+        prepare(model, {"all": (X, y, lengths)})
+
+
 def test_splitters_of_scikit_learn_keep_recordings_whole(model, recordings):
     X, y = map(np.concatenate, recordings)
     prepared = prepare(model, {"all": (X, y, LENGTHS)})
