@@ -63,12 +63,15 @@ def markdown(text: str) -> str:
 
 #: What ``typeset`` leaves as it is: code, headings, tags, addresses of links.
 _KEPT = r"^```.*?^```|^(?: {4}|\t|#)[^\n]*|(?P<fence>`+).+?(?P=fence)|<[^>\n]*>|\]\([^)\n]*\)"
+_GREEK = {
+    "theta": "θ", "epsilon": "ε", "gamma": "γ", "rho": "ρ", "sigma": "σ", "alpha": "α", "phi": "φ",
+}  # fmt: skip
 _SYMBOL = re.compile(
-    rf"{_KEPT}|(?<![\w.-])(?:(?P<letter>theta|θ|P̃?|n|k|K|W)_(?P<index>d|i|o|exp|ff|fb|c|u|y|p|in|out)"
-    r"|(?P<greek>theta|epsilon))(?![\w-])",
+    rf"{_KEPT}|(?<![\w.-])(?:(?P<letter>theta|θ|P̃?|[nkKWFfw])"
+    r"_(?P<index>d|i|o|exp|ff|fb|c|u|y|p|r|input|in|out)"
+    rf"|(?P<greek>{'|'.join(_GREEK)}))(?![\w-])",
     re.MULTILINE | re.DOTALL,
 )
-_GREEK = {"theta": "θ", "epsilon": "ε"}
 
 
 def typeset(text: str) -> str:

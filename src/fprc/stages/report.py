@@ -17,7 +17,7 @@ from PIL import Image
 
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
-from fprc.escape import in_words
+from fprc.escape import in_words, typeset
 from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
 from fprc.provenance import checkout, hash_of, versions
@@ -225,20 +225,6 @@ def _commit(commit: str | None, dirty: bool | None) -> str:
     return f"{commit[:12]}{' with uncommitted changes' if dirty else ''}"
 
 
-_GREEK = {
-    "theta": "θ", "epsilon": "ε", "gamma": "γ", "rho": "ρ", "sigma": "σ", "alpha": "α", "phi": "φ",
-}  # fmt: skip
-_SYMBOL = re.compile(
-    rf"\b(?:({'|'.join(_GREEK)})(?:_(d))?|([PFKnfwW])_(exp|ff|fb|d|i|o|r|input|in|out|c|u|y))\b"
-)
-
-
 def symbols(text: object) -> Markup:
     """Return text as HTML with the paper's symbols typeset: theta_d as θ with a low d."""
-
-    def shown(match: re.Match[str]) -> str:
-        letter, index = match[1] or match[3], match[2] or match[4]
-        symbol = f"<i>{_GREEK.get(letter, letter)}</i>"
-        return f"{symbol}<sub>{index}</sub>" if index else symbol
-
-    return Markup(_SYMBOL.sub(shown, str(escape(text))))
+    return Markup(typeset(str(escape(text))))
