@@ -10,7 +10,7 @@ from fprc.models.echo import echo_states, narrowed, update
 from fprc.models.features import FeatureMap, refuse_shorter, table, tap_rows, taps
 from fprc.models.kernels import advance
 from fprc.models.learned import Learned
-from fprc.models.limits import Array, Limit, Seed, Whole
+from fprc.models.limits import SEED, Array, Limit, Whole
 
 
 @dataclass(eq=False, repr=False)
@@ -36,7 +36,7 @@ class EchoStates(FeatureMap):
         Taps of every input, >= 1.
     washout : int, default=100
         Steps with the first sample as constant input, in which x settles before the log begins.
-    random_state : int, RandomState or None, default=None
+    random_state : int or None, default=None
         Source of the random weights.
 
     Attributes
@@ -51,7 +51,7 @@ class EchoStates(FeatureMap):
     rho: float = 0.4
     n_y: int = 5
     washout: int = 100
-    random_state: int | np.random.RandomState | None = None
+    random_state: int | None = None
 
     LIMITS = {
         "r": Whole(1, 4000),
@@ -60,7 +60,7 @@ class EchoStates(FeatureMap):
         "rho": Limit(0, 1e6),
         "n_y": Whole(1, 10_000),
         "washout": Whole(0, 10_000),
-        "random_state": Seed(),
+        "random_state": SEED,
     }
 
     def _prepare(self, X: np.ndarray) -> None:

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from fprc.models.echo_features import EchoStates
 from fprc.models.ridge_readout import RidgeReadout
 from fprc.models.sequence import SequenceModel
@@ -34,7 +32,7 @@ class ESN(SequenceModel):
         Ridge parameter; penalises the bias too.
     washout : int, default=100
         Steps with the first sample as constant input, in which x settles before the log begins.
-    random_state : int, RandomState or None, default=None
+    random_state : int or None, default=None
         Source of the random w_in and W_r.
 
     Attributes
@@ -54,7 +52,7 @@ class ESN(SequenceModel):
     n_y: int = 5
     alpha: float = 1e-3
     washout: int = 100
-    random_state: int | np.random.RandomState | None = None
+    random_state: int | None = None
 
     def make_features(self) -> EchoStates:
         """Return the unfitted network."""

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from sklearn.base import BaseEstimator, clone
 
 from fprc.models.features import FeatureMap
-from fprc.models.limits import Seed, check_limits
+from fprc.models.limits import SEED, check_limits
 from fprc.models.sequence import SequenceModel
 
 
@@ -23,7 +22,7 @@ class FeatureModel(SequenceModel):
         Unfitted regressor: RidgeReadout, TakagiSugenoReadout, or any regressor or pipeline of
         scikit-learn. ``step`` takes microseconds with the readouts of this package, but 0.1 to
         10 ms with others, whose ``predict`` it calls with one row.
-    random_state : int, RandomState or None, default=None
+    random_state : int or None, default=None
         Replaces every ``random_state`` in ``features`` and ``readout``, but not those of the maps
         in a SideBySide; None leaves them.
 
@@ -35,7 +34,7 @@ class FeatureModel(SequenceModel):
 
     features: FeatureMap
     readout: BaseEstimator
-    random_state: int | np.random.RandomState | None = None
+    random_state: int | None = None
 
     def make_features(self) -> FeatureMap:
         """Return the unfitted map."""
@@ -51,7 +50,7 @@ class FeatureModel(SequenceModel):
 
     def _seeded(self, part: BaseEstimator) -> BaseEstimator:
         part = clone(part)
-        check_limits(self, {"random_state": Seed()})
+        check_limits(self, {"random_state": SEED})
         if self.random_state is not None:
             keys = [key for key in part.get_params() if key.split("__")[-1] == "random_state"]
             part.set_params(**dict.fromkeys(keys, self.random_state))

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from fprc.models.features import TapFeatures
 from fprc.models.sequence import SequenceModel
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
@@ -33,7 +31,7 @@ class FPRC(SequenceModel):
         Gaussian membership scaling.
     alpha : float, default=1e-3
         Ridge parameter of every rule.
-    random_state : int, RandomState or None, default=None
+    random_state : int or None, default=None
         Start of the clustering.
     restarts : int, default=1
         Starts of the clustering, >= 1; the one with the lowest objective is kept.
@@ -54,7 +52,7 @@ class FPRC(SequenceModel):
     n_y: int = 5
     sigma: float = 2.0
     alpha: float = 1e-3
-    random_state: int | np.random.RandomState | None = None
+    random_state: int | None = None
     restarts: int = 1
 
     def make_features(self) -> TapFeatures:
@@ -87,7 +85,7 @@ class FuzzyLinear(SequenceModel):
         Gaussian membership scaling.
     alpha : float, default=1e-3
         Ridge parameter of every rule.
-    random_state : int, RandomState or None, default=None
+    random_state : int or None, default=None
         Start of the clustering.
     restarts : int, default=1
         Starts of the clustering, >= 1; the one with the lowest objective is kept.
@@ -106,7 +104,7 @@ class FuzzyLinear(SequenceModel):
     n_y: int = 5
     sigma: float = 2.0
     alpha: float = 1e-3
-    random_state: int | np.random.RandomState | None = None
+    random_state: int | None = None
     restarts: int = 1
 
     def make_features(self) -> TapFeatures:

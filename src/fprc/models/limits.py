@@ -105,21 +105,11 @@ class Words(NamedTuple):
         return f"{'any number of' if self.length is None else self.length} words"
 
 
-class Seed(NamedTuple):
-    """What ``random_state`` may be."""
-
-    def allows(self, value: Any) -> bool:
-        """Return whether ``value`` is a seed, a generator or None."""
-        return isinstance(value, np.random.RandomState) or _INTEGER_SEED.allows(value)
-
-    def __str__(self) -> str:  # noqa: D105
-        return f"{_INTEGER_SEED}, or a RandomState"
-
-
-_INTEGER_SEED = Whole(0, 2**32 - 1, or_none=True)
+#: What ``random_state`` may be.
+SEED = Whole(0, 2**32 - 1, or_none=True)
 
 #: What tells whether a value of any type is allowed; as text, what it must be.
-Allows = Limit | Each | Array | Words | Seed
+Allows = Limit | Each | Array | Words
 
 
 def shown(value: Any) -> str:

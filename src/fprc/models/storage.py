@@ -51,7 +51,7 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     ------
     FprcError
         The class of the model, or of an estimator among its parameters, is neither of this package
-        nor in ``classes``; ``random_state`` is neither a number nor None; or a learned attribute
+        nor in ``classes``; a parameter is neither numbers nor text; or a learned attribute
         cannot be saved: it is not finite, not as the class learns it, or neither numbers nor text.
     """
     check_is_fitted(model)
@@ -194,7 +194,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(
-        f"{type(value).__name__} is neither number nor text; give random_state a number"
+        f"a parameter is a {type(value).__name__}, which is neither numbers nor text; change it"
     )
 
 

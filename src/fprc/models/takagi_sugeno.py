@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.distance import cdist
 from sklearn.base import BaseEstimator, RegressorMixin
-from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
-from fprc.models.limits import Allows, Array, Limit, Seed, Whole, check_limits
+from fprc.models.limits import SEED, Allows, Array, Limit, Whole, check_limits
 from fprc.models.ridge import solve_ridge, with_bias
 
 
@@ -33,7 +32,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         Gaussian membership scaling, in the unit of the features.
     alpha : float, default=1e-3
         Ridge parameter of every rule, >= 0.
-    random_state : int, RandomState or None, default=None
+    random_state : int or None, default=None
         Start of the clustering.
     restarts : int, default=1
         Starts of the clustering, >= 1; the one with the lowest objective is kept.
@@ -53,14 +52,14 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     n_c: int = 8
     sigma: float = 2.0
     alpha: float = 1e-3
-    random_state: int | np.random.RandomState | None = None
+    random_state: int | None = None
     restarts: int = 1
 
     LIMITS: ClassVar[Mapping[str, Allows]] = {
         "n_c": Whole(1, 1000),
         "sigma": Limit(1e-9, 1e9),
         "alpha": Limit(0, 1e30),
-        "random_state": Seed(),
+        "random_state": SEED,
         "restarts": Whole(1, 10_000),
     }
 
@@ -77,9 +76,8 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         """
         check_limits(self, self.LIMITS)
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
-        rng = check_random_state(self.random_state)
         clusters = fuzzy_c_means(
-            rows, self.n_c, random_state=rng, restarts=self.restarts, init=init
+            rows, self.n_c, random_state=self.random_state, restarts=self.restarts, init=init
         )
         self.centers_, self.W_out_ = clusters.centers, np.empty((self.n_c, 1 + rows.shape[1]))
         extended = with_bias(rows)

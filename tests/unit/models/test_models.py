@@ -197,6 +197,7 @@ def test_defaults_are_those_of_the_paper():
         (NVAR(n_taps=100, degree=3), "n_taps"),
         (EchoStates(r=5, washout=-1), "washout"),
         (EchoStates(r=5, random_state="1"), "random_state"),
+        (EchoStates(r=5, random_state=np.random.RandomState(1)), "random_state"),
         (TakagiSugenoReadout(n_c=2, restarts=2.5), "restarts"),
         (SideBySide([(PlayOperators("2"), [0])]), "n_plays"),
         (FeatureModel(3, RidgeReadout()), "features"),

@@ -1,6 +1,7 @@
 import json
 import os
 import re
+from fractions import Fraction
 
 import h5py
 import numpy as np
@@ -101,9 +102,9 @@ def test_unfitted_model_is_refused(model, path):
     [
         Ridge(),
         FeatureModel(TapFeatures(), Ridge()),
-        FPRC(n_c=3, random_state=np.random.RandomState(1)),
+        FeatureModel(LowpassBank([Fraction(1, 2)]), RidgeReadout()),
     ],
-    ids=["foreign class", "foreign readout", "random_state"],
+    ids=["foreign class", "foreign readout", "parameter"],
 )
 def test_refused_model_leaves_the_earlier_file_as_it_was(model, saved, path):
     before = path.read_bytes()
