@@ -40,14 +40,12 @@ def describe(
     Returns
     -------
     dict
-        ``source``, ``simulated``, ``seeds``, ``commit``, ``dirty``, ``config_sha256``,
-        ``versions``, ``inputs``, ``outputs``. ``commit`` and ``dirty`` are None where the code is
-        not in a git checkout.
+        ``source``, ``seeds``, ``commit``, ``dirty``, ``config_sha256``, ``versions``, ``inputs``,
+        ``outputs``. ``commit`` and ``dirty`` are None where the code is not in a git checkout.
     """
     commit, dirty = checkout()
     return {
         "source": data["source"],
-        "simulated": data["source"] == "sim",
         "seeds": [
             int(seed) for seed in data.get("seeds", [data["seed"]] if "seed" in data else [])
         ],

@@ -48,7 +48,6 @@ def test_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by
     assert len(log.channels["time_s"]) == round(signal["duration_s"] * 200.0) == 4_000
     compare(log.channels, acquire("sweep", signal, control, settings["rig"], seed=1))
     assert (log.attributes["source"], log.attributes["complete"]) == ("rig", True)
-    assert not log.attributes["simulated"]
     assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
 
 

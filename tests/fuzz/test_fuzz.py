@@ -153,7 +153,7 @@ def content(path):
         )
 
 
-KEPT = {*DESCRIBED, "simulated", *(f"{name}.units" for name in signals(2))}
+KEPT = {*DESCRIBED, *(f"{name}.units" for name in signals(2))}
 
 
 @FUZZ

@@ -89,17 +89,15 @@ def test_hash_of_settings_does_not_depend_on_the_order_of_keys():
 
 
 @pytest.mark.parametrize(
-    ("data", "simulated", "seeds"),
+    ("data", "seeds"),
     [
-        ({"source": "sim", "seed": 7}, True, [7]),
-        ({"source": "sim", "seed": 0}, True, [0]),
-        ({"source": "rig"}, False, []),
-        ({"source": "import", "seed": 3, "model": "fprc"}, False, [3]),
-        ({"source": "none"}, False, []),
+        ({"source": "sim", "seed": 7}, [7]),
+        ({"source": "sim", "seed": 0}, [0]),
+        ({"source": "rig"}, []),
+        ({"source": "import", "seed": 3, "model": "fprc"}, [3]),
+        ({"source": "none"}, []),
     ],
 )
-def test_source_and_seed_are_those_of_the_data(data, simulated, seeds):
+def test_source_and_seed_are_those_of_the_data(data, seeds):
     found = describe(data, inputs=[], outputs=[], settings={})
-    assert (found["source"], found["simulated"], found["seeds"]) == (
-        data["source"], simulated, seeds
-    )  # fmt: skip
+    assert (found["source"], found["seeds"]) == (data["source"], seeds)

@@ -111,7 +111,7 @@ def select_channels(
     }
     if "p_o_kpa" in source.channels:
         channels["p_o_kpa"] = source.channels["p_o_kpa"]
-    kept = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "notes")
+    kept = ("experiment", "source", "sample_rate_hz", "seed", "notes")
     attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
     attributes |= {
         "target": target,
@@ -160,7 +160,7 @@ def join(logs: Mapping[str, Data], period_s: float) -> Data:
 
 def _differences(one: Data, other: Data) -> Iterator[tuple[str, Any, Any]]:
     """Yield name and both values of what differs, of all that matters to the models."""
-    for name in ("source", "simulated", "target", "p_target_unit", "theta_unit", "p_o_unit"):
+    for name in ("source", "target", "p_target_unit", "theta_unit", "p_o_unit"):
         ours, theirs = one.attributes.get(name), other.attributes.get(name)
         if ours != theirs:
             yield name, ours, theirs

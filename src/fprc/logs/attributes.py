@@ -15,7 +15,6 @@ from fprc.errors import LogError
 KINDS = {
     "experiment": str,
     "source": str,
-    "simulated": bool,
     "sample_rate_hz": float,
     "seed": int,
     "software": str,

@@ -17,7 +17,7 @@ from fprc.paper import SOURCES
 RUN_PREFIX = "track_"
 
 #: Required attributes of a raw log, and those that a closed-loop run needs too.
-RAW_ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
+RAW_ATTRIBUTES = ("experiment", "source", "sample_rate_hz", "seed", "software", "rig")
 RUN_ATTRIBUTES = ("controller", "reference", "settle_s")
 
 
@@ -30,16 +30,15 @@ def write_raw(path: Path | str, channels: Mapping[str, np.ndarray], /, **attribu
     ----------
     **attributes
         ``experiment``, ``source``, ``sample_rate_hz``, ``seed`` and ``rig`` (the configuration of
-        rig and control), and further ones of the run. ``simulated`` follows from ``source``, and
-        ``software`` is this version unless it is given.
+        rig and control), and further ones of the run. ``software`` is this version unless
+        it is given.
 
     Raises
     ------
     LogError
         One of these attributes is missing, or see ``write_columns``.
     """
-    simulated = attributes.get("source") == "sim"
-    described = {"software": f"fprc {__version__}", **attributes, "simulated": simulated}
+    described = {"software": f"fprc {__version__}", **attributes}
     if missing := [name for name in RAW_ATTRIBUTES if name not in described]:
         raise LogError(f"{path}: a raw log needs {in_words(missing)}; give each as an argument")
     described = {name: described[name] for name in RAW_ATTRIBUTES} | described
@@ -128,24 +127,20 @@ def _gather(path: Path | str) -> tuple[Columns, list[str]]:
     if source == "import" and log.channels.keys().isdisjoint(TARGETS.values()):
         targets = in_words(TARGETS.values(), "or")
         problems.append(f"{path}: channel {targets}: missing; import one of them")
-    more = _contradictions(attributes)
+    more = _impossible(attributes)
     time_s = log.channels.get("time_s", np.empty(0))
     if time_s.size and (np.abs(time_s) <= LARGEST).all():
         more += _wrong_times(time_s, attributes.get("settle_s"))
     return log, problems + [f"{path}: {problem}" for problem in more]
 
 
-def _contradictions(attributes: Mapping[str, Any]) -> list[str]:
-    """Return an error text for each attribute whose value is impossible or contradicts another."""
+def _impossible(attributes: Mapping[str, Any]) -> list[str]:
+    """Return an error text for each attribute whose value is impossible."""
     problems = []
-    source, simulated = attributes.get("source"), attributes.get("simulated")
+    source = attributes.get("source")
     rate_hz = attributes.get("sample_rate_hz", 1.0)
     if source is not None and source not in SOURCES:
         problems.append(f"attribute source = {source}; must be {', '.join(SOURCES)}")
-    elif source and simulated is not None and simulated != (source == "sim"):
-        problems.append(
-            f"attribute simulated = {simulated} contradicts source = {source}; correct one of them"
-        )
     if not rate_hz > 0.0:
         problems.append(f"attribute sample_rate_hz = {rate_hz}; must be above 0")
     return problems

@@ -63,7 +63,6 @@ def test_log_goes_out_as_csv_and_comes_back_the_same(bring, recorded):
     for name in names:
         assert log.channels[name].tolist() == recorded["sweep"][name].tolist()
     assert log.attributes["source"] == "import"
-    assert log.attributes["simulated"] is False
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ def test_name_of_a_file_that_is_not_utf8_is_written_with_escapes(tmp_path):
 def test_attributes_come_back_as_they_were(tmp_path):
     attributes = {
         "experiment": "Zoë\t\n\U0001f321",
-        "simulated": False,
+        "complete": False,
         "seed": -(2**63),
         "settle_s": 5e-324,
         "rig": {"": [1, None, {"θ": 'a"b'}], "b": True, "c": -0.5},
@@ -73,7 +73,6 @@ WRONG = {
     "complete": ["no", 5, "false", [True, False]],
     "incomplete_reason": [5, np.bytes_(b"\xff\xfe")],
     "software": [np.bytes_(b"LabVIEW \xb5"), ["a", "b"], h5py.Empty("f8")],
-    "simulated": [1, "yes"],
     "sample_rate_hz": [np.inf, np.nan, "200", True],
     "settle_s": [-np.inf],
     "seed": [1.5, True],

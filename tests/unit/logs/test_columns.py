@@ -58,7 +58,7 @@ def outcomes(path, cases, names=NAMES):
 
 
 def test_channels_and_attributes_come_back_as_they_were(path):
-    attributes = {"source": "sim", "seed": 7, "rate_hz": 200.5, "simulated": True, "note": "θ"}
+    attributes = {"source": "sim", "seed": 7, "rate_hz": 200.5, "complete": True, "note": "θ"}
     write_columns(path, three_channels(), attributes)
     log = read_columns(path, NAMES)
     assert log.path == path

@@ -349,11 +349,7 @@ def test_recovered_log_is_a_raw_log_with_everything_in_it(path, tmp_path):
     assert "incomplete_reason" not in attributes
     assert attributes["statistics"] == {"overruns": 2}
     assert attributes["rig"] == ATTRIBUTES["rig"]
-    assert (attributes["source"], attributes["simulated"], attributes["reference"]) == (
-        "rig",
-        False,
-        "sine",
-    )
+    assert (attributes["source"], attributes["reference"]) == ("rig", "sine")
     assert path.read_bytes() == before
 
 

@@ -7,7 +7,7 @@ from fprc.errors import LogError
 from fprc.logs import read_raw, read_run, write_raw
 
 RATE = {"experiment": None, "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
-ATTRIBUTES = ("experiment", "source", "simulated", "sample_rate_hz", "seed", "software", "rig")
+ATTRIBUTES = ("experiment", "source", "sample_rate_hz", "seed", "software", "rig")
 
 
 def problem(path, **limits):
@@ -59,7 +59,6 @@ def test_raw_log_without_an_attribute_that_it_needs_is_not_written(tmp_path):
         *({name: None} for name in ATTRIBUTES),
         *({"sample_rate_hz": rate} for rate in (0.0, -200.0)),
         {"source": "dream"},
-        {"simulated": False},
     ],
     ids=str,
 )

@@ -110,7 +110,6 @@ def test_sidecar_says_where_the_figure_comes_from(job, run, commit):
     run(Stage({"source": "sim", "seed": 7, "model": "fprc"}))
     assert read_json(job.output.sidecar) == {
         "source": "sim",
-        "simulated": True,
         "seeds": [7],
         "commit": commit,
         "dirty": True,

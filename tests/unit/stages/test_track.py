@@ -42,7 +42,7 @@ def test_every_controller_has_its_raw_log_with_what_it_was(logs, settings):
         found = logs[name].attributes
         assert (found["reference"], found["controller"]) == ("sine_0p5", name)
         assert found["experiment"] == f"track_sine_0p5_{name}"
-        assert (found["source"], found["simulated"]) == ("sim", True)
+        assert found["source"] == "sim"
         assert (found["settle_s"], found["seed"], found["sample_rate_hz"]) == (0.5, 1, 200.0)
         assert "incomplete_reason" not in found
         assert found["rig"]["control"] == json.loads(json.dumps(settings["control"]))
