@@ -5,7 +5,7 @@ import json
 import os
 import platform
 import subprocess
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -17,52 +17,6 @@ _LIBRARIES = (
     "fprc", "numpy", "scipy", "pandas", "scikit-learn", "numba", "h5py", "matplotlib",
     "snakemake",
 )  # fmt: skip
-
-
-def describe(
-    data: Mapping[str, Any],
-    *,
-    inputs: Sequence[str],
-    outputs: Sequence[str],
-    settings: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Return what a reader needs to reproduce a result.
-
-    Parameters
-    ----------
-    data : Mapping
-        Attributes of the data: ``source``, and ``seed`` or ``seeds`` if there are any.
-    inputs, outputs : sequence of str
-        Files; each is given with its SHA-256. Those of this package are named ``fprc/...``.
-    settings : Mapping
-        The whole configuration; only its hash is kept.
-
-    Returns
-    -------
-    dict
-        ``source``, ``seeds``, ``commit``, ``dirty``, ``config_sha256``, ``versions``, ``inputs``,
-        ``outputs``. ``commit`` and ``dirty`` are None where the code is not in a git checkout.
-    """
-    commit, dirty = checkout()
-    return {
-        "source": data["source"],
-        "seeds": [
-            int(seed) for seed in data.get("seeds", [data["seed"]] if "seed" in data else [])
-        ],
-        "commit": commit,
-        "dirty": dirty,
-        "config_sha256": hash_of(settings),
-        "versions": versions(),
-        "inputs": {_portable(path): sha256(path) for path in inputs},
-        "outputs": {path: sha256(path) for path in outputs},
-    }
-
-
-def _portable(path: str) -> str:
-    """Return a path; that of a file in this package as ``fprc/...``, the same on every computer."""
-    package, place = Path(fprc.__path__[0]), Path(path).absolute()
-    inside = place.is_relative_to(package)
-    return f"fprc/{place.relative_to(package).as_posix()}" if inside else path
 
 
 def hash_of(settings: Mapping[str, Any]) -> str:

@@ -132,9 +132,14 @@ def write_data(seen, tmp_path_factory):
 
 @pytest.fixture
 def figures(monkeypatch):
-    """Figures in the order in which they would be saved; closed with the test."""
+    """Figures in the order in which they would be saved, each with its data; closed at the end."""
     saved = []
-    monkeypatch.setattr(style, "save", lambda fig, data, *files: saved.append(fig) or data)
+
+    def save(fig, data, *files):
+        fig.data = data
+        saved.append(fig)
+
+    monkeypatch.setattr(style, "save", save)
     yield saved
     style.plt.close("all")
 
@@ -147,7 +152,6 @@ def undrawn(monkeypatch):
         for file in files:
             Path(file).touch()
         style.plt.close(fig)
-        return data
 
     monkeypatch.setattr(style, "save", touch)
 

@@ -4,7 +4,7 @@ import subprocess
 
 import pytest
 
-from fprc.provenance import checkout, describe, hash_of
+from fprc.provenance import checkout, hash_of
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="no git here")
 
@@ -86,18 +86,3 @@ def test_hash_of_settings_does_not_depend_on_the_order_of_keys():
     settings = {"seed": 1, "rig": {"drift": [{"x": 0.1, "y": "a"}], "valve": None}}
     turned = {"rig": {"valve": None, "drift": [{"y": "a", "x": 0.1}]}, "seed": 1}
     assert hash_of(turned) == hash_of(settings) != hash_of(settings | {"seed": 2})
-
-
-@pytest.mark.parametrize(
-    ("data", "seeds"),
-    [
-        ({"source": "sim", "seed": 7}, [7]),
-        ({"source": "sim", "seed": 0}, [0]),
-        ({"source": "rig"}, []),
-        ({"source": "import", "seed": 3, "model": "fprc"}, [3]),
-        ({"source": "none"}, []),
-    ],
-)
-def test_source_and_seed_are_those_of_the_data(data, seeds):
-    found = describe(data, inputs=[], outputs=[], settings={})
-    assert (found["source"], found["seeds"]) == (data["source"], seeds)

@@ -55,7 +55,7 @@ def table_spec(stem, given, **params):
 def figure_spec(stem, given, statistics=False, **params):
     """Return what is peculiar to a figure. With ``statistics`` its numbers are a file too."""
     path = PATHS.below(stem)
-    made = {"pdf": f"{path}.pdf", "png": f"{path}.png", "sidecar": f"{path}.json"}
+    made = {"pdf": f"{path}.pdf", "png": f"{path}.png"}
     made |= {"csv": f"{path}.csv"} if statistics else {}
     return result_spec(stem, "figure", given, made, **params)
 

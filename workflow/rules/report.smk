@@ -6,7 +6,7 @@ rule report_page:
         template=[file_of_workflow(f"../report/page.{kind}.j2") for kind in ("html", "css")],
         ledger=[PATHS.below("claims.json")] if "claims" in PLAN.targets else [],
         tables=PLAN.pages,
-        figures=[f"{stem}.{kind}" for stem in PLAN.figures for kind in ("png", "json")],
+        figures=list(PLAN.figures),
         captions=file_of_workflow("../report/captions.yaml"),
     output:
         html=PATHS.below("report.html"),
@@ -14,6 +14,7 @@ rule report_page:
         PATHS.messages("report_page"),
     params:
         **stage("report.write_report"),
+        sources=list(PLAN.figures.values()),
         missing={BY_NAME[name].title: why for name, why in PLAN.unavailable.items()},
         settings=SETTINGS,
     message:

@@ -139,11 +139,10 @@ _ORIGINS = {
 _LEFT_OUT = {".pdf": {"CreationDate": None}, ".png": {"Software": None}}
 
 
-def save(fig: Figure, data: Mapping[str, Any], *files: str) -> Mapping[str, Any]:
+def save(fig: Figure, data: Mapping[str, Any], *files: str) -> None:
     """Write a figure to PDF and PNG files, marked with the source of its data.
 
-    The same figure gives the same bytes: no creation date is written. Returns ``data``, for the
-    provenance of the figure.
+    The same figure gives the same bytes: no creation date is written.
 
     Parameters
     ----------
@@ -163,7 +162,6 @@ def save(fig: Figure, data: Mapping[str, Any], *files: str) -> Mapping[str, Any]
             with replacing(path) as temporary:
                 fig.savefig(temporary, metadata=_LEFT_OUT[path.suffix])
     plt.close(fig)
-    return data
 
 
 def fix_layout(fig: Figure) -> None:

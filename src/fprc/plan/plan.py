@@ -75,9 +75,10 @@ class Plan:
         has_phi = self.on_simulated_rig or self.settings["hardware"]["phi"]
         lacking = set() if has_phi else {"phi_deg"}
         channels = frozenset(channel.name for channel in CHANNELS) - lacking
+        source = {"source": self.settings["source"]}
         for name in self.every_log if self.records else ():
             if self.on_simulated_rig or name not in logs:
-                logs[name] = Columns(Path(self.paths.log(name)), {}, {}, names=channels)
+                logs[name] = Columns(Path(self.paths.log(name)), {}, source, names=channels)
         return logs
 
     @cached_property
@@ -173,13 +174,17 @@ class Plan:
         return [name for name in self.settings["models"]["others"] if name in self.models]
 
     @cached_property
-    def figures(self) -> list[str]:
-        """Files of the paper's figures that can be made, without suffix."""
-        return [
-            self.paths.below(result.files[0].removesuffix(".pdf"))
+    def figures(self) -> dict[str, str]:
+        """Pictures of the paper's figures that can be made, with the sources of their data."""
+        return {
+            self.paths.below(result.files[0].replace(".pdf", ".png")): (
+                self.contents[result.logs[0]].attributes.get("source", "none")
+                if result.logs
+                else "none"
+            )
             for result in RESULTS
             if result.name.startswith("fig") and result.name in self.targets
-        ]
+        }
 
     @cached_property
     def pages(self) -> list[str]:

@@ -67,7 +67,7 @@ def _plot_loops(logs: Sequence[Columns], axes: Sequence[Axes], x: str, y: str) -
     return lines[0]
 
 
-def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> None:
     """Figure 4: pressure commands and the actuator's hysteresis loops."""
     logs = [read_columns(path, _DATA) for path in (sweep, complex)]
     fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.7, sharey="col")
@@ -82,10 +82,10 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Ma
             style.letter(ax, text)
     lines = _plot_loops(logs, axes[:, 1], "p_target_kpa", "theta_deg")
     add_frequency_bar(lines, axes.ravel(), "(b)")
-    return style.save(fig, logs[0].attributes, pdf, png)
+    style.save(fig, logs[0].attributes, pdf, png)
 
 
-def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> None:
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
     logs = [read_columns(path, (*_DATA, "p_o_kpa")) for path in (sweep, complex)]
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.4, sharex=True, sharey=True)
@@ -94,10 +94,10 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> M
         ax.label_outer()
         style.letter(ax, title)
     add_frequency_bar(lines, axes, "(a)")
-    return style.save(fig, logs[0].attributes, pdf, png)
+    style.save(fig, logs[0].attributes, pdf, png)
 
 
-def draw_training(fits: str, predictions: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_training(fits: str, predictions: str, csv: str, pdf: str, png: str) -> None:
     """Figure 8: the model on its training and on its test data."""
     names = ("time_s", "p_target_kpa", "p_ff_kpa")
     logs = {"train": read_columns(fits, names), "test": read_columns(predictions, names)}
@@ -123,29 +123,26 @@ def draw_training(fits: str, predictions: str, csv: str, pdf: str, png: str) -> 
     end.set_xlim(last - tenth, last)
     end.set_ylabel("")
     style.share_legend(fig, whole)
-    return style.save(fig, logs["train"].attributes, pdf, png)
+    style.save(fig, logs["train"].attributes, pdf, png)
 
 
-def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> None:
     """Figure 9: proportional contribution of the normalised weights."""
     report = read_json(weights)
     table = weight_shares(report, read_yaml(published))
     write_csv(csv, table)
     fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.5)
     plot_shares(table, ax)
-    return style.save(fig, report, pdf, png)
+    style.save(fig, report, pdf, png)
 
 
 def _seeds_of(reports: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
-    """Return source and seeds of reports of grids."""
+    """Return what marks a figure of grids: the seeds of several rigs, or the one report."""
     seeds = [report["seed"] for report in reports]
-    named = {"seeds": seeds} if len(seeds) > 1 else {"seed": seeds[0]}
-    return {"source": reports[0]["source"], **named}
+    return {"seeds": seeds} if len(seeds) > 1 else reports[0]
 
 
-def draw_settings(
-    grids: Sequence[str], times: str, csv: str, pdf: str, png: str
-) -> Mapping[str, Any]:
+def draw_settings(grids: Sequence[str], times: str, csv: str, pdf: str, png: str) -> None:
     """Figure 10: errors over epsilon and n_c, execution times over n_c.
 
     The errors are over further seeds, or over the folds of one report. Without errors over
@@ -175,12 +172,10 @@ def draw_settings(
             ax.xaxis.set_major_formatter("{x:g}")
     if "a" not in panels:
         style.share_legend(fig, axes[0])
-    return style.save(fig, _seeds_of(reports), pdf, png)
+    style.save(fig, _seeds_of(reports), pdf, png)
 
 
-def draw_taps(
-    grids: Sequence[str], published: str, csv: str, pdf: str, png: str
-) -> Mapping[str, Any]:
+def draw_taps(grids: Sequence[str], published: str, csv: str, pdf: str, png: str) -> None:
     """Figure 11: errors over the tap sizes; as wide as a page."""
     reports = [read_json(path) for path in grids]
     printed = read_yaml(published)["table_1_configuration"]
@@ -193,4 +188,4 @@ def draw_taps(
         ax.label_outer()
         style.letter(ax, f"({letter})")
     explain_frames(fig)
-    return style.save(fig, _seeds_of(reports), pdf, png)
+    style.save(fig, _seeds_of(reports), pdf, png)

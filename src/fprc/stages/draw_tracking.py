@@ -1,7 +1,6 @@
 """Draw the closed-loop figures from raw logs."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from fprc.artifacts import write_csv
 from fprc.figures import style
@@ -22,7 +21,7 @@ _RESERVOIR = {
 
 def draw_following(
     open_loop: str, closed_loop: str, runs: Sequence[str], csv: str, pdf: str, png: str
-) -> Mapping[str, Any]:
+) -> None:
     """Figures 12 to 15: open loop, closed loop, their errors, P_ff and P_fb.
 
     The axes of the errors span those of all ``runs``, so that the four figures can be compared.
@@ -55,10 +54,10 @@ def draw_following(
     style.legend_above(axes[0])
     fig.align_ylabels(axes)
     axes[-1].set_xlabel("Time [s]; grey: settling, not judged")
-    return style.save(fig, closed.attributes, pdf, png)
+    style.save(fig, closed.attributes, pdf, png)
 
 
-def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
+def draw_loops(runs: Sequence[str], pdf: str, png: str) -> None:
     """Figure 16: actual angle over reference, PD against FPRC+PD.
 
     ``runs`` are the logs of PD and of FPRC+PD for each of ``LOOPS``, in this order.
@@ -72,12 +71,10 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> Mapping[str, Any]:
         ax.label_outer()
         style.letter(ax, f"({letter}) {REFERENCE_NAMES[reference]}")
     axes[0].legend(loc="lower right", handlelength=1.4, labelspacing=0.2, borderaxespad=0.1)
-    return style.save(fig, logs[0].attributes, pdf, png)
+    style.save(fig, logs[0].attributes, pdf, png)
 
 
-def draw_disturbance(
-    run: str, csv: str, pdf: str, png: str, *, quiet_s: float
-) -> Mapping[str, Any]:
+def draw_disturbance(run: str, csv: str, pdf: str, png: str, *, quiet_s: float) -> None:
     """Figure 17: tracking and reservoir while random forces push the reservoir."""
     (log,) = isolated_each(read_run, [run])
     channels, time_s = log.channels, log.channels["time_s"]
@@ -100,4 +97,4 @@ def draw_disturbance(
     style.legend_above(axes[0])
     fig.align_ylabels(axes)
     axes[-1].set_xlabel("Time [s]; grey: pushed")
-    return style.save(fig, log.attributes, pdf, png)
+    style.save(fig, log.attributes, pdf, png)

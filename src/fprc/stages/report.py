@@ -35,6 +35,7 @@ def write_report(
     captions: str,
     html: str,
     *,
+    sources: Sequence[str],
     missing: Mapping[str, str],
     settings: Mapping[str, Any],
 ) -> None:
@@ -49,9 +50,11 @@ def write_report(
     tables : sequence of str
         The tables, Markdown.
     figures : sequence of str
-        Of each figure, PNG and sidecar.
+        The figures, PNG.
     captions : str
         The figures' captions by their targets, YAML.
+    sources : sequence of str
+        Source of the data of each figure; ``none`` if it shows none.
     missing : Mapping
         Results that the data do not allow, with reasons.
     """
@@ -59,7 +62,8 @@ def write_report(
     fitted = settings["fitted"]
     texts = read_yaml(captions)
     shown = [
-        _figure(*files, texts, folder) for files in zip(figures[::2], figures[1::2], strict=True)
+        _figure(picture, source, texts, folder)
+        for picture, source in zip(figures, sources, strict=True)
     ]
     pages = {Path(page).stem: _page(page, fitted, folder) for page in tables}
     # a table of one seed is folded up below the same one over seeds
@@ -69,7 +73,7 @@ def write_report(
         one["short"] += " with one seed"
         pages[name] = pages.pop(f"{name}_seeds") | over | {"one_seed": one}
     names = {part["anchor"]: part["short"] for part in (*pages.values(), *shown)}
-    drawn_from = {figure["source"] for figure in shown} - {"none"}
+    drawn_from = set(sources) - {"none"}
     kinds = in_words(SOURCES[source] for source in sorted(drawn_from))
     page = (
         _environment(Path(template[0]).parent)
@@ -174,10 +178,7 @@ def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     }
 
 
-def _figure(
-    picture: str, sidecar: str, captions: Mapping[str, str], folder: Path
-) -> dict[str, Any]:
-    origin = read_json(sidecar)
+def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path) -> dict[str, Any]:
     with Image.open(picture) as image:
         width, height = image.size
     number, name = re.findall(r"^fig0?(\d+)_(\w+)", Path(picture).stem)[0]
@@ -189,10 +190,8 @@ def _figure(
         "width": width,
         "height": height,
         "caption": captions[f"fig{number}"],
-        "source": origin["source"],
-        "data": SOURCES.get(origin["source"], "drawing, no data"),
-        "commit": _commit(origin["commit"], origin["dirty"]),
-        **_origin(picture, folder, (".csv", ".pdf", ".json")),
+        "data": SOURCES.get(source, "drawing, no data"),
+        **_origin(picture, folder, (".csv", ".pdf")),
     }
 
 

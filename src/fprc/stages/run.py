@@ -10,29 +10,27 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import explaining, write_json
+from fprc.artifacts import explaining
 from fprc.errors import FprcError
 from fprc.escape import TerminalFormatter
-from fprc.provenance import describe, digest_of, refuse_changed, write_digests
+from fprc.provenance import digest_of, refuse_changed, write_digests
 
 log = logging.getLogger("fprc")
 
 #: Inputs, outputs and params of a rule that are not arguments of its stage. ``made_from`` are
 #: intermediate files: as inputs they prevent stale numbers after a failed job.
-_NOT_ARGUMENTS = ("stage", "code", "sidecar", "made_from")
+_NOT_ARGUMENTS = ("stage", "code", "made_from")
 
 
 def run_stage(job: Any) -> None:
     """Call the stage of a rule with its named inputs, outputs and params as arguments.
 
-    The param ``stage`` names it, see ``module_of``. A stage that draws returns the attributes of
-    its data, and the provenance of the figure is written to the output ``sidecar``. Inputs that
-    were changed after their rule wrote them are refused: the digest of each output is kept for
-    that. Raw logs have checksums inside instead, since a recording may replace a simulated one.
-    Progress goes to the rule's log file, and with FPRC_MESSAGES=all to the terminal too. An
-    FprcError ends the process with exit code 1 and only its message; the traceback goes to the log
-    file. Numerical libraries run on one thread, so that results do not depend on the number of
-    cores and parallel jobs do not compete for them.
+    The param ``stage`` names it, see ``module_of``. Inputs that were changed after their rule wrote
+    them are refused: the digest of each output is kept for that. Raw logs have checksums inside
+    instead, since a recording may replace a simulated one. Progress goes to the rule's log file,
+    and with FPRC_MESSAGES=all to the terminal too. An FprcError ends the process with exit code 1
+    and only its message; the traceback goes to the log file. Numerical libraries run on one thread,
+    so that results do not depend on the number of cores and parallel jobs do not compete for them.
 
     Parameters
     ----------
@@ -52,11 +50,7 @@ def run_stage(job: Any) -> None:
         os.environ["OMP_NUM_THREADS"] = "1"
         stage = stage_of(job.params.stage)  # first: the limit applies to loaded libraries only
         with threadpool_limits(1):
-            data = stage(**arguments)
-        if "sidecar" in job.output.keys():
-            files = [path for path in job.output if path != job.output.sidecar]
-            origin = describe(data, inputs=list(job.input), outputs=files, settings=job.config)
-            write_json(job.output.sidecar, origin)
+            stage(**arguments)
         with explaining(results):
             write_digests(outputs, results)
     except FprcError as error:

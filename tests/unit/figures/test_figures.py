@@ -60,11 +60,10 @@ def test_figure_is_marked_by_the_source_of_its_data_alone(axes, data, mark):
     [draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis, draw.draw_training],
     ids=lambda drawing: drawing.__name__,
 )
-@pytest.mark.usefixtures("figures")
-def test_drawing_gives_the_attributes_of_its_log(drawing, log, tmp_path):
+def test_drawing_is_saved_with_the_source_and_the_seed_of_its_log(drawing, log, tmp_path, figures):
     logs = log("one.h5", seed=9), log("two.h5", seed=9)
-    found = drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
-    assert (found["source"], found["seed"]) == ("sim", 9)
+    drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
+    assert (figures[0].data["source"], figures[0].data["seed"]) == ("sim", 9)
 
 
 def test_loops_of_the_sweep_alone_are_coloured_and_both_show_the_start(log, tmp_path, figures):

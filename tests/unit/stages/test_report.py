@@ -110,7 +110,7 @@ class Project:
         self.claims = [dict(row) for row in CLAIMS]
         self.ledger = [str(folder / "claims.json")]
         self.missing = {}
-        self.tables, self.figures, self.captions = [], [], {}
+        self.tables, self.figures, self.sources, self.captions = [], [], [], {}
         self.settings = SETTINGS
 
     def add_table(self, note, name=None, **columns):
@@ -119,13 +119,12 @@ class Project:
         pd.DataFrame(columns).to_csv(path.with_suffix(".csv"), index=False)
         self.tables.append(str(path))
 
-    def add_figure(self, number, caption="A caption.", source="sim", **origin):
+    def add_figure(self, number, caption="A caption.", source="sim"):
         stem = self.folder / f"fig{number:02}_name"
         Image.new("RGB", (20 + number, 10), (number, 100, 200)).save(f"{stem}.png")
-        described = {"source": source, "commit": COMMIT, "dirty": False}
-        write_json(f"{stem}.json", described | origin)
         self.captions[f"fig{number}"] = caption
-        self.figures += [f"{stem}.png", f"{stem}.json"]
+        self.figures.append(f"{stem}.png")
+        self.sources.append(source)
 
     def write(self):
         """Write the report and return its text."""
@@ -136,7 +135,7 @@ class Project:
         write_json(captions, self.captions)
         write_report(
             TEMPLATE, self.ledger, self.tables, self.figures, str(captions), str(target),
-            missing=self.missing, settings=self.settings,
+            sources=self.sources, missing=self.missing, settings=self.settings,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -306,13 +305,13 @@ def test_every_figure_is_shown_with_number_caption_and_origin(project):
     assert [image["alt"] for image in page.all("img")] == [
         "Loops of theta over P_exp.", "A drawing.", "Following."
     ]  # fmt: skip
-    assert "simulated rig, not hardware; commit 0123456789ab" in captions[0]
-    assert "drawing, no data; commit" in captions[1]
+    assert "simulated rig, not hardware" in captions[0]
+    assert "drawing, no data" in captions[1]
 
 
 def test_pictures_are_the_very_files_in_their_size(project):
     images = project.page().all("img")
-    for image, picture, number in zip(images, project.figures[::2], (4, 6, 12), strict=True):
+    for image, picture, number in zip(images, project.figures, (4, 6, 12), strict=True):
         kind, _, data = image["src"].partition(",")
         assert kind == "data:image/png;base64"
         assert base64.b64decode(data, validate=True) == Path(picture).read_bytes()
@@ -361,14 +360,6 @@ def test_page_of_the_papers_settings_announces_none(project):
     assert "not the paper's" not in header
     assert listed == []
     assert "All settings except the rig's are the paper's" in project.page().text()
-
-
-def test_figure_says_whether_its_own_code_was_changed(project):
-    project.add_figure(13, commit="f" * 40, dirty=True)
-    project.add_figure(14, commit=None, dirty=None)
-    captions = project.page().texts("figcaption")
-    assert "commit ffffffffffff with uncommitted changes" in captions[3]
-    assert "commit unknown (not a git checkout)" in captions[4]
 
 
 def test_every_link_within_the_page_has_its_target(project):
@@ -438,7 +429,7 @@ def test_no_text_becomes_markup(project):
     project.claims[0] |= dict.fromkeys(("claim", "published", "basis", "verdict"), EVIL)
     project.claims[0]["statements"] = [statement | {"text": EVIL, "limits": EVIL}]
     project.add_table(f"{EVIL}: {EVIL}", **{EVIL: [EVIL], f"b {EVIL}": [EVIL]})
-    project.add_figure(1, EVIL, commit=EVIL)
+    project.add_figure(1, EVIL)
     project.settings = SETTINGS | {"hardware": {"boards": {"library": EVIL}}}
     page = project.page()
     assert {element["tag"] for element in page.elements} == before

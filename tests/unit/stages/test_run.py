@@ -1,4 +1,3 @@
-import hashlib
 import logging
 import shutil
 import subprocess
@@ -8,13 +7,10 @@ from types import SimpleNamespace
 import pytest
 from threadpoolctl import threadpool_info
 
-from fprc.artifacts import read_json
 from fprc.errors import ControlError
-from fprc.provenance import changed_results, hash_of, versions
+from fprc.provenance import changed_results
 from fprc.stages import run as runner
 from fprc.stages.run import run_stage
-
-CONFIG = {"seed": 7, "folders": {"results": "results"}}
 
 
 @pytest.fixture(autouse=True)
@@ -27,12 +23,6 @@ def no_handler_left():
         logger.removeHandler(handler)
         handler.close()
     logger.setLevel(level)
-
-
-@pytest.fixture(autouse=True)
-def commit(monkeypatch):
-    monkeypatch.setattr("fprc.provenance.checkout", lambda: ("a" * 40, True))
-    return "a" * 40
 
 
 class Files(list):
@@ -55,7 +45,7 @@ class Files(list):
 
 @pytest.fixture
 def job(tmp_path):
-    """A job with one input, a list of inputs and three outputs."""
+    """A job with one input, a list of inputs and two outputs."""
     for name in ("sweep.h5", "a.h5", "b.h5"):
         (tmp_path / name).write_text(f"content of {name}", encoding="utf-8")
     return SimpleNamespace(
@@ -67,28 +57,22 @@ def job(tmp_path):
         output=Files(
             pdf=str(tmp_path / "fig99.pdf"),
             png=str(tmp_path / "fig99.png"),
-            sidecar=str(tmp_path / "fig99.json"),
         ),
         params=Files(stage="loops.draw", quiet_s=12.0, code="0123"),
         wildcards=["201"],
         log=[str(tmp_path / "logs" / "fig99.log")],
         rule="loops",
-        config=CONFIG,
     )
 
 
 class Stage:
     """Draws two files, and remembers what it was given."""
 
-    def __init__(self, data):
-        self.data = data
-
     def __call__(self, **arguments):
         self.arguments = arguments
         self.threads = {pool["num_threads"] for pool in threadpool_info()}
         Path(arguments["pdf"]).write_bytes(b"%PDF")
         Path(arguments["png"]).write_bytes(b"\x89PNG")
-        return self.data
 
 
 @pytest.fixture
@@ -102,26 +86,8 @@ def run(job, monkeypatch):
     return call
 
 
-def sha256(path):
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-
-
-def test_sidecar_says_where_the_figure_comes_from(job, run, commit):
-    run(Stage({"source": "sim", "seed": 7, "model": "fprc"}))
-    assert read_json(job.output.sidecar) == {
-        "source": "sim",
-        "seeds": [7],
-        "commit": commit,
-        "dirty": True,
-        "config_sha256": hash_of(CONFIG),
-        "versions": versions(),
-        "inputs": {path: sha256(path) for path in (job.input.sweep, *job.input.runs)},
-        "outputs": {path: sha256(path) for path in (job.output.pdf, job.output.png)},
-    }
-
-
 def test_stage_is_given_files_and_params_that_it_reads(job, run):
-    stage = Stage({"source": "none"})
+    stage = Stage()
     run(stage)
     assert stage.arguments == {
         "sweep": job.input.sweep,
@@ -133,14 +99,13 @@ def test_stage_is_given_files_and_params_that_it_reads(job, run):
     assert stage.threads <= {1}
 
 
-def test_stage_that_fails_ends_with_its_message_and_leaves_no_sidecar(job, run, capsys):
+def test_stage_that_fails_ends_with_its_message(job, run, capsys):
     def stage(**arguments):
         raise ControlError("P_i = 500 kPa; reduce it")
 
     with pytest.raises(SystemExit) as ended:
         run(stage)
     assert ended.value.code == 1
-    assert not Path(job.output.sidecar).exists()
     shown = capsys.readouterr().err
     assert shown == "[loops 201] error: P_i = 500 kPa; reduce it\n"
     kept = Path(job.log[0]).read_text(encoding="utf-8")
@@ -192,7 +157,7 @@ def test_result_has_no_digest_while_it_is_written(job, run, tmp_path):
 
 @pytest.mark.skipif(shutil.which("sha256sum") is None, reason="no sha256sum here")
 def test_digests_are_read_by_sha256sum(job, run, tmp_path):
-    run(Stage({"source": "none"}))
+    run(Stage())
     digests = sorted((tmp_path / "digests").iterdir())
     text = "".join(path.read_text(encoding="utf-8") for path in digests)
     for edit, code in ((b"", 0), (b"x", 1)):

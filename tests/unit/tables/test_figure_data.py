@@ -70,8 +70,8 @@ def further_seeds(place):
 def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, place):
     csv = place("fig10.csv")
     grids = one_rig(place, **{name: cells_over(name) for name in ("n_c", "epsilon")})
-    data = draw.draw_settings(grids, times(place), csv, *PICTURES)
-    assert data["seed"] == 1
+    draw.draw_settings(grids, times(place), csv, *PICTURES)
+    assert figures[0].data["seed"] == 1
     table = pd.read_csv(csv)
     assert list(table["panel"].unique()) == ["a", "b", "c"]
     assert set(table["source"]) == {"sim"}
@@ -97,8 +97,8 @@ def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, plac
 
 
 def test_fig_10_of_further_seeds_shows_means_and_deviations_over_them(figures, place):
-    data = draw.draw_settings(further_seeds(place), times(place), place("t.csv"), *PICTURES)
-    assert data["seeds"] == [101, 102]
+    draw.draw_settings(further_seeds(place), times(place), place("t.csv"), *PICTURES)
+    assert figures[0].data == {"seeds": [101, 102]}
     table = pd.read_csv(place("t.csv"))
     errors = table[table["panel"] != "c"]
     assert set(errors["values"]) == {2}

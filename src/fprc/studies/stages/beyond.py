@@ -1,8 +1,7 @@
 """Tables, pages and the figure of the comparison beyond the paper."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -83,12 +82,12 @@ def tabulate_beyond(
         write_text(path, markdown(shown[name], notes.get(name, note)))
 
 
-def draw_pairs(claims: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_pairs(claims: str, pdf: str, png: str) -> None:
     """Draw the ratios of the claims in every family."""
     fig, ax = style.figure(1, 1, style.PAGE_IN, 4.6)
     plot_pairs(pd.read_csv(claims), ax)
     style.share_legend(fig, ax)
-    return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
+    style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
 
 
 def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:

@@ -174,7 +174,7 @@ def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
     ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", ylim=(0, None))
 
 
-def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> Mapping[str, Any]:
+def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> None:
     """Draw the tracking error over the offset of P_o, with and without learning."""
     table = pd.read_csv(errors)
     fig, axes = style.figure(2, len(names), style.PAGE_IN, 3.6, sharex=True)
@@ -186,4 +186,4 @@ def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> Map
             # the scales of the panels differ, so every panel shows its numbers
             ax.set(xlabel=ax.get_xlabel() if row else "", ylabel="" if column else ax.get_ylabel())
     style.share_legend(fig, axes[0][0])
-    return style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
+    style.save(fig, {"source": "sim", "seeds": []}, pdf, png)

@@ -1,8 +1,5 @@
 """What the numbers of one rig depend on: each of its parameters."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import pandas as pd
 
 from fprc.artifacts import read_json
@@ -28,7 +25,7 @@ def tabulate_sensitivity(effects: str, **files: str) -> None:
     write_table(table, page_of_changes(table), note, **files)
 
 
-def draw_sensitivity(table: str, pdf: str, png: str) -> Mapping[str, Any]:
+def draw_sensitivity(table: str, pdf: str, png: str) -> None:
     """Draw the sensitivity of all numbers to each parameter of the rig."""
     values = pd.read_csv(table)
     fig, ax = style.figure(1, 1, style.PAGE_IN, 6.8)
@@ -38,4 +35,4 @@ def draw_sensitivity(table: str, pdf: str, png: str) -> Mapping[str, Any]:
     bar.set_label(
         "Largest change over the parameter's range [%]; orange: the loop is unstable there"
     )
-    return style.save(fig, {"source": values["source"].iloc[0], "seeds": []}, pdf, png)
+    style.save(fig, {"source": values["source"].iloc[0], "seeds": []}, pdf, png)

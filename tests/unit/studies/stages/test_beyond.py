@@ -56,6 +56,5 @@ def test_pages_are_the_blocks_of_the_documentation():
 @pytest.mark.slow
 def test_figure_is_drawn_from_its_table(tabulated, tmp_path):
     pdf, png = (str(tmp_path / f"pairs.{kind}") for kind in ("pdf", "png"))
-    data = stage.draw_pairs(tabulated["claims"], pdf, png)
-    assert data["source"] == "sim"
+    stage.draw_pairs(tabulated["claims"], pdf, png)
     assert Path(png).stat().st_size > 1000
