@@ -46,7 +46,6 @@ def test_smoke_touches_every_rule(smoked, studied, project):
     assert len(working) > 50
     # these look at results and make none, or take minutes and are tested by themselves
     by_hand = {"check", "readme", "calibration_page", "beyond_page", "drift_page"}
-    by_hand |= {"draw_training"}  # of models from outside the package: test_extending.py
     by_hand |= {"grid"}  # of recorded logs: test_recorded.py
     assert working - rules_run(smoked[1]) - rules_run(studied[1]) == by_hand
 

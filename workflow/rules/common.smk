@@ -60,12 +60,6 @@ def figure_spec(stem, given, statistics=False, **params):
     return result_spec(stem, "figure", given, made, **params)
 
 
-def paper_figure_spec(number, given={}, **more):
-    """Return what is peculiar to one of the paper's figures."""
-    stem = BY_NAME[f"fig{number}"].files[0].removesuffix(".pdf")
-    return figure_spec(stem, given, **more)
-
-
 def refused(why):
     """Return an input function that ends the workflow with the reason."""
 

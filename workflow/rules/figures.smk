@@ -10,52 +10,52 @@ FOLLOWED = [
 ]
 
 
-def drawing_of(number):
+def drawing_of(name):
     """Return the PDF and the PNG of a figure that shows no data."""
-    stem = Path(BY_NAME[f"fig{number}"].files[0]).stem
+    stem = Path(BY_NAME[name].files[0]).stem
     return [DRAWINGS / f"{stem}.{kind}" for kind in ("pdf", "png")]
 
 
-#: The paper's figures by their numbers.
-PAPER_FIGURES = {
+#: What is peculiar to each figure, by its name in ``fprc.plan.results``.
+ROWS = {
     **{
-        number: {
-            "given": {"drawing": drawing_of(number)},
+        name: {
+            "given": {"drawing": drawing_of(name)},
             **stage("copy_drawing.copy_drawing"),
         }
-        for number in (1, 2, 3, 6, 7)  # they show no data
+        for name in ("fig1", "fig2", "fig3", "fig6", "fig7")  # they show no data
     },
-    4: {
+    "fig4": {
         "given": {log: PATHS.data(log) for log in EXPERIMENTS},
         **stage("draw.draw_actuator_hysteresis"),
     },
-    5: {
+    "fig5": {
         "given": {log: PATHS.data(log) for log in EXPERIMENTS},
         **stage("draw.draw_reservoir_hysteresis"),
     },
-    8: {
+    "fig8": {
         "given": pick(PATHS.judged("sweep", "fprc"), "fits", "predictions"),
         **stage("draw.draw_training"),
         "statistics": True,
     },
-    9: {
+    "fig9": {
         "given": {"weights": PATHS.below("weights/fprc.json"), "published": PUBLISHED},
         **stage("draw.draw_weights"),
         "statistics": True,
     },
-    10: {
+    "fig10": {
         "given": {"grids": PLAN.grids, "times": PATHS.below("timing/times_over_n_c.json")},
         **stage("draw.draw_settings"),
         "statistics": True,
         "priority": LONG,  # its execution times are measured last, and the report waits for it
     },
-    11: {
+    "fig11": {
         "given": {"grids": PLAN.grids, "published": PUBLISHED},
         **stage("draw.draw_taps"),
         "statistics": True,
     },
     **{
-        number: {
+        f"fig{number}": {
             "given": {
                 "open_loop": PATHS.log(run_log(reference, "fprc")),
                 "closed_loop": PATHS.log(run_log(reference, "fprc_pd")),
@@ -66,11 +66,11 @@ PAPER_FIGURES = {
         }
         for number, reference in enumerate(REFERENCES, start=12)
     },
-    16: {
+    "fig16": {
         "given": {"runs": [PATHS.log(run) for run in BY_NAME["fig16"].logs]},
         **stage("draw_tracking.draw_loops"),
     },
-    17: {
+    "fig17": {
         "given": {"run": PATHS.log(BY_NAME["fig17"].logs[0])},
         **stage("draw_tracking.draw_disturbance"),
         "statistics": True,
@@ -80,14 +80,6 @@ PAPER_FIGURES = {
 
 #: Figures by their rules.
 FIGURES = {
-    **{
-        f"draw_fig{number}": paper_figure_spec(number, **PAPER_FIGURES[number])
-        for number in PAPER_FIGURES
-    },
-    "draw_training": figure_spec(
-        "figures/training_{other}",
-        pick(PATHS.judged("sweep", "{other}"), "fits", "predictions"),
-        **stage("draw.draw_training"),
-        statistics=True,
-    ),
+    f"draw_{name}": figure_spec(BY_NAME[name].files[0].removesuffix(".pdf"), **row)
+    for name, row in ROWS.items()
 }

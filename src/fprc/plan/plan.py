@@ -155,23 +155,11 @@ class Plan:
         job's outputs: the final file of an earlier run stays, and a target of this file alone would
         count as complete although it is stale.
         """
-        targets = {
+        return {
             result.name: self._files_of(result)
             for result in RESULTS
             if result.name not in self.unavailable
         }
-        of_fig8 = self._files_of(BY_NAME["fig8"])[1:]
-        return targets | {
-            f"training_{name}": [self.paths.below(f"figures/training_{name}.pdf"), *of_fig8]
-            for name in self.others
-        }
-
-    @cached_property
-    def others(self) -> list[str]:
-        """Models outside the paper that can be judged."""
-        if "table2" in self.unavailable:
-            return []
-        return [name for name in self.settings["models"]["others"] if name in self.models]
 
     @cached_property
     def figures(self) -> dict[str, str]:

@@ -196,14 +196,12 @@ def test_without_p_o_fprc_is_left_out_everywhere():
     assert "results/grids.json" in plan.targets["fig10"]
 
 
-def test_model_from_outside_is_judged_drawn_and_drives_if_it_can():
+def test_model_from_outside_is_judged_and_drives_if_it_can():
     other = {"estimator": "fprc.models.fprc.FuzzyLinear", "inputs": ["theta_deg"]}
     settings = check({"models": {"others": {"taps": other}}}).model_dump(mode="json")
     plan = Plan(settings, {}, "data/raw")
     assert plan.models == [*MODELS, "taps"]
     assert judged("sweep", ["taps"]) <= set(plan.targets["table2"])
-    assert plan.targets["training_taps"][0] == "results/figures/training_taps.pdf"
-    assert judged("sweep", ["taps"]) <= set(plan.targets["training_taps"])
     assert raw(*FIVE, controllers=["taps", "taps_pd"]) <= set(plan.targets["table4"])
     assert "taps" in plan.feedforward
 
