@@ -10,7 +10,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import fprc
 from fprc.errors import FprcError
 
 _LIBRARIES = (
@@ -36,22 +35,14 @@ def versions() -> dict[str, str]:
     return installed
 
 
-def checkout(package: Path | None = None) -> tuple[str | None, bool | None]:
-    """Return the commit of the running code, and whether the checkout differs from it.
+def commit_of(package: Path) -> str:
+    """Return the commit of a package's code, with ``-dirty`` where a tracked file was changed.
 
-    Parameters
-    ----------
-    package : Path, optional
-        Folder of the code; default: this package. A package installed into a
-        folder that git does not track has no commit.
+    A package installed into a folder that git does not track has no commit.
     """
-    package = package or Path(fprc.__path__[0])
     if _git(package, "ls-files", "--error-unmatch", "__init__.py") is None:
-        return None, None
-    commit, changes = _git(package, "rev-parse", "HEAD"), _git(package, "status", "--porcelain")
-    if commit is None or changes is None:
-        return None, None
-    return commit, bool(changes)
+        return "unknown (not a git checkout)"
+    return _git(package, "describe", "--always", "--dirty", "--exclude=*", "--abbrev=12") or "none"
 
 
 def _git(folder: Path, *arguments: str) -> str | None:

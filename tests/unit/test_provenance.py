@@ -4,7 +4,7 @@ import subprocess
 
 import pytest
 
-from fprc.provenance import checkout, hash_of
+from fprc.provenance import commit_of, hash_of
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="no git here")
 
@@ -52,34 +52,35 @@ def package(repository):
 
 
 @needs_git
-def test_checkout_is_dirty_from_the_first_change_until_it_is_committed(repository, package):
-    first, _ = checkout(package)
+def test_code_is_dirty_from_the_first_change_until_it_is_committed(repository, package):
+    first = commit_of(package)
+    assert git(repository, "rev-parse", "HEAD").startswith(first)
+    assert len(first) == 12
     (package / "module.py").write_text("x = 2\n", encoding="utf-8")
-    assert checkout(package) == (first, True)
+    assert commit_of(package) == f"{first}-dirty"
     git(repository, "add", ".")
-    assert checkout(package) == (first, True)
+    assert commit_of(package) == f"{first}-dirty"
     git(repository, "commit", "--quiet", "--message", "Second")
-    assert checkout(package) == (git(repository, "rev-parse", "HEAD"), False)
+    second = commit_of(package)
+    assert git(repository, "rev-parse", "HEAD").startswith(second)
     (package / "module.py").unlink()
-    assert checkout(package)[1] is True
+    assert commit_of(package) == f"{second}-dirty"
 
 
 @needs_git
 def test_package_outside_git_has_no_commit(tmp_path):
-    assert checkout(add_package(tmp_path / "package")) == (None, None)
+    assert commit_of(add_package(tmp_path / "package")).startswith("unknown")
 
 
 @needs_git
 def test_package_installed_into_an_ignored_folder_has_no_commit(repository):
     installed = add_package(repository / ".venv" / "lib" / "site-packages" / "package")
-    assert checkout(installed) == (None, None)
+    assert commit_of(installed).startswith("unknown")
 
 
 def test_without_git_there_is_no_commit(tmp_path, monkeypatch):
-    package = add_package(tmp_path / "package")
     monkeypatch.setenv("PATH", str(tmp_path))
-    assert checkout(package) == (None, None)
-    assert checkout() == (None, None)
+    assert commit_of(add_package(tmp_path / "package")).startswith("unknown")
 
 
 def test_hash_of_settings_does_not_depend_on_the_order_of_keys():

@@ -15,12 +15,13 @@ import yaml
 from markupsafe import Markup, escape
 from PIL import Image
 
+import fprc
 from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
 from fprc.escape import in_words, typeset
 from fprc.paper import SOURCES
 from fprc.plan.results import BY_NAME
-from fprc.provenance import checkout, hash_of, versions
+from fprc.provenance import commit_of, hash_of, versions
 from fprc.tables.text import read_markdown
 from fprc.yaml_file import read_yaml
 
@@ -89,7 +90,7 @@ def write_report(
             changed=_changed(settings),
             yaml=yaml.safe_dump(dict(settings), sort_keys=False),
             config=hash_of(settings),
-            commit=_commit(*checkout()),
+            commit=commit_of(Path(fprc.__path__[0])),
             versions=versions(),
             names=names,
             **_claims(ledger, folder, names),
@@ -216,12 +217,6 @@ def _origin(path: str, folder: Path, kinds: Sequence[str]) -> dict[str, Any]:
             if file.exists()
         },
     }
-
-
-def _commit(commit: str | None, dirty: bool | None) -> str:
-    if commit is None:
-        return "unknown (not a git checkout)"
-    return f"{commit[:12]}{' with uncommitted changes' if dirty else ''}"
 
 
 def symbols(text: object) -> Markup:

@@ -31,7 +31,7 @@ SETTINGS = DEFAULTS | {
     "seed": 31,
     "evaluation": EVALUATION | {"folds": 4, "replicate_seeds": [401, 402]},
 }
-COMMIT = "0123456789abcdef" * 2 + "01234567"
+COMMIT = "0123456789ab"
 VOID = {"meta", "link", "img", "br", "hr", "input"}
 
 
@@ -98,7 +98,7 @@ ENVIRONMENT = cache(report._environment)
 @pytest.fixture(autouse=True)
 def fixed(monkeypatch):
     monkeypatch.setattr(report, "_environment", ENVIRONMENT)
-    monkeypatch.setattr(report, "checkout", lambda: (COMMIT, False))
+    monkeypatch.setattr(report, "commit_of", lambda package: COMMIT)
     monkeypatch.setattr(report, "versions", lambda: {"python": "3.99.1", "numpy": "9.8.7"})
 
 
