@@ -6,7 +6,7 @@ import os
 import platform
 import subprocess
 from collections.abc import Iterable, Mapping
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -25,14 +25,8 @@ def hash_of(settings: Mapping[str, Any]) -> str:
 
 
 def versions() -> dict[str, str]:
-    """Return the version of Python and of each library that computes or draws."""
-    installed = {"python": platform.python_version()}
-    for name in _LIBRARIES:
-        try:
-            installed[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return installed
+    """Return the version of Python and of each library that the workflow computes or draws with."""
+    return {"python": platform.python_version(), **{name: version(name) for name in _LIBRARIES}}
 
 
 def commit_of(package: Path) -> str:
