@@ -211,16 +211,11 @@ def _compete(
     data: Mapping[str, str], folder: Path, settings: Mapping[str, Any], workers: int
 ) -> dict[str, Any]:
     """Compare FPRC with its competitors, write their table, and return errors and verdicts."""
-    names = ("competitors.json", "competitors.csv", "competitors.md", "competitors.partial.jsonl")
-    result, csv, md, checkpoint = (str(folder / name) for name in names)
     return compare_competitors(
         data["sweep"],
         data["complex"],
-        result,
+        folder,
         judgement=judgement({**settings, "models": paper_models(settings)}),
-        csv=csv,
-        md=md,
         workers=workers,
-        checkpoint=checkpoint,
         version=fingerprint("fprc.stages.competitors", *map(class_module, ON_RECORDINGS)),
     )

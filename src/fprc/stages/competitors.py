@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,24 +21,23 @@ from fprc.tables.text import write_table
 def compare_competitors(
     train: str,
     test: str,
-    competitors: str,
+    folder: Path,
     *,
     judgement: Mapping[str, Any],
-    csv: str,
-    md: str,
     **run: Any,
 ) -> dict[str, Any]:
     """Judge FPRC and its competitors on blocks of the training log, and on the test log.
 
-    Writes errors and verdicts as JSON, and their table as CSV and Markdown. A model that cannot be
-    judged on these logs has a ``reason`` in place of errors.
+    Writes errors and verdicts as ``competitors.json``, and their table as CSV and Markdown. A model
+    that cannot be judged on these logs has a ``reason`` in place of errors. A repeated call
+    continues one that was stopped.
 
     Parameters
     ----------
     judgement : Mapping
         Arguments of ``fprc.experiments.settings.Judgement``.
     **run
-        ``workers``, ``checkpoint`` and ``version`` of ``judged_cells``.
+        ``workers`` and ``version`` of ``judged_cells``.
 
     Returns
     -------
@@ -61,12 +61,14 @@ def compare_competitors(
         [{"model": name} for name in ON_RECORDINGS],
         settings=judgement,
         files=[train, test],
+        checkpoint=str(folder / "competitors.partial.jsonl"),
         **run,
     ) as judged:
         report = described | {"cells": judged}
         report["verdicts"] = judge_recording(report)
-        write_json(competitors, report)
+        write_json(folder / "competitors.json", report)
     table = competitors_table(report)
+    csv, md = (str(folder / f"competitors.{kind}") for kind in ("csv", "md"))
     write_table(table, competitors_page(table), _note(report), csv, md)
     return report
 
