@@ -159,10 +159,8 @@ def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
 
 def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     note, table = read_markdown(Path(path).read_text(encoding="utf-8"))
-    title, _, rest = note.partition(": ")
-    # some titles end in a sentence on the data: "... for all controllers. Data"
-    title, data, _ = title.partition(". Data")
-    rest = f"Data: {rest}" if data else rest
+    # the sentence on the data follows some titles at once
+    title, rest = [*re.split(r": |\. (?=Data: )", note, maxsplit=1), ""][:2]
     name = Path(path).stem
     kinds = _kinds(name.removesuffix("_seeds"), fitted)
     same = len(set(kinds.values())) < 2
