@@ -1,6 +1,7 @@
 """Fixtures: the fake driver, and a simulated rig connected to it."""
 
 import gc
+import logging
 import shutil
 from functools import partial
 from pathlib import Path
@@ -18,6 +19,15 @@ gc.disable()
 def pytest_collection_finish():
     gc.freeze()
     gc.enable()
+
+
+@pytest.fixture(autouse=True)
+def silence_after():
+    """Let messages no longer go where a command of this test sent them."""
+    yield
+    messages = logging.getLogger("fprc")
+    messages.handlers = []
+    messages.setLevel(logging.NOTSET)
 
 
 @pytest.fixture(scope="session")

@@ -23,9 +23,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     # imported here, where Ctrl-C ends the command without a traceback
+    import logging
+
     from fprc.commands.parser import parser
     from fprc.errors import FprcError
+    from fprc.escape import TerminalFormatter
 
+    # the messages of this package, not those of other libraries
+    handler = logging.StreamHandler()
+    handler.setFormatter(TerminalFormatter())
+    messages = logging.getLogger("fprc")
+    messages.handlers = [handler]
+    messages.setLevel(logging.INFO)
     try:
         try:
             options = parser().parse_args(arguments)

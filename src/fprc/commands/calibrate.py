@@ -9,7 +9,6 @@ from joblib import effective_n_jobs
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import is_json_with, refuse_output, write_json, write_text
-from fprc.commands.terminal import messages_on_terminal
 from fprc.config import PUBLISHED, from_files, local_files
 from fprc.errors import ConfigError
 from fprc.experiments.settings import RigSettings
@@ -25,7 +24,6 @@ from fprc.yaml_file import read_yaml
 log = logging.getLogger(__name__)
 
 
-@messages_on_terminal()
 def calibrate_from_files(
     files: Sequence[str] = (),
     *,

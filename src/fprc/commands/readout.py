@@ -19,7 +19,6 @@ from fprc.commands.readout_page import (
     rates_in_words,
     report_page,
 )
-from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files
 from fprc.config.importing import ImportMap, read_map
 from fprc.errors import ConfigError, FprcError, LogError
@@ -41,7 +40,6 @@ log = logging.getLogger(__name__)
 _TRAINED = 2.0 / 3.0
 
 
-@messages_on_terminal()
 def report_readout(
     source: str,
     *,

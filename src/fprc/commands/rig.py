@@ -6,7 +6,6 @@ from typing import Any
 
 from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names, refuse_unknown
-from fprc.commands.terminal import messages_on_terminal
 from fprc.config import from_files, local_files
 from fprc.errors import ConfigError
 from fprc.paper import EXPERIMENTS, reference_and_controller
@@ -14,7 +13,6 @@ from fprc.registry import feedforward_of, model_of_run
 from fprc.stages.record_on_rig import record_on_rig
 
 
-@messages_on_terminal()
 def check(*, armed: bool = False, config: Sequence[str] = ()) -> None:
     """Check valves and sensors one by one.
 
@@ -39,7 +37,6 @@ def check(*, armed: bool = False, config: Sequence[str] = ()) -> None:
     guard({"what": "check", "settings": _prepare(config), "armed": armed})
 
 
-@messages_on_terminal()
 def run(
     name: str,
     *,

@@ -1,18 +1,16 @@
 import logging
 
-from fprc.commands.terminal import messages_on_terminal
+from fprc.cli import main
+from fprc.commands import configuration
 
 
-@messages_on_terminal()
-def say(text):
-    logging.getLogger("fprc.some.module").info(text)
+def say():
+    logging.getLogger("fprc.some.module").info("ours\x1b")
     logging.getLogger("matplotlib").info("of another library")
 
 
-def test_messages_go_to_the_standard_error_of_each_call(capsys):
-    ours = logging.getLogger("fprc")
-    before = list(ours.handlers), ours.level
-    for text in ("first", "second"):
-        say(text)
-        assert capsys.readouterr().err == f"{text}\n"
-    assert (list(ours.handlers), ours.level) == before
+def test_messages_go_to_the_standard_error_of_each_command(monkeypatch, capsys):
+    monkeypatch.setattr(configuration, "published", say)
+    for _ in range(2):
+        assert main(["config", "published"]) == 0
+        assert capsys.readouterr().err == "ours\\x1b\n"
