@@ -32,13 +32,6 @@ class Boards(Section):
         "that vents when the toggling stops; null: no relay",
     )
 
-    @field_validator("library", "input_device", "output_device")
-    @classmethod
-    def _is_printable(cls, name: str) -> str:
-        if not name.isprintable():
-            raise ValueError(f"{name}: contains characters that cannot be printed")
-        return name
-
     @model_validator(mode="after")
     def _channels_differ(self) -> "Boards":
         if len({self.p_exp_input, self.p_i_input, self.p_o_input}) < 3:
