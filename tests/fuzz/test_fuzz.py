@@ -311,7 +311,7 @@ def test_map_with_an_odd_entry_is_refused_or_imports_numbers(bench, draw):
     holder = draw.draw(
         st.sampled_from([spoilt, spoilt["time"], spoilt["channels"], *spoilt["channels"].values()])
     )
-    known = ["scale", "offset", "note", "repeated", "start_s", "end_s", "csv", "baar"]
+    known = ["scale", "offset", "note", "start_s", "end_s", "csv", "baar"]
     holder[draw.draw(st.sampled_from([*holder, *known]))] = draw.draw(odd)
     table = np.column_stack([signals()[channel] for channel in COLUMNS.values()])
     text = "\n".join([",".join(COLUMNS), *(",".join(map(repr, row)) for row in table.tolist()), ""])

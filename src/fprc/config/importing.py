@@ -152,19 +152,14 @@ class Time(Section):
 
     column: Text | None = Field(None, description="column that holds the times")
     unit: Literal["s", "ms", "us", "ns", "min"] = Field("s", description="unit of the column")
-    repeated: Literal["first"] | None = Field(
-        None, description="of samples at the same time, keep the first"
-    )
     rate_hz: float | None = Field(None, gt=0, le=1e6, description="rate instead of a column")
 
     @model_validator(mode="after")
     def _one_clock(self) -> Self:
         if (self.column is None) == (self.rate_hz is None):
             raise ValueError("give either column (with its unit) or rate_hz")
-        of_column = self.model_dump(include={"unit", "repeated"}, exclude_unset=True)
-        for key, value in of_column.items():
-            if self.rate_hz is not None and value is not None:
-                raise ValueError(f"{key} belongs to a column; remove it beside rate_hz")
+        if self.rate_hz is not None and "unit" in self.model_fields_set:
+            raise ValueError("unit belongs to a column; remove it beside rate_hz")
         return self
 
 

@@ -1,4 +1,4 @@
-"""Time stamps of a recording: order, repeats, and whether its duration is plausible."""
+"""Time stamps of a recording: their order, and whether its duration is plausible."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -23,8 +23,7 @@ class Recording(NamedTuple):
     time_s: np.ndarray  #: time stamps, increasing, 0 at the first sample kept
     channels: dict[str, np.ndarray]
     start_s: float  #: time stamp of the first sample kept, on the file's clock
-    samples: np.ndarray  #: for each time stamp, the index of its sample in the file
-    repeated_samples: int  #: samples that repeat an earlier time stamp, and are left out
+    first: int  #: index of the first sample kept, in the file
 
 
 def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> Recording:
@@ -33,14 +32,12 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> R
     Parameters
     ----------
     time : Mapping
-        ``column``, ``unit`` (by default s); ``repeated``: ``first`` keeps the first sample of each
-        time stamp.
+        ``column``, ``unit`` (by default s).
 
     Raises
     ------
     LogError
-        Time stamps are not finite or decrease, or some are repeated and ``time`` does not say how
-        to treat them.
+        A time stamp is not finite, or does not come after the one before.
     """
     where = f"{source.path}: time: {time.get('column')}"
     bad = np.flatnonzero(~np.isfinite(stamps))
@@ -49,31 +46,20 @@ def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> R
             f"{where}: {source.sample(bad[0])} is {stamps[bad[0]]}; not finite in all: "
             f"{bad.size}; fill them in, delete those rows, or give time.rate_hz"
         )
-    late = 1 + np.flatnonzero(stamps[1:] < stamps[:-1])
-    repeated = 1 + np.flatnonzero(stamps[1:] == stamps[:-1])
-    problems = []
+    late = 1 + np.flatnonzero(stamps[1:] <= stamps[:-1])
     if late.size:
         k = int(late[0])
-        problems.append(
-            f"{where}: goes back {late.size} times, first to {stamps[k]:.16g} at "
-            f"{source.sample(k)}, from {stamps[k - 1]:.16g}; repair the clock if it was set back "
-            "or restarted; sort the samples if they were only written out of order"
+        raise LogError(
+            f"{where}: {source.sample(k)} at {stamps[k]:.16g} does not come after "
+            f"{stamps[k - 1]:.16g}; such samples in all: {late.size}; repair the clock if it was "
+            "set back or restarted; sort the samples if they were only written out of order; if "
+            "they repeat a time stamp, keep one of each, or give time.rate_hz"
         )
-    if repeated.size and not time.get("repeated"):
-        k = int(repeated[0])
-        problems.append(
-            f"{where}: {repeated.size} of {len(stamps)} samples repeat an earlier time stamp; the "
-            f"first is {source.sample(k)} at {stamps[k]:.16g}; set time.repeated: first to keep "
-            "the first sample of each time stamp, or give time.rate_hz"
-        )
-    if problems:
-        raise LogError("\n".join(problems))
-    samples = np.delete(np.arange(len(stamps)), repeated)
     factor = SECONDS[time.get("unit", "s")]
     with np.errstate(over="ignore"):  # ``refuse_length`` rejects the overflow
         # subtract before converting, or stamps counted from 1970 would lose digits
-        since_s = (stamps[samples] - stamps[0]) * factor
-        return Recording(since_s, {}, float(stamps[0] * factor), samples, int(repeated.size))
+        since_s = (stamps - stamps[0]) * factor
+        return Recording(since_s, {}, float(stamps[0] * factor), 0)
 
 
 def likely_rate(step: float, stated: str = "s") -> tuple[float, str] | None:
@@ -101,11 +87,11 @@ def oddities(source: Source, time: Mapping[str, Any], recording: Recording) -> l
     found = []
     k = int(np.argmax(steps_s))
     if len(steps_s) > 1 and steps_s[k] > 0.5 * steps_s.sum():
-        before, after = recording.samples[[k, k + 1]]
+        before = recording.first + k
         at = (recording.start_s + recording.time_s[[k, k + 1]]) / SECONDS[unit]
         found.append(
             f"the clock jumps from {at[0]:.10g} {unit} at {source.sample(before)} to "
-            f"{at[1]:.10g} {unit} at {source.sample(after)}: repair it there"
+            f"{at[1]:.10g} {unit} at {source.sample(before + 1)}: repair it there"
         )
     step_s = float(np.median(steps_s))
     rate_hz, likely = likely_rate(step_s / SECONDS[unit], unit) or (0.0, unit)

@@ -37,7 +37,6 @@ def diagnose(recording: Recording, *, quality: Mapping[str, Any]) -> dict[str, A
     """
     time_s, channels = recording.time_s, recording.channels
     clock = _clock(time_s, quality["gap_periods"])
-    clock |= {"repeated_samples": recording.repeated_samples}
     longest = max(quality["stuck_s"] * clock["median_hz"], 20.0)  # of a slow log too
     diagnoses = {name: _channel(time_s, values, longest) for name, values in channels.items()}
     pairs = [[a, b] for a, b in combinations(channels, 2) if (channels[a] == channels[b]).all()]
@@ -137,8 +136,6 @@ def _describe_clock(clock: Mapping[str, Any]) -> Iterator[str]:
         f"steps of {1e3 / clock['median_hz']:.4g} ms, 98 % of them within "
         f"{max(100 * clock['jitter_s'] * clock['median_hz'], 0.001):.2g} % of that"
     )
-    if clock["repeated_samples"]:
-        yield f"samples that repeat an earlier time stamp, left out: {clock['repeated_samples']}"
     if clock["gaps"]:
         missing = sum(gap["missing_samples"] for gap in clock["gaps"])
         yield (

@@ -128,27 +128,26 @@ def _pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.n
 def _window(source: Source, clock: Recording, start_s: float, end_s: float | None) -> Recording:
     last = np.inf if end_s is None else end_s
     # 1e-9: the time stamps are rounded
-    kept = (clock.time_s >= start_s - 1e-9) & (clock.time_s <= last + 1e-9)
-    count = int(kept.sum())
-    if count < 2:
+    kept = np.flatnonzero((clock.time_s >= start_s - 1e-9) & (clock.time_s <= last + 1e-9))
+    if kept.size < 2:
         raise LogError(
-            f"{source.path}: {count} distinct time stamps lie from {start_s:g} s to "
+            f"{source.path}: {kept.size} samples lie from {start_s:g} s to "
             f"{'the end' if end_s is None else f'{last:g} s'}; the file has {len(clock.time_s)} "
             f"samples, over {clock.time_s[-1]:g} s; correct start_s and end_s"
         )
-    return clock._replace(time_s=clock.time_s[kept], samples=clock.samples[kept])
+    return clock._replace(time_s=clock.time_s[kept], first=int(kept[0]))
 
 
 def _convert(
     source: Source, where: str, values: np.ndarray, spec: Mapping[str, Any], clock: Recording
 ) -> np.ndarray:
     """Return the clock's samples of a column, converted to the unit of a raw log."""
+    kept = values[clock.first : clock.first + len(clock.time_s)]
     with np.errstate(over="ignore", invalid="ignore"):
-        scaled = values[clock.samples] * spec["scale"] + spec["offset"]
-        scaled *= FACTORS[spec["unit"]]
-    bad = clock.samples[~(np.abs(scaled) <= LARGEST)]  # NaN is neither
+        scaled = (kept * spec["scale"] + spec["offset"]) * FACTORS[spec["unit"]]
+    bad = np.flatnonzero(~(np.abs(scaled) <= LARGEST))  # NaN is neither
     if bad.size:
-        k = int(bad.min())
+        k = clock.first + int(bad[0])
         raise LogError(
             f"{where}: {source.sample(k)} is {values[k]:g}; not finite or beyond {LARGEST:g} after "
             f"scale, offset and unit in all: {bad.size}; correct these settings, cut the samples "

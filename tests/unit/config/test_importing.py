@@ -153,8 +153,6 @@ def test_what_an_unknown_key_may_mean_is_not_called_missing(problems):
         (with_channel("p_o_kpa", column="P", unit="banana"), None),
         (with_channel("phi_deg", column="P", unit="degrees"), "deg"),
         (SMALL | {"time": {"column": "t", "unit": "msec"}}, "ms"),
-        (SMALL | {"time": {"column": "t", "repeated": "avg"}}, None),
-        (SMALL | {"time": {"column": "t", "repeated": "firs"}}, "first"),
         (SMALL | {"experiment": "swep"}, "sweep"),
     ],
 )

@@ -26,7 +26,7 @@ def faulty():
         "p_o_kpa": 150.0 + 30.0 * wave,
     }
     quality = {"gap_periods": 1.5, "stuck_s": 2.0}
-    recording = Recording(time_s, channels, 0.0, kept, 0)
+    recording = Recording(time_s, channels, 0.0, 0)
     return time_s, channels, diagnose(recording, quality=quality)
 
 

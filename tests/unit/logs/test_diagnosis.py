@@ -13,8 +13,8 @@ from fprc.logs.diagnosis import describe
 QUALITY = {"gap_periods": 1.5, "stuck_s": 2.0}
 
 
-def diagnose(time_s, channels, repeated_samples=0):
-    recording = Recording(time_s, channels, 0.0, np.arange(len(time_s)), repeated_samples)
+def diagnose(time_s, channels):
+    recording = Recording(time_s, channels, 0.0, 0)
     return diagnosis.diagnose(recording, quality=QUALITY)
 
 
@@ -202,10 +202,10 @@ def test_every_finding_is_described_with_its_channel(squeezed, unit):
     kept = np.delete(np.arange(len(time_s)), slice(3400, 3500))
     time_s, channels = time_s[kept], {name: values[kept] for name, values in channels.items()}
     channels["same_deg"] = channels["phi_deg"]
-    found = diagnose(time_s, channels, repeated_samples=5)
+    found = diagnose(time_s, channels)
     lines = describe(found, dict.fromkeys(channels, unit))
     for begin, finding in (
-        ("clock", "repeat"), ("clock", "gaps"), ("theta_deg", "clipped"), ("theta_deg", "frozen"),
+        ("clock", "gaps"), ("theta_deg", "clipped"), ("theta_deg", "frozen"),
         ("phi_deg and same_deg", "identical"), ("p_o_kpa", "leaks"),
     ):  # fmt: skip
         assert any(line.startswith(f"{begin}: ") and finding in line for line in lines), finding
