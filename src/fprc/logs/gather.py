@@ -1,6 +1,6 @@
 """Read another program's file, and convert its columns to channels of a raw log."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -73,40 +73,26 @@ def gather(
     Raises
     ------
     LogError
-        Lists every problem: a column is missing, lengths differ, time does not increase, or a
-        value in the interval is not finite or, converted, too large (with its sample in the
-        file, from 0).
+        Lists every column that is missing; if none is, lengths differ, or time does not increase;
+        if it does, lists every channel with a value in the interval that is not finite or,
+        converted, too large (with its sample in the file, from 0).
     """
     wanted = {name: spec["column"] for name, spec in channels.items()}
-    if time.get("column") is not None:
-        wanted = {"time": time["column"]} | wanted
-    picked, problems = _pick_all(source, wanted)
+    timed = {} if time.get("column") is None else {"time": time["column"]}
+    columns = timed | wanted
+    picked = _each(source, columns, lambda name: pick(source, columns[name]))
     lengths = {name: len(values) for name, values in picked.items()}
-    clock = None
     if len(set(lengths.values())) > 1:
-        unequal = ", ".join(f"{wanted[name]} {length}" for name, length in lengths.items())
-        problems.append(
+        unequal = ", ".join(f"{columns[name]} {length}" for name, length in lengths.items())
+        raise LogError(
             f"{source.path}: columns have unequal numbers of samples ({unequal}); resample them to "
             "one clock first"
         )
-    elif picked and ("time" in picked) == ("time" in wanted):
-        stamps = picked.get("time")
-        if stamps is None:
-            stamps = np.arange(min(lengths.values())) / time["rate_hz"]
-        try:
-            clock = _window(source, read_clock(source, time, stamps), start_s, end_s)
-        except LogError as error:
-            problems.append(str(error))
-    converted = {}
-    for name in channels:
-        if clock and name in picked:
-            where = f"{source.path}: {name}: {wanted[name]}"
-            try:
-                converted[name] = _convert(source, where, picked[name], channels[name], clock)
-            except LogError as error:
-                problems.append(str(error))
-    if problems or clock is None:
-        raise LogError("\n".join(problems))
+    stamps = picked["time"] if timed else np.arange(min(lengths.values())) / time["rate_hz"]
+    clock = _window(source, read_clock(source, time, stamps), start_s, end_s)
+    converted = _each(
+        source, wanted, lambda name: _convert(source, picked[name], channels[name], clock)
+    )
     return clock._replace(
         time_s=clock.time_s - clock.time_s[0],
         channels=converted,
@@ -114,15 +100,19 @@ def gather(
     )
 
 
-def _pick_all(source: Source, wanted: Mapping[str, str]) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Return the columns of a file by name, and an error text for each that it lacks."""
-    picked, problems = {}, []
-    for name, column in wanted.items():
+def _each(
+    source: Source, columns: Mapping[str, str], work: Callable[[str], np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Return what ``work`` returns for each name; report its errors together."""
+    results, problems = {}, []
+    for name, column in columns.items():
         try:
-            picked[name] = pick(source, column)
+            results[name] = work(name)
         except LogError as error:
-            problems.append(f"{source.path}: {name}: {error}")
-    return picked, problems
+            problems.append(f"{source.path}: {name}: {column}: {error}")
+    if problems:
+        raise LogError("\n".join(problems))
+    return results
 
 
 def _window(source: Source, clock: Recording, start_s: float, end_s: float | None) -> Recording:
@@ -139,7 +129,7 @@ def _window(source: Source, clock: Recording, start_s: float, end_s: float | Non
 
 
 def _convert(
-    source: Source, where: str, values: np.ndarray, spec: Mapping[str, Any], clock: Recording
+    source: Source, values: np.ndarray, spec: Mapping[str, Any], clock: Recording
 ) -> np.ndarray:
     """Return the clock's samples of a column, converted to the unit of a raw log."""
     kept = values[clock.first : clock.first + len(clock.time_s)]
@@ -149,7 +139,7 @@ def _convert(
     if bad.size:
         k = clock.first + int(bad[0])
         raise LogError(
-            f"{where}: {source.sample(k)} is {values[k]:g}; not finite or beyond {LARGEST:g} after "
+            f"{source.sample(k)} is {values[k]:g}; not finite or beyond {LARGEST:g} after "
             f"scale, offset and unit in all: {bad.size}; correct these settings, cut the samples "
             "off with start_s and end_s, or fill them in"
         )

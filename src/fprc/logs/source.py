@@ -31,15 +31,15 @@ def pick(source: Source, name: str) -> np.ndarray:
     Raises
     ------
     LogError
-        There is no such column; the message names one of a matrix of that name, or a similar
-        one.
+        There is no such column; the message does not contain its name, but that of one of a matrix
+        of that name, or a similar one.
     """
     if name in source.columns:
         return source.columns[name]
     if name in source.others:
-        raise LogError(f"{name}: cannot be a channel: {source.others[name]}")
+        raise LogError(f"cannot be a channel: {source.others[name]}")
     of_matrix = [column for column in source.columns if column.startswith(f"{name}[")]
     known = {column.lower(): column for column in [*source.columns, *source.others]}
     similar = [known[near] for near in difflib.get_close_matches(name.lower(), known)]
     near = "".join(f"did you mean {column}? " for column in [*of_matrix, *similar][:1])
-    raise LogError(f"{name}: no such column; {near}`fprc import {source.path} --draft` shows all")
+    raise LogError(f"no such column; {near}`fprc import {source.path} --draft` shows all")

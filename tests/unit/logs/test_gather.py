@@ -227,15 +227,15 @@ def test_value_that_scale_offset_and_unit_make_too_large_is_named(csv, spec):
     assert "nan" not in message
 
 
-def test_all_problems_of_a_recording_are_reported_together(csv):
-    t, angle = T.copy(), COLUMNS["angle"].copy()
-    t[6] = t[5]
-    source = csv(t=t, angle=angle)
-    arguments = asked("{}")
-    arguments["channels"]["p_o_kpa"] = {"column": "pressure", "unit": "kPa", **PLAIN}
-    lines = problem(gather, source, **arguments).splitlines()
-    assert [line.split(": ")[1:3] for line in lines] == [["p_o_kpa", "pressure"], ["time", "t"]]
+def test_all_missing_columns_are_reported_together_and_all_unusable_ones(csv):
+    angle = COLUMNS["angle"].copy()
     angle[7] = np.inf
-    arguments["channels"]["p_i_kpa"] = {"column": "force", "unit": "kPa", **PLAIN, "scale": 1e300}
+    arguments = asked("{}")
+    arguments["time"]["column"] = "clock"
+    arguments["channels"]["p_o_kpa"] = {"column": "pressure", "unit": "kPa", **PLAIN}
     lines = problem(gather, csv(angle=angle), **arguments).splitlines()
-    assert [line.split(": ")[1] for line in lines] == ["p_o_kpa", "theta_deg", "p_i_kpa"]
+    assert [line.split(": ")[1:3] for line in lines] == [["time", "clock"], ["p_o_kpa", "pressure"]]
+    arguments["time"]["column"] = "t"
+    arguments["channels"]["p_o_kpa"] |= {"column": "force", "scale": 1e300}
+    lines = problem(gather, csv(angle=angle), **arguments).splitlines()
+    assert [line.split(": ")[1] for line in lines] == ["theta_deg", "p_o_kpa"]
