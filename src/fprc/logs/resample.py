@@ -36,11 +36,9 @@ def resample(
     channels : Mapping
         Arrays of shape (n_samples,).
     """
-    source_hz = rate_of(time_s)
-    factor = _refinement(time_s, source_hz, rate_hz)
+    factor, aligned = _refinement(time_s, rate_hz)
     samples = math.floor((time_s[-1] - time_s[0]) * rate_hz + 1e-6) + 1
     fine_s = time_s[0] + np.arange((samples - 1) * factor + 1) / (factor * rate_hz)
-    aligned = len(fine_s) <= len(time_s) and _aligned(time_s[: len(fine_s)], fine_s)
     resampled = {}
     for name, values in channels.items():
         fine = values[: len(fine_s)] if aligned else np.interp(fine_s, time_s, values)
@@ -56,27 +54,25 @@ def rate_of(time_s: np.ndarray) -> float:
 
 def points_of(time_s: np.ndarray, rate_hz: float) -> float:
     """Return how many samples per channel ``resample`` would process."""
-    source_hz = rate_of(time_s)
-    if not source_hz < 1e9 * rate_hz:  # the time stamps are nearly equal
+    if not rate_of(time_s) < 1e9 * rate_hz:  # the time stamps are nearly equal
         return math.inf
-    factor = _refinement(time_s, source_hz, rate_hz)
+    factor, _ = _refinement(time_s, rate_hz)
     return factor * float((time_s[-1] - time_s[0]) * rate_hz + 2.0 * _HALF_TAPS)
 
 
-def _refinement(time_s: np.ndarray, source_hz: float, rate_hz: float) -> int:
-    """Return the rate of the low-pass grid over the new rate; 1: no low-pass."""
-    ratio = source_hz / rate_hz
-    if ratio <= 1.01:  # the same rate, with clock error
-        return 1
-    whole = round(ratio)
-    grid = time_s[0] + np.arange(len(time_s)) / (whole * rate_hz)
-    # where values are interpolated, the grid is twice as fine, so that less is lost
-    return whole if whole > 1 and _aligned(time_s, grid) else math.ceil(2.0 * ratio)
+def _refinement(time_s: np.ndarray, rate_hz: float) -> tuple[int, bool]:
+    """Return the rate of the finer grid over the new rate, and whether it is the recording's grid.
 
-
-def _aligned(time_s: np.ndarray, grid_s: np.ndarray) -> bool:
-    period_s = grid_s[1] - grid_s[0] if len(grid_s) > 1 else 1.0
-    return bool(np.abs(time_s - grid_s).max() <= 1e-3 * period_s)
+    With the factor 1 there is no low-pass.
+    """
+    ratio = rate_of(time_s) / rate_hz
+    whole = max(round(ratio), 1)
+    grid_s = time_s[0] + np.arange(len(time_s)) / (whole * rate_hz)
+    if np.abs(time_s - grid_s).max() <= 1e-3 / (whole * rate_hz):
+        return whole, True
+    # up to 1.01 it is the same rate, with clock error; above, where values are interpolated, the
+    # grid is twice as fine, so that less is lost
+    return 1 if ratio <= 1.01 else math.ceil(2.0 * ratio), False
 
 
 def _lowpass(values: np.ndarray, factor: int) -> np.ndarray:
