@@ -92,7 +92,7 @@ def record(
             stopped = (f"{stopped}\n" if stopped else complete) + unvented
         failed = ""
         try:
-            journal.close(complete=not stopped, reason=stopped, **statistics)
+            journal.close(stopped, **statistics)
         except LogError as error:
             failed = str(error)
     kept = _kept(journal, channels, stopped, statistics, failed)

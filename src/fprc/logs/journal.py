@@ -133,15 +133,13 @@ class Journal:
             raise LogError(self._problem) from error
         self.samples += 1
 
-    def close(self, complete: bool = True, reason: str = "", **statistics: Any) -> None:
+    def close(self, reason: str = "", **statistics: Any) -> None:
         """Write the end mark and close the file; a second call does nothing.
 
         Parameters
         ----------
-        complete : bool, default=True
-            Whether the run reached its planned end.
         reason : str
-            Why it did not.
+            Why the run did not reach its planned end; empty if it did.
         **statistics
             Statistics of the run, for its raw log.
 
@@ -156,11 +154,7 @@ class Journal:
         self._closing.set()
         self._syncing.join()
         self._problem = self._problem or self._loss()
-        content = {
-            "complete": complete and not self._problem,
-            "reason": self._problem or reason,
-            "statistics": statistics,
-        }
+        content: dict[str, Any] = {"reason": self._problem or reason, "statistics": statistics}
         try:
             # by the file size: an interrupt may have come between a write and its count
             size = os.fstat(self._file).st_size - self._start
@@ -185,7 +179,7 @@ class Journal:
     def __exit__(self, kind: type | None, error: BaseException | None, trace: Any) -> None:
         """Close; an exception marks the journal incomplete, and is not replaced by another."""
         try:
-            self.close(error is None, "" if error is None else f"{type(error).__name__}: {error}")
+            self.close("" if error is None else f"{type(error).__name__}: {error}")
         except LogError:
             if error is None:
                 raise

@@ -86,8 +86,8 @@ def _findings(
             "the end mark is missing: the program was killed, or the power failed and up to a "
             "second more is lost"
         )
-    elif not end["complete"]:
-        reasons.append(end["reason"] or "stopped early")
+    elif end["reason"]:
+        reasons.append(end["reason"])
     if lost:
         reasons.append(f"{lost} of {appended} samples are lost")
     return Findings(
@@ -155,7 +155,6 @@ def rescue(
     for folder in (beside, Path.cwd, lambda: Path(tempfile.mkdtemp(prefix="fprc-"))):
         try:
             raw = folder() / journal.path.with_suffix(".rescued.h5").name
-            refuse_output(raw, ".h5")
             _write(raw, channels, journal.attributes, statistics, reason, 0)
         except (FprcError, OSError) as error:
             problems.append(str(error))

@@ -122,7 +122,7 @@ def test_interrupt_between_write_and_count_costs_no_sample(path, monkeypatch):
         patch.setattr(module, "_write", interrupted)
         with pytest.raises(KeyboardInterrupt):
             journal.append(1, row(1))
-    journal.close(complete=False, reason="interrupted")
+    journal.close(reason="interrupted")
     ticks, findings = read_ticks(path)
     assert (ticks, findings.lost) == ([0, 1], 0)
 
@@ -143,7 +143,7 @@ def test_closed_journal_takes_no_sample_and_no_second_end(path):
     journal = Journal(path.with_name("other.journal"), NAMES, ATTRIBUTES)
     journal.close()
     size = journal.path.stat().st_size
-    journal.close(complete=False, reason="twice")
+    journal.close(reason="twice")
     with pytest.raises(LogError):
         journal.append(0, row(0))
     assert journal.path.stat().st_size == size
