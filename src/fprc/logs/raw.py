@@ -1,5 +1,6 @@
 """Raw logs of experiments, as recorded."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -100,15 +101,12 @@ def read_run(path: Path | str) -> Columns:
     LogError
         See ``read_raw`` (the rate is not checked); also, the log is not of a closed-loop run.
     """
-    log, problems = _gather(path)
-    attributes = log.attributes
-    if "experiment" in attributes and not _is_run(attributes):
-        problems.append(
-            f"{path}: attribute experiment = {attributes['experiment']}; must begin with "
+    log = read_raw(path, experiment=None, sample_rate_hz=None, rate_tolerance=math.inf)
+    if not _is_run(log.attributes):
+        raise LogError(
+            f"{path}: attribute experiment = {log.attributes['experiment']}; must begin with "
             f"{RUN_PREFIX}, as of a closed-loop run"
         )
-    if problems:
-        raise LogError("\n".join(problems))
     return log
 
 
