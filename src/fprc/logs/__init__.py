@@ -1,7 +1,6 @@
 """Experiment logs: HDF5 files of named channels with units."""
 
 from fprc.logs.columns import Columns, read_columns, write_columns
-from fprc.logs.folder import headers, refuse_other_source
 from fprc.logs.journal import Journal
 from fprc.logs.quality import assess
 from fprc.logs.raw import read_raw, read_run, write_raw
@@ -11,13 +10,11 @@ __all__ = [
     "Columns",
     "Journal",
     "assess",
-    "headers",
     "read_columns",
     "read_journal",
     "read_raw",
     "read_run",
     "recover",
-    "refuse_other_source",
     "write_columns",
     "write_raw",
 ]

@@ -3,14 +3,15 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 from fprc.channels import CHANNELS
 from fprc.errors import ConfigError, LogError
 from fprc.escape import in_words, terminal
-from fprc.logs import Columns, headers, refuse_other_source
+from fprc.logs import Columns, read_columns
+from fprc.logs.isolated import isolated_each
 from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, RESULTS, Result
@@ -243,14 +244,15 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
     raw : str
         Folder of the logs: ``folders.raw``, with the prefix if the workflow is a module with one.
     isolate : bool
-        Read the logs in a child process; see ``fprc.logs.headers``.
+        Read the logs in a child process, so that a damaged file cannot hang or crash this one.
 
     Raises
     ------
     ConfigError
         A class of ``models.others`` is no model, or a grid is too small for the claims.
     LogError
-        A log cannot be read or has another source than ``source`` says, or there is none to use.
+        Names every log that cannot be read or that has another source than ``source`` says; or
+        there is none to use.
     """
     outside_classes(settings["models"])
     small = [
@@ -264,15 +266,39 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
     logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}, raw).every_log]
     if settings["source"] == "recorded":
         logs += [str(path) for path in Path(raw).glob("*.h5") if _is_further(path.stem)]
-    plan = Plan(settings, headers(logs, isolate=isolate), raw)
+    present = [log for log in logs if Path(log).exists()]
+    header_of = partial(read_columns, names=())
+    read = isolated_each(header_of, present) if isolate else map(header_of, present)
+    plan = Plan(settings, {log.path.stem: log for log in read}, raw)
     if plan.records:
-        refuse_other_source(plan.existing, simulated=plan.on_simulated_rig)
+        _refuse_other_source(plan.existing, simulated=plan.on_simulated_rig)
     if not plan.contents:
         raise LogError(
             f"source is recorded, but {raw} contains no raw log: put sweep.h5 and complex.h5 "
             "there, or set folders.raw; see docs/own-data.md"
         )
     return plan
+
+
+def _refuse_other_source(existing: Mapping[str, Columns], *, simulated: bool) -> None:
+    """Check that the logs are all of the simulated rig, or that none is."""
+    if simulated:
+        why = (
+            "is not a log of the simulated rig and will not be overwritten; set source: recorded "
+            "to use it, or move it away"
+        )
+    else:
+        why = (
+            "is a log of the simulated rig, not of the real one; set folders.raw (and "
+            "folders.results) to folders of their own"
+        )
+    wrong = [
+        f"{log.path}: {why}"
+        for log in existing.values()
+        if (log.attributes.get("source") == "sim") != simulated
+    ]
+    if wrong:
+        raise LogError("\n".join(wrong))
 
 
 def _is_further(log: str) -> bool:

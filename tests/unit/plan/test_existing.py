@@ -1,17 +1,22 @@
+"""The raw logs that exist when the workflow begins."""
+
 import subprocess
 
 import h5py
 import pytest
 
+from fprc.config import check
 from fprc.errors import LogError
-from fprc.logs import headers, isolated, refuse_other_source
+from fprc.logs import isolated
 from fprc.logs.quality import substitute
+from fprc.plan.plan import read_plan
 
 NAMES = ["sweep", "complex", "track_sweep_fprc"]
 
 
-def there(folder, isolate=False):
-    return headers([folder / f"{name}.h5" for name in NAMES], isolate=isolate)
+def there(folder, isolate=False, source="sim"):
+    settings = check({"source": source}).model_dump(mode="json")
+    return read_plan(settings, str(folder), isolate=isolate).existing
 
 
 @pytest.mark.parametrize("isolate", [False, True])
@@ -60,9 +65,9 @@ def test_all_logs_are_read_in_one_process(write_log, tmp_path, monkeypatch):
 
 def test_simulated_logs_and_absent_ones_may_be_overwritten(write_log, tmp_path):
     write_log("sweep.h5")
-    refuse_other_source(there(tmp_path), simulated=True)
+    there(tmp_path)
     with pytest.raises(LogError, match=r"sweep\.h5: is a log of the simulated rig, not of"):
-        refuse_other_source(there(tmp_path), simulated=False)
+        there(tmp_path, source="rig")
 
 
 @pytest.mark.parametrize("source", ["rig", "import"])
@@ -70,7 +75,7 @@ def test_every_log_of_a_real_rig_is_named_and_not_overwritten(write_log, tmp_pat
     paths = [write_log("sweep.h5", source=source), write_log("complex.h5", source=source)]
     write_log("track_sweep_fprc.h5")
     with pytest.raises(LogError, match="will not be overwritten") as caught:
-        refuse_other_source(there(tmp_path), simulated=True)
+        there(tmp_path)
     lines = str(caught.value).splitlines()
     assert [line.split(": ")[0] for line in lines] == [str(path) for path in paths]
 
@@ -79,5 +84,5 @@ def test_log_that_does_not_say_where_it_comes_from_is_not_overwritten(write_log,
     with h5py.File(write_log("sweep.h5"), "r+") as file:
         del file.attrs["source"]
     with pytest.raises(LogError, match="will not be overwritten"):
-        refuse_other_source(there(tmp_path), simulated=True)
-    refuse_other_source(there(tmp_path), simulated=False)
+        there(tmp_path)
+    there(tmp_path, source="rig")
