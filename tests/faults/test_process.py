@@ -447,6 +447,41 @@ def test_rig_that_is_in_use_is_left_alone(start, rig, matrix):
     assert program.journal()[2].samples >= samples - max(vents, 0) - 1
 
 
+def test_third_ctrl_c_ends_a_loop_that_hangs_and_the_guardian_vents(start, rig):
+    program = start("run", "sweep")
+    program.is_in_mid_run()
+    loop = program.loop()
+    rig.stall_us = 3_600_000_000
+    calls = rig.calls
+    wait_until(lambda: rig.calls > calls, "a reading that hangs")
+    for k in range(3):
+        assert Path(f"/proc/{loop}").exists()
+        if k == 2:
+            rig.stall_us = 0  # for the guardian
+        os.kill(program.process.pid, signal.SIGINT)
+        time.sleep(0.2)
+    code, output = program.end()
+    assert code == 1
+    assert "ended with code -9" in output
+    assert VENTED_AS_SHOWN in output
+    assert list(rig.outputs[:2]) == [0.0, 0.0]
+    assert rig.writes > 2 * program.journal()[2].samples
+
+
+def test_loop_without_a_guardian_keeps_the_boards_until_it_has_vented(start, rig):
+    program = start("run", "sweep", valves={"vent_s": 60.0})
+    program.is_in_mid_run()
+    rig.fail_code, rig.fail_count, rig.fail_at = 777, 1 << 40, rig.calls + 1
+    program.process.kill()
+    program.process.wait(PATIENCE_S)
+    code, output = start("check").end()
+    rig.fail_at = 0
+    assert code == 1
+    assert f"board {BOARDS['input_device']} is in use" in output
+    program.end()
+    assert list(rig.outputs[:2]) == [0.0, 0.0]
+
+
 def test_watchdog_relay_vents_when_both_processes_are_killed(start, rig, matrix):
     rig.watchdog = 5
     program = start("run", "sweep", boards={"heartbeat_output": 5})

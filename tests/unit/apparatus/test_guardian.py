@@ -195,6 +195,28 @@ def test_loop_that_a_signal_ends_before_it_opens_the_boards_is_named(
         guardian.guard({"what": "check", "settings": settings, "armed": False})
 
 
+@pytest.mark.parametrize(("end", "times"), [("safe", 0), ("gone", 1), ("silent", 2), ("stuck", 2)])
+def test_chambers_are_vented_again_once_a_loop_that_was_killed_has_ended(
+    settings, monkeypatch, end, times
+):
+    """Its last call of the driver may have come after the first venting."""
+    processes, alive = [], []
+
+    def watch(process, loop):
+        processes.append(process)
+        return end
+
+    def vent(hardware, received):
+        alive.append(processes[0].returncode is None)
+        return VENTED
+
+    monkeypatch.setattr(guardian, "_watch", watch)
+    monkeypatch.setattr(guardian, "vent_until_shown", vent)
+    with pytest.raises(ControlError):
+        guardian.guard({"what": "check", "settings": settings | {"control": {}}, "armed": False})
+    assert alive == [True, False][:times]
+
+
 def test_process_that_does_not_end_is_reported_and_awaited_until_the_user_gives_up(quick, caplog):
     class Process:
         pid = 4711

@@ -91,6 +91,16 @@ def test_missed_ticks_are_in_a_row_until_the_loop_has_caught_up(time):
         clock.wait_for(5)
 
 
+def test_loop_that_has_caught_up_may_miss_as_many_again(time):
+    clock = metronome(time, allowed=3)
+    clock.wait_for(0)
+    for tick in (1, 6, 11):
+        time.pass_(4)
+        assert clock.wait_for(tick) == tick + 3
+        assert clock.wait_for(tick + 4) == tick + 4  # on time
+    assert clock.overruns == 9
+
+
 def test_last_moment_is_waited_actively():
     time = Time(look_s=1e-5)
     clock = metronome(time, spin_s=1e-3)
