@@ -4,6 +4,7 @@ import errno
 import logging
 import math
 import signal
+import time
 from functools import partial
 from types import SimpleNamespace
 from unittest.mock import Mock
@@ -306,7 +307,8 @@ def test_computer_that_was_suspended_ends_the_run_vented(bench, record, matrix, 
     suspended_s = [0.0]
     monkeypatch.setattr(Stop, "_listen", lambda self: None)
     monkeypatch.setattr(signal, "signal", lambda number, handler: None)
-    stop = Stop(1e6, monotonic=lambda: 5.0, boottime=lambda: 5.0 + suspended_s[0])
+    monkeypatch.setattr(time, "clock_gettime", lambda which: time.monotonic() + suspended_s[0])
+    stop = Stop(1e6)
 
     def at(tick):
         if tick == 5:

@@ -5,7 +5,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -125,11 +125,6 @@ def notify(message: bytes) -> None:
         os.write(_pipes["out"], message)
 
 
-def _boottime() -> float:
-    """Return the time of a clock that also runs while the computer is suspended."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME)
-
-
 class Stop:
     """Reason to stop: a signal, a guardian that ended or is silent, a suspended computer.
 
@@ -139,30 +134,22 @@ class Stop:
     ----------
     stalled_s : float
         Longest time between heartbeats from the guardian, s.
-    monotonic, boottime : callable
-        Clocks in s, the first without and the second with the time spent suspended.
     """
 
-    def __init__(
-        self,
-        stalled_s: float,
-        *,
-        monotonic: Callable[[], float] = time.monotonic,
-        boottime: Callable[[], float] = _boottime,
-    ) -> None:
+    def __init__(self, stalled_s: float) -> None:
         self._reason = ""
         self._stalled_s = stalled_s
-        self._monotonic, self._boottime = monotonic, boottime
-        self._suspended_s = boottime() - monotonic()
-        self._heartbeat_s = self._sent_s = monotonic()
+        self._suspended_s = time.clock_gettime(time.CLOCK_BOOTTIME) - time.monotonic()
+        self._heartbeat_s = self._sent_s = time.monotonic()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._signalled)
         threading.Thread(target=self._listen, daemon=True).start()
 
     def __call__(self) -> str:
         """Send a heartbeat; return the reason, empty if there is none."""
-        # boottime first: a delay before the second call cannot look like a suspension
-        boottime_s, now_s = self._boottime(), self._monotonic()
+        # the first clock also runs while the computer is suspended; a delay between the two calls
+        # cannot look like a suspension
+        boottime_s, now_s = time.clock_gettime(time.CLOCK_BOOTTIME), time.monotonic()
         if now_s - self._sent_s >= BEAT_S:
             self._sent_s = now_s
             notify(HEARTBEAT)
@@ -180,13 +167,13 @@ class Stop:
 
     def guarded(self) -> bool:
         """Return whether the guardian was heard lately; it may have ended, or been stopped."""
-        return self._monotonic() - self._heartbeat_s <= self._stalled_s
+        return time.monotonic() - self._heartbeat_s <= self._stalled_s
 
     def _signalled(self, number: int, frame: Any) -> None:
         self._reason = self._reason or "stopped by Ctrl-C or a signal"
 
     def _listen(self) -> None:
         while os.read(_pipes["in"], 64):
-            self._heartbeat_s = self._monotonic()
+            self._heartbeat_s = time.monotonic()
         self._reason = self._reason or "the guardian process has ended"
         self._heartbeat_s = -math.inf

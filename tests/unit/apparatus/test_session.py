@@ -12,9 +12,13 @@ LISTEN = Stop._listen
 
 
 @pytest.fixture
-def clocks():
-    """Times of a computer that runs and is suspended."""
-    return SimpleNamespace(ran_s=100.0, suspended_s=7.0)
+def clocks(monkeypatch):
+    """Times of a computer that runs and is suspended, which the session reads."""
+    clocks = SimpleNamespace(ran_s=100.0, suspended_s=7.0, CLOCK_BOOTTIME=7)
+    clocks.monotonic = lambda: clocks.ran_s
+    clocks.clock_gettime = lambda which: clocks.ran_s + clocks.suspended_s
+    monkeypatch.setattr(session, "time", clocks)
+    return clocks
 
 
 @pytest.fixture(autouse=True)
@@ -27,9 +31,7 @@ def own_signals(monkeypatch):
 
 @pytest.fixture
 def stop(clocks):
-    return Stop(
-        0.5, monotonic=lambda: clocks.ran_s, boottime=lambda: clocks.ran_s + clocks.suspended_s
-    )
+    return Stop(0.5)
 
 
 def test_heartbeat_is_sent_when_the_loop_asks_and_one_is_due(stop, clocks, monkeypatch):
@@ -90,9 +92,10 @@ def test_computer_that_was_suspended_ends_the_run(stop, clocks, seconds, ends):
 
 
 def test_pause_between_the_two_clocks_does_not_pass_for_a_suspension(clocks):
-    def boottime():
+    def boottime(which):
         clocks.ran_s += 0.3  # the process is not run for a while
         return clocks.ran_s - 0.3
 
-    stop = Stop(10.0, monotonic=lambda: clocks.ran_s, boottime=boottime)
+    clocks.clock_gettime = boottime
+    stop = Stop(10.0)
     assert stop() == ""
