@@ -87,14 +87,8 @@ class BendSensor:
         The sensor repeats its last sample until the next one is ready, so an
         unchanged angle may be stale.
         """
-        message = self._message.read(self._address, _LENGTH)
-        self._exchange("reading the angle", message)
-        packet = bytes(message)
-        if len(packet) != _LENGTH:
-            raise self._error(
-                "reading the angle", f"the reply has {len(packet)} bytes, not {_LENGTH}"
-            )
-        code, counts = struct.unpack("<Bh", packet)
+        request = self._message.read(self._address, _LENGTH)
+        code, counts = struct.unpack("<Bh", self._exchange("reading the angle", request))
         if code != _SAMPLE:
             return None
         return counts * _DEG_PER_COUNT * self._gain + self._offset_deg
@@ -107,18 +101,21 @@ class BendSensor:
     def _send(self, action: str, *packet: int) -> None:
         self._exchange(action, self._message.write(self._address, bytes(packet)))
 
-    def _exchange(self, action: str, message: Any) -> None:
+    def _exchange(self, action: str, message: Any) -> bytes:
+        """Exchange a message; return its packet."""
         try:
             self._bus.i2c_rdwr(message)
+            packet = bytes(message)
+            if len(packet) != _LENGTH:
+                raise OSError(f"the reply has {len(packet)} bytes, not {_LENGTH}")
         except OSError as error:
-            raise self._error(action, str(error)) from error
-
-    def _error(self, action: str, reason: str) -> DeviceError:
-        return DeviceError(
-            f"angle sensor 0x{self._address:02x} on I2C bus {self._number}: {action} failed "
-            f"({reason}); check cable, supply and address: `i2cdetect -y {self._number}` lists the "
-            "devices that answer"
-        )
+            number = self._number
+            raise DeviceError(
+                f"angle sensor 0x{self._address:02x} on I2C bus {number}: {action} failed "
+                f"({error}); check cable, supply and address: `i2cdetect -y {number}` lists the "
+                "devices that answer"
+            ) from error
+        return packet
 
 
 def _smbus2() -> Any:
