@@ -97,10 +97,6 @@ LEARNING_CHANNELS = tuple(channel.name for channel in CHANNELS if channel.kind =
 #: Channel that the models learn as P_exp, by ``evaluation.target``. An import needs one of them.
 TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 
-#: Channels that the reservoir's figures and tests show.
-RESERVOIR = ("p_i_kpa", "p_o_kpa", "phi_deg")
-
-
 #: Names of all sensors, and of those that every real rig has.
 SENSORS = tuple(channel.name for channel in CHANNELS if channel.kind == "sensor")
 NEEDED_SENSORS = tuple(

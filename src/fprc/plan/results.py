@@ -2,7 +2,6 @@
 
 from typing import Any, NamedTuple
 
-from fprc.channels import RESERVOIR
 from fprc.paper import EXPERIMENTS, LOOPS, REFERENCES, run_log
 
 
@@ -63,7 +62,7 @@ RESULTS = (
     *(_figure(number, name, "loops", logs=(run_log(name, "fprc"), run_log(name, "fprc_pd")))
       for number, name in enumerate(REFERENCES, start=12)),
     _figure(16, "loops", "loops", logs=_LOOPS),
-    _figure(17, "disturbance", "loops", channels=RESERVOIR,
+    _figure(17, "disturbance", "loops", channels=("p_i_kpa", "p_o_kpa", "phi_deg"),
             logs=(run_log("disturbance", "fprc_pd"),)),
 )
 # fmt: on
