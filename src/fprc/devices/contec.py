@@ -109,13 +109,10 @@ class Board:
     def _call(self, name: str, *arguments: Any) -> None:
         code = getattr(self._library, name)(*arguments)
         if code:
+            text = ctypes.create_string_buffer(b"no description", 256)
+            self._library.AioGetErrorString(code, text)
             raise DeviceError(
-                f"board {self.name}: {name} failed with code {code} ({self._describe(code)}); "
+                f"board {self.name}: {name} failed with code {code} "
+                f"({text.value.decode('utf-8', 'replace')}); "
                 "check power and cable, and the name in Contec's device utility"
             )
-
-    def _describe(self, code: int) -> str:
-        text = ctypes.create_string_buffer(256)
-        if self._library.AioGetErrorString(code, text):
-            return "no description"
-        return text.value.decode("utf-8", "replace")
