@@ -155,6 +155,7 @@ def rescue(
     for folder in (beside, Path.cwd, lambda: Path(tempfile.mkdtemp(prefix="fprc-"))):
         try:
             raw = folder() / journal.path.with_suffix(".rescued.h5").name
+            refuse_output(raw, ".h5")
             _write(raw, channels, journal.attributes, statistics, reason, 0)
         except (FprcError, OSError) as error:
             problems.append(str(error))
