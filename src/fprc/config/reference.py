@@ -30,7 +30,7 @@ defaults below.
 
 Files are YAML 1.2 or JSON: `010` is 10 and `1e3` is 1000; `1:30`, `no` and `2026-01-02` are texts.
 A repeated key, an alias (`*name`, `<<`), a tag (`!name`) and a second document are errors, and the
-first in each file is told with its line. `fprc config check FILE ...` only checks.
+first of each file is named with its line. `fprc config check FILE ...` only checks.
 
 Snakemake parses `--config` itself: the last of repeated keys wins without a warning; numbers are
 decimal as in files. It also parses the files of `--configfile` before this project does, and

@@ -163,7 +163,7 @@ class Corrected(NamedTuple):
 
 
 class Judge(NamedTuple):
-    """Judges rigs for the terms of ``calibration.fit``: cheaply, and with the full models."""
+    """Judges rigs for the terms of ``calibration.fit``, with surrogate and with full models."""
 
     aim: Aim
     on_rig: RigSettings  #: the rig at which the search begins
