@@ -42,7 +42,10 @@ class FirstSearch(Section):
         description="terms of its objective, of those in calibration.fit; none: no first search",
     )
     rounds: int = quantity(
-        6, (1, 1000), "rounds, each of a rig for each free parameter and up to 18 more"
+        4,
+        (1, 1000),
+        "rounds, each of a rig for each free parameter and up to 18 more; the search for "
+        "calibration.fit begins where those of the last round end, 3 of 24 starts with 4 rounds",
     )
     starts: int = quantity(
         24,

@@ -64,9 +64,9 @@ def fit_rig(
     Values outside their range are first moved to its end. A first search asks for those terms of
     ``calibration.fit`` that ``calibration.first.fit`` names, if there are any, on the first seed
     only. It begins at several points, since a single one often leads to a valley without a good
-    rig. The search for all of ``calibration.fit`` follows from its best point, on all seeds.
-    ``calibration.passes`` repeats both, each time from where they ended and with the next seed as
-    the first one; the end with the lowest loss for all terms is the result.
+    rig. The search for all of ``calibration.fit`` follows on all seeds, from where the last round
+    of the first search ended and from where that began. ``calibration.passes`` repeats both, each
+    time from where they ended and with the next seed as the first one.
 
     All searches use cheap surrogates of the models. Where a round begins, the full models judge the
     rig, in the first search on its seed, then on ``calibration.full_seeds``, since few seeds are no
@@ -92,19 +92,18 @@ def fit_rig(
     free = free_parameters(calibration["free"], calibration["ranges"])
     planned = _searches(calibration)
     start = encode(on_rig.rig, free)
-    here = start_rig = _rig_at(start, on_rig, free)
-    results = []
+    start_rig = _rig_at(start, on_rig, free)
+    starts, results = [start], []
     for number, plan in enumerate(planned, start=1):
         log.info("search %d of %d, for %s", number, len(planned), ", ".join(plan["fit"]))
         aim = aim_of(printed, plan)
-        judge = Judge(aim, here, free, judgement, plan, grids, tracking)
-        result = _searched(judge, workers, f"{checkpoint}.{number}", version)
-        here = judge.rig_at(result.point)
+        judge = Judge(aim, start_rig, free, judgement, plan, grids, tracking)
+        is_first = "starts" in plan
+        begins = starts_near(starts[0], plan["starts"], plan["seeds"][0]) if is_first else starts
+        result = _searched(judge, np.array(begins), workers, f"{checkpoint}.{number}", version)
+        starts = [*result.ends, *starts] if is_first else [result.point]
         results.append(result)
-    searches = len(planned) // calibration["passes"]  # the last of each pass is for all terms
-    for_all = results[searches - 1 :: searches]
-    lowest = min(for_all, key=lambda result: result.loss)
-    best = _rig_at(lowest.point, on_rig, free)
+    best = _rig_at(result.point, on_rig, free)
     log.info("judging the first and the fitted rig with the full models")
     before, after = (_outcome(judge.corrected(rig, workers), aim) for rig in (start_rig, best))
     summary = {
@@ -124,7 +123,7 @@ def fit_rig(
         "evaluations": sum(result.evaluations for result in results),
         "parameters": [
             p._asdict() | {"began_at": began_at, "share": share}
-            for p, began_at, share in zip(free, start.tolist(), lowest.point.tolist(), strict=True)
+            for p, began_at, share in zip(free, start.tolist(), result.point.tolist(), strict=True)
         ],
     }
     off, off_before = after["median_deviation"], before["median_deviation"]
@@ -150,7 +149,7 @@ def _searches(calibration: Mapping[str, Any]) -> list[dict[str, Any]]:
         if first:
             only = {"fit": first, "seeds": turned[:1], "full_seeds": turned[:1]}
             planned.append({**calibration, **calibration["first"], **only})
-        planned.append({**calibration, "seeds": turned, "starts": 1})
+        planned.append({**calibration, "seeds": turned})
     return planned
 
 
@@ -266,16 +265,18 @@ def _rig_at(point: np.ndarray, on_rig: RigSettings, free: Sequence[Free]) -> Rig
     return replace(on_rig, rig=resolved(decode(point, on_rig.rig, free)))
 
 
-def _searched(judge: Judge, workers: int, checkpoint: str, version: str) -> SearchResult:
-    """Search for the terms of ``calibration.fit``, beginning at a rig."""
-    aim, on_rig, free, judgement, calibration, grids, tracking = judge
+def _searched(
+    judge: Judge, starts: np.ndarray, workers: int, checkpoint: str, version: str
+) -> SearchResult:
+    """Search for the terms of ``calibration.fit``, beginning at several points."""
+    aim, on_rig, _, judgement, calibration, grids, tracking = judge
     like = judge.estimate(on_rig)
     key = checkpoint_key([asdict(on_rig), judgement, calibration, grids, tracking, aim, version])
     return search(
         partial(judge.numbers, key=key),
         partial(judge.corrections, workers=workers),
         lambda found: np.concatenate([*deviations(judged_of(found, like), aim).values()]),
-        starts_near(encode(on_rig.rig, free), calibration["starts"], calibration["seeds"][0]),
+        starts,
         rounds=calibration["rounds"],
         workers=workers,
         checkpoint=checkpoint,

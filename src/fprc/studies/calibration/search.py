@@ -54,6 +54,7 @@ class SearchResult(NamedTuple):
 
     point: np.ndarray  #: the best point
     loss: float  #: infinite if every start was impossible
+    ends: list[np.ndarray]  #: where those of the last round ended, the best first
     rounds: int  #: those that were begun
     evaluations: int
 
@@ -152,7 +153,7 @@ def search(
             least = delayed(_least_within)
             return list(pool(least(radius, here, slopes, deviations_of) for radius in radii))
 
-        ended = [best._replace(point=start) for start in starts]
+        points = ended = [best._replace(point=start) for start in starts]
         idle = 0
         planned = [math.ceil(len(starts) / 2**round_) for round_ in range(rounds)]
         for count in planned:
@@ -169,8 +170,10 @@ def search(
                     log.info("round %d of %d, least loss %.4f", begun, sum(planned), lowest.loss)
                 ended.append(after)
         else:
-            best = min([best, *corrected(ended)], key=_loss)
-    return SearchResult(best.point, best.loss, begun, evaluations)
+            points = sorted(corrected(ended), key=_loss)
+            best = min([best, *points], key=_loss)
+    ends = [here.point for here in points]
+    return SearchResult(best.point, best.loss, ends, begun, evaluations)
 
 
 def _steps(

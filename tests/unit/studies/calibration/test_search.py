@@ -70,7 +70,8 @@ def undisturbed(run):
 
 def same(one, other):
     np.testing.assert_array_equal(one.point, other.point)
-    return one._replace(point=None) == other._replace(point=None)
+    np.testing.assert_array_equal(one.ends, other.ends)
+    return one._replace(point=None, ends=None) == other._replace(point=None, ends=None)
 
 
 def lines(run):
@@ -124,6 +125,8 @@ def test_lowest_of_the_valleys_below_the_starts_is_found(run, starts, least):
     )
     assert found.loss == pytest.approx(least, abs=1e-6)
     assert found.point == pytest.approx([0.2 if least else 0.8], abs=1e-3)
+    ends = [0.2] if least else [0.8, 0.2]
+    assert np.ravel(found.ends) == pytest.approx(ends, abs=1e-3)
 
 
 def test_each_round_leaves_the_worse_half_of_the_starts_and_two_that_gain_nothing_end_it(
@@ -283,6 +286,3 @@ def test_search_for_something_else_begins_anew(run, undisturbed, change):
     assert same(run(**change), expected)
     assert run.points == points
     assert run.checkpoint.read_text(encoding="utf-8") == kept
-
-
-# --- time limit -----------------------------------------------------------------------------------
