@@ -31,7 +31,8 @@ def export_c(model: str, *, c: str, learn: bool = False, config: Sequence[str] =
     learn : bool
         Let the model learn on the controller, with the settings of ``control.feedforward``.
     config : FILE
-        Configuration files; later ones win. By default those of the folder.
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
 
     Examples
     --------

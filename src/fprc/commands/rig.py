@@ -26,8 +26,8 @@ def check(*, armed: bool = False, config: Sequence[str] = ()) -> None:
 
     Examples
     --------
-    fprc rig check
-    fprc rig check --armed
+    fprc rig check --config config/config.yaml config/bench.yaml
+    fprc rig check --armed --config config/config.yaml config/bench.yaml
 
     Raises
     ------
@@ -66,7 +66,7 @@ def run(
     Examples
     --------
     fprc rig run list
-    fprc rig run sweep --armed
+    fprc rig run sweep --armed --config config/config.yaml config/bench.yaml
 
     Raises
     ------

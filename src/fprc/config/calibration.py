@@ -45,7 +45,8 @@ class FirstSearch(Section):
         4,
         (1, 1000),
         "rounds, each of a rig for each free parameter and up to 18 more; the search for "
-        "calibration.fit begins where those of the last round end, 3 of 24 starts with 4 rounds",
+        "calibration.fit begins at the ends of the last round, 3 of 24 starts with 4 rounds, and "
+        "where this one began",
     )
     starts: int = quantity(
         24,

@@ -58,7 +58,7 @@ class AngleSensor(Section):
     """Bend Labs one-axis sensor on an I2C bus."""
 
     bus: int = quantity(1, (0, 63), "number of the I2C bus, as in /dev/i2c-1")
-    address: int = quantity(0x12, (0x08, 0x77), "I2C address", "data sheet: 0x12")
+    address: int = quantity(0x12, (0x08, 0x77), "I2C address; that of the factory is 0x12, 18")
     offset_deg: float = quantity(0, (-180, 180), "added after the gain")
     gain: float = quantity(1, (-10, 10), "factor on the reading, before the offset")
 
@@ -75,7 +75,9 @@ class Valves(Section):
 
     neutral_v: float = quantity(5, (4.5, 5.5), "closes the valve", "data sheet")
     # the pressure loops fill a chamber with more voltage; 2 V below neutral opens the valve by 40 %
-    vent_v: float = quantity(0, (0, 2.5), "opens the chamber fully to the atmosphere", "data sheet")
+    vent_v: float = quantity(
+        0, (0, 2.5), "opens the chamber to the atmosphere, at 0 V fully", "data sheet"
+    )
     vented_kpa: float = quantity(
         15, (1, 25), "largest reading of a vented chamber", "twice the sensor's 0.7 %"
     )

@@ -60,7 +60,7 @@ class Feedforward(Section):
     )  # fmt: skip
     prior_s: float = quantity(15, (0.1, 3600), "new data that weigh as much as the training")
     memory_s: float = quantity(
-        60, (1, 36000), "time after which the training weighs as much as before"
+        60, (1, 36000), "time constant with which the weight of the training returns"
     )
     delay_s: float = quantity(0.02, (0, 1), "time from a command to the angle it causes")
     kpa_per_deg: float = quantity(2.0, (0, 100), "correction for a degree of error")

@@ -25,7 +25,7 @@ class Learning(NamedTuple):
     """
 
     prior_s: float = 15.0  #: seconds of new data that weigh as much as the training
-    memory_s: float = 60.0  #: time after which the training weighs as much as before
+    memory_s: float = 60.0  #: time constant with which the weight of the training returns
     delay_s: float = 0.02  #: time from a command to the angle that follows from it
     kpa_per_deg: float = 2.0  #: pressure by which a degree of error corrects the model
     limit_kpa: float = 150.0  #: most that learning may add to P_ff, or take from it
