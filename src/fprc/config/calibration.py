@@ -132,7 +132,7 @@ class Calibration(Section):
         "noise seeds of the objective; with few, the search fits the noise",
     )  # fmt: skip
     full_seeds: NotEmpty[int] = quantity(
-        (41, 42, 43, 44, 45, 46, 47, 48), (0, 2**31),
+        tuple(range(41, 57)), (0, 2**31),
         "noise seeds on which the full models judge the rig where a round for calibration.fit "
         "begins, and the fitted one",
     )  # fmt: skip
