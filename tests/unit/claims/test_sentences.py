@@ -21,14 +21,17 @@ IDS = {claim.id for claim in CLAIMS}
 KINDS = ("method", "background", "not tested")
 
 
-def sentences() -> list[tuple[str, str]]:
-    """Return section and words of each sentence of the paper's text."""
+def paper() -> str:
+    """Return the paper from its abstract on."""
     if not PAPER.exists():
         pytest.skip(f"{PAPER} is not here")
     text = PAPER.read_text(encoding="utf-8")
-    text = text[text.index(r"\begin{abstract}") :].replace(
-        r"\begin{abstract}", "\n\n@@Abstract\n\n"
-    )
+    return text[text.index(r"\begin{abstract}") :]
+
+
+def sentences() -> list[tuple[str, str]]:
+    """Return section and words of each sentence of the paper's text."""
+    text = paper().replace(r"\begin{abstract}", "\n\n@@Abstract\n\n")
     for pattern, new in (
         (r"(?<!\\)%.*", ""),
         (r"\\(?:sub)?section\{(.*?)\}", r"\n\n@@\1\n\n"),
@@ -98,16 +101,12 @@ ELSEWHERE = {
 
 
 def test_every_number_of_the_paper_is_published():
-    if not PAPER.exists():
-        pytest.skip(f"{PAPER} is not here")
-    text = PAPER.read_text(encoding="utf-8")
-    text = text[text.index(r"\begin{abstract}") :]
     # a width of a figure, a span of columns or the name of a reference is no result
     text = re.sub(
         r"(?<!\\)%.*|\\(includegraphics|vspace|hspace|cite|ref|label|cline|multicolumn|multirow)"
         r"\*?(\[.*?\])?\{.*?\}",
         "",
-        text,
+        paper(),
     )
     printed = set(re.findall(r"\d+(?:\.\d+)?", text)) - ELSEWHERE.keys()
     assert len(printed) > 75
