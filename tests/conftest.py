@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from fprc.apparatus import session
+from fprc.apparatus.hardware import HardwareRig
 from fprc.config import Settings
-from fprc.devices.hardware import HardwareRig
 
 # libraries and thousands of tests stay: to look through them for garbage takes a tenth of the time
 gc.disable()

@@ -3,10 +3,10 @@
 from fprc.config import check
 from fprc.control import run
 from fprc.devices.sim import SimulatedRig
-from fprc.experiments.competitors import ON_RECORDINGS
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import Track
+from fprc.recordings.competitors import ON_RECORDINGS
 from fprc.registry import build
 
 

@@ -13,8 +13,8 @@ import pandas as pd
 import yaml
 
 from fprc.artifacts import read_json, write_text
-from fprc.claims.paired import LEAST_UNITS
 from fprc.cli import main
+from fprc.evaluation.paired import LEAST_UNITS
 from fprc.studies.blocks import replace_block
 
 ROOT = Path(__file__).parents[1]

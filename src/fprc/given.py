@@ -2,10 +2,11 @@
 
 import os
 import stat
+from collections.abc import Sequence
 from pathlib import Path
 from typing import BinaryIO
 
-from fprc.errors import FprcError
+from fprc.errors import ConfigError, FprcError
 
 #: Largest file, bytes, unless the caller says otherwise.
 MOST_BYTES = 4 << 30
@@ -57,3 +58,22 @@ def read_given(
             return file.read()
         except OSError as problem:
             raise error(f"{path}: cannot be read ({problem.strerror}); check the path") from problem
+
+
+def refuse_repeats(paths: Sequence[str], why: str) -> None:
+    """Refuse a recording that is given twice.
+
+    Parameters
+    ----------
+    why : str
+        What would be wrong, for the message.
+
+    Raises
+    ------
+    ConfigError
+        Lists every repeated recording.
+    """
+    places = [os.path.realpath(path) for path in paths]
+    repeated = [path for i, path in enumerate(paths) if places[i] in places[:i]]
+    if repeated:
+        raise ConfigError(f"{', '.join(repeated)}: given twice; give each recording once: {why}")

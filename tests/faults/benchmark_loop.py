@@ -16,9 +16,9 @@ sys.path.insert(0, str(FOLDER))
 
 from bench import BOARDS, compile_driver  # noqa: E402
 
+from fprc.apparatus.record_on_rig import record_on_rig  # noqa: E402
+from fprc.apparatus.recovery import read_journal  # noqa: E402
 from fprc.config import Settings  # noqa: E402
-from fprc.logs import read_journal  # noqa: E402
-from fprc.stages.record_on_rig import record_on_rig  # noqa: E402
 
 
 def main() -> None:

@@ -12,13 +12,13 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from fprc.apparatus import guardian, process
+from fprc.apparatus import guardian, journal, pneumatics, process
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
+from fprc.apparatus.record_on_rig import record_on_rig
+from fprc.apparatus.recovery import read_journal
 from fprc.apparatus.session import Stop
-from fprc.devices import pneumatics
 from fprc.errors import ControlError, FprcError, OutputError
-from fprc.logs import journal, read_columns, read_journal
-from fprc.stages.record_on_rig import record_on_rig
+from fprc.logs import read_columns
 
 TICKS = 8
 VENTED = [0.0, 0.0]

@@ -17,8 +17,9 @@ import numpy as np
 import pytest
 from bench import BOARDS, Layout
 
+from fprc.apparatus.recovery import read_journal
 from fprc.channels import RAW_CHANNELS
-from fprc.logs import read_journal, read_raw
+from fprc.logs import read_raw
 
 pytestmark = [
     pytest.mark.slow,

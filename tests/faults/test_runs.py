@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from fprc.apparatus import process
+from fprc.apparatus.recovery import read_journal
 from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, TRACKING_CHANNELS
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import TRACKING_RUNS, Track
-from fprc.logs import read_columns, read_journal, read_raw, read_run
+from fprc.logs import read_columns, read_raw, read_run
 from fprc.models import FPRC, load_model, save_model
 
 # The driver's voltages are float32: a reading at the edge of a step may fall to the next one, and

@@ -23,12 +23,13 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from fprc.apparatus.journal import Journal
 from fprc.apparatus.programme import plan
 from fprc.channels import Readings
 from fprc.config import Settings
 from fprc.config.section import fields
 from fprc.errors import ControlError, FprcError
-from fprc.logs import Journal, write_raw
+from fprc.logs import write_raw
 from fprc.models import (
     ESN,
     FPRC,

@@ -31,7 +31,7 @@ BLOCKS = {
         "a protocol without bodies",
     ],
     "docs/running.md": ["tests/workflow/test_module.py"],
-    "docs/chamber.md": ["tests/unit/commands/test_import_recording.py"],
+    "docs/chamber.md": ["tests/unit/recordings/test_import_recording.py"],
     "docs/own-data.md": ["tests/unit/commands/test_page.py"],
 }
 #: Targets of other Snakefiles than ours, and the tests that make them.

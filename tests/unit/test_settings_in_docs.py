@@ -6,20 +6,11 @@ import pytest
 
 from fprc import given
 from fprc.apparatus import check as rig_check
-from fprc.apparatus import guardian
-from fprc.claims import paired
+from fprc.apparatus import guardian, pneumatics, recovery
 from fprc.config import Settings
-from fprc.devices import pneumatics
-from fprc.experiments import competitors
-from fprc.logs import (
-    clock,
-    delimited,
-    diagnosis,
-    isolated,
-    recovery,
-    resample,
-    sealed_chamber,
-)
+from fprc.evaluation import paired
+from fprc.logs import isolated, sealed_chamber
+from fprc.recordings import clock, competitors, delimited, diagnosis, resample
 from fprc.studies.stages import check as checked
 
 ROOT = Path(__file__).parents[2]

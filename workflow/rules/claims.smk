@@ -16,7 +16,7 @@ rule ledger:
     log:
         PATHS.messages("ledger"),
     params:
-        **stage("claims.write_ledger"),
+        **stage("stages.claims.write_ledger"),
         fitted=SETTINGS["fitted"],
     message:
         "Claims C1 to C19"

@@ -11,7 +11,7 @@ if PLAN.on_simulated_rig:
             PATHS.messages("track_{reference}"),
         params:
             **pick(SETTINGS, "control", "rig", "seed"),
-            **stage("track.track", *PLAN.feedforward),
+            **stage("stages.track.track", *PLAN.feedforward),
             tracking=lambda wildcards: tracking(SETTINGS, wildcards.reference),
             reference="{reference}",
             names=PLAN.feedforward,

@@ -21,37 +21,37 @@ ROWS = {
     **{
         name: {
             "given": {"drawing": drawing_of(name)},
-            **stage("copy_drawing.copy_drawing"),
+            **stage("stages.copy_drawing.copy_drawing"),
         }
         for name in ("fig1", "fig2", "fig3", "fig6", "fig7")  # they show no data
     },
     "fig4": {
         "given": {log: PATHS.data(log) for log in EXPERIMENTS},
-        **stage("draw.draw_actuator_hysteresis"),
+        **stage("stages.draw.draw_actuator_hysteresis"),
     },
     "fig5": {
         "given": {log: PATHS.data(log) for log in EXPERIMENTS},
-        **stage("draw.draw_reservoir_hysteresis"),
+        **stage("stages.draw.draw_reservoir_hysteresis"),
     },
     "fig8": {
         "given": pick(PATHS.judged("sweep", "fprc"), "fits", "predictions"),
-        **stage("draw.draw_training"),
+        **stage("stages.draw.draw_training"),
         "statistics": True,
     },
     "fig9": {
         "given": {"weights": PATHS.below("weights/fprc.json"), "published": PUBLISHED},
-        **stage("draw.draw_weights"),
+        **stage("stages.draw.draw_weights"),
         "statistics": True,
     },
     "fig10": {
         "given": {"grids": PLAN.grids, "times": PATHS.below("timing/times_over_n_c.json")},
-        **stage("draw.draw_settings"),
+        **stage("stages.draw.draw_settings"),
         "statistics": True,
         "priority": LONG,  # its execution times are measured last, and the report waits for it
     },
     "fig11": {
         "given": {"grids": PLAN.grids, "published": PUBLISHED},
-        **stage("draw.draw_taps"),
+        **stage("stages.draw.draw_taps"),
         "statistics": True,
     },
     **{
@@ -61,18 +61,18 @@ ROWS = {
                 "closed_loop": PATHS.log(run_log(reference, "fprc_pd")),
                 "runs": [PATHS.log(run) for run in FOLLOWED],
             },
-            **stage("draw_tracking.draw_following"),
+            **stage("stages.draw_tracking.draw_following"),
             "statistics": True,
         }
         for number, reference in enumerate(REFERENCES, start=12)
     },
     "fig16": {
         "given": {"runs": [PATHS.log(run) for run in BY_NAME["fig16"].logs]},
-        **stage("draw_tracking.draw_loops"),
+        **stage("stages.draw_tracking.draw_loops"),
     },
     "fig17": {
         "given": {"run": PATHS.log(BY_NAME["fig17"].logs[0])},
-        **stage("draw_tracking.draw_disturbance"),
+        **stage("stages.draw_tracking.draw_disturbance"),
         "statistics": True,
         "quiet_s": SETTINGS["tracking"]["pushes"]["quiet_s"],
     },

@@ -9,7 +9,7 @@ if PLAN.on_simulated_rig:
         log:
             PATHS.messages("record_{experiment}"),
         params:
-            **stage("record.record"),
+            **stage("stages.record.record"),
             experiment="{experiment}",
             signal=lambda wildcards: SETTINGS["experiments"][wildcards.experiment],
             control=of_pressures(SETTINGS),
@@ -40,7 +40,7 @@ if SETTINGS["source"] == "rig":
             or "none",
         threads: workflow.cores
         params:
-            stage="record_on_rig.record_on_rig",
+            stage="apparatus.record_on_rig.record_on_rig",
             name="{name}",
             settings=SETTINGS,
             armed=ARMED,
@@ -60,7 +60,7 @@ rule preprocess:
     log:
         PATHS.messages("preprocess_{experiment}"),
     params:
-        **stage("preprocess.preprocess"),
+        **stage("stages.preprocess.preprocess"),
         experiment="{experiment}",
         target=SETTINGS["evaluation"]["target"],
         sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],

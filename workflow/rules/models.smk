@@ -19,8 +19,8 @@ rule judge:
     params:
         name="{model}",
         judgement=lambda wildcards: judgement(SETTINGS, wildcards.model),
-        stage="judge.judge",
-        code=lambda wildcards: code_of("judge.judge", wildcards.model),
+        stage="stages.judge.judge",
+        code=lambda wildcards: code_of("stages.judge.judge", wildcards.model),
     message:
         "Cross-validation and test of {wildcards.model}, also with the logs reversed"
     script:
@@ -39,7 +39,7 @@ rule replicate:
         mem_mb=2000,
         runtime=60,
     params:
-        **stage("replicate.replicate", *PLAN.models),
+        **stage("stages.replicate.replicate", *PLAN.models),
         on_rig=on_rig(SETTINGS),
         judgement=lambda wildcards: judgement(SETTINGS, seed=int(wildcards.seed)),
         values=SETTINGS["grids"],
@@ -63,7 +63,7 @@ rule measure_times:
     resources:
         mem_mb=2000,
     params:
-        **stage("timing.measure_times", *PLAN.models),
+        **stage("stages.timing.measure_times", *PLAN.models),
         models=SETTINGS["models"],
         n_c=SETTINGS["grids"]["n_c"],
         repeats=SETTINGS["evaluation"]["timing_repeats"],
@@ -82,7 +82,7 @@ rule weigh:
     log:
         PATHS.messages("weigh"),
     params:
-        **stage("grid.weigh", "fprc"),
+        **stage("stages.grid.weigh", "fprc"),
         judgement=judgement(SETTINGS, "fprc"),
     message:
         "Weight contributions of the FPRC"
@@ -101,7 +101,7 @@ rule grid:
     resources:
         mem_mb=2000,
     params:
-        **stage("grid.judge", "fprc", "fuzzy_linear"),
+        **stage("stages.grid.judge", "fprc", "fuzzy_linear"),
         values=SETTINGS["grids"],
         judgement=judgement(SETTINGS, "fprc"),
     message:

@@ -13,7 +13,7 @@ rule report_page:
     log:
         PATHS.messages("report_page"),
     params:
-        **stage("report.write_report"),
+        **stage("stages.report.write_report"),
         sources=list(PLAN.figures.values()),
         missing={BY_NAME[name].title: why for name, why in PLAN.unavailable.items()},
         settings=SETTINGS,

@@ -7,7 +7,7 @@ TABLES = {
     "configuration_table": table_spec(
         "tables/table1",
         {"published": PUBLISHED},
-        **stage("tabulate.tabulate_configuration"),
+        **stage("stages.tabulate.tabulate_configuration"),
         models=SETTINGS["models"],
     ),
     "comparison_table": table_spec(
@@ -19,25 +19,25 @@ TABLES = {
             ],
             "quality": [PATHS.quality(log) for log in TRAINED_ON.values()],
         },
-        **stage("tabulate.tabulate_comparison"),
+        **stage("stages.tabulate.tabulate_comparison"),
         left_out=PLAN.left_out,
     ),
     "seeds_table": table_spec(
         "tables/table{number}_seeds",
         {"published": PUBLISHED, "replicates": PLAN.replicates("models")},
-        **stage("tabulate.tabulate_seeds"),
+        **stage("stages.tabulate.tabulate_seeds"),
         trained_on=lambda wildcards: TRAINED_ON[wildcards.number],
     ),
     "timing_table": table_spec(
         "timing/table2_timing",
         {"published": PUBLISHED, "times": PATHS.below("timing/times.json")},
-        **stage("tabulate.tabulate_times"),
+        **stage("stages.tabulate.tabulate_times"),
         left_out=PLAN.left_out,
     ),
     "tracking_table": table_spec(
         "tables/table4",
         {"published": PUBLISHED, "runs": [PATHS.log(run) for run in PLAN.runs]},
-        **stage("tabulate.tabulate_tracking"),
+        **stage("stages.tabulate.tabulate_tracking"),
         left_out=[run for run in PLAN.every_run if run not in PLAN.contents],
         limits=SETTINGS["quality"],
         feedback=feedback_in_words(SETTINGS),
@@ -45,7 +45,7 @@ TABLES = {
     "tracking_seeds_table": table_spec(
         "tables/table4_seeds",
         {"published": PUBLISHED, "replicates": PLAN.replicates("control")},
-        **stage("tabulate.tabulate_tracking_seeds"),
+        **stage("stages.tabulate.tabulate_tracking_seeds"),
         feedback=feedback_in_words(SETTINGS),
     ),
 }

@@ -40,14 +40,14 @@ STUDY_RESULTS["beyond_tables"] = result_spec(
         **{name: PATHS.below(f"beyond/{name}.csv") for name in PAGES_BEYOND[:3]},
         "pages": expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
     },
-    **stage("studies.beyond.tabulate_beyond"),
+    **stage("studies.stages.beyond.tabulate_beyond"),
     family=CONFIGURED_FAMILY,
 )
 
 STUDY_RESULTS["draw_pairs"] = figure_spec(
     "beyond/figure_pairs",
     {"claims": PATHS.below("beyond/claims.csv")},
-    **stage("studies.beyond.draw_pairs"),
+    **stage("studies.stages.beyond.draw_pairs"),
 )
 
 

@@ -26,13 +26,13 @@ STUDY_RESULTS["measure_sensitivity"] = judgement_spec(
 STUDY_RESULTS["sensitivity_table"] = table_spec(
     "calibration/sensitivity",
     {"effects": PATHS.below("calibration/sensitivity.json")},
-    **stage("studies.sensitivity.tabulate_sensitivity"),
+    **stage("studies.stages.sensitivity.tabulate_sensitivity"),
 )
 
 STUDY_RESULTS["sensitivity_figure"] = figure_spec(
     "calibration/sensitivity_figure",
     {"table": PATHS.below("calibration/sensitivity.csv")},
-    **stage("studies.sensitivity.draw_sensitivity"),
+    **stage("studies.stages.sensitivity.draw_sensitivity"),
 )
 
 

@@ -68,7 +68,7 @@ def judgement_spec(stem, judge, *models, given=None, runtime=120, **params):
         ``family``, ``units`` and ``how``, see ``fprc.studies.stages.judge``.
     """
     judged_by = f"fprc.studies.{judge.rpartition('.')[0]}"
-    of_stage = stage("studies.judge.judge_family")
+    of_stage = stage("studies.stages.judge.judge_family")
 
     # the checkpoint depends on it too
     def version(wildcards):

@@ -53,7 +53,7 @@ for rule_name, shown in SHOWN_ON.items():
             PATHS.messages(rule_name),
         localrule: True
         params:
-            **stage("studies.documents.update_pages"),
+            **stage("studies.stages.documents.update_pages"),
             pages=shown.pages,
             pictures=list(shown.figures),
         message:
@@ -75,7 +75,7 @@ if PLAN.on_simulated_rig:
             PATHS.messages("check"),
         localrule: True
         params:
-            **stage("studies.check.check_results"),
+            **stage("studies.stages.check.check_results"),
             results=lambda wildcards: RESULTS,
             pictures=lambda wildcards: PICTURES if SHOWN else {},
         message:

@@ -22,7 +22,7 @@ use rule replicate as replicate_on_rig with:
     wildcard_constraints:
         rig="|".join(OTHER_RIGS) or "none",
     params:
-        **stage("replicate.replicate", *MODELS),
+        **stage("stages.replicate.replicate", *MODELS),
         on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
         judgement=lambda wildcards: judgement(
             SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
@@ -60,7 +60,7 @@ STUDY_RESULTS["families_tables"] = result_spec(
         table: [PATHS.below(f"families/{table}.{kind}") for kind in ("csv", "md")]
         for table in FAMILY_TABLES
     },
-    **stage("studies.families.tabulate_families"),
+    **stage("studies.stages.families.tabulate_families"),
     named=lambda wildcards: {
         SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
         **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},

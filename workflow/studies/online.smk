@@ -17,8 +17,8 @@ STUDY_RESULTS["judge_online"] = judgement_spec(
 )
 
 for table, tabulate in (
-    ("verdicts", stage("studies.online.tabulate_verdicts")),
-    ("errors", stage("studies.online.tabulate_errors")),
+    ("verdicts", stage("studies.stages.online.tabulate_verdicts")),
+    ("errors", stage("studies.stages.online.tabulate_errors")),
 ):
     STUDY_RESULTS[f"online_{table}"] = table_spec(
         f"online/{table}",
@@ -29,7 +29,7 @@ for table, tabulate in (
 STUDY_RESULTS["online_figure"] = figure_spec(
     "online/figure",
     {"errors": PATHS.below("online/errors.csv")},
-    **stage("studies.online.draw_online"),
+    **stage("studies.stages.online.draw_online"),
     names=FAMILIES[:3],
 )
 

@@ -20,8 +20,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import IO, Any
 
-from fprc.devices.locks import locked
-from fprc.devices.pneumatics import NotVentedError, board_names, vent_from_outside
+from fprc.apparatus.locks import locked
+from fprc.apparatus.pneumatics import NotVentedError, board_names, vent_from_outside
 from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")

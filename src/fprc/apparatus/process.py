@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from fprc.apparatus.check import check_rig
+from fprc.apparatus.journal import Journal
 from fprc.apparatus.programme import plan
+from fprc.apparatus.recovery import recover, rescue
 from fprc.apparatus.session import Stop, on_rig, reserve_pipes
 from fprc.channels import RAW_CHANNELS
 from fprc.control import RunAbortedError
 from fprc.errors import FprcError, LogError
-from fprc.logs.journal import Journal
-from fprc.logs.recovery import recover, rescue
 
 log = logging.getLogger("fprc.rig")
 

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.apparatus.clock import Metronome
 from fprc.apparatus.guardian import ARMED, BEAT_S, HEARTBEAT, OPENING, SAFE, vent_until_shown
+from fprc.apparatus.hardware import HardwareRig
+from fprc.apparatus.safety import CheckedRig
 from fprc.control import Law, RunAbortedError, run
-from fprc.control.clock import Metronome
-from fprc.devices.hardware import HardwareRig
-from fprc.devices.safety import CheckedRig
 from fprc.errors import DeviceError
 
 #: Shortest suspension of the computer that stops a run, s.

@@ -5,13 +5,13 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fprc.apparatus.recovery import recover
 from fprc.config import Settings
 from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import assess, read_raw
 from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import warnings
-from fprc.logs.recovery import recover
 from fprc.paper import SOURCES
 
 #: Exit codes of `log repair`; if nothing can be read, it is 1.

@@ -1,6 +1,5 @@
 """`fprc train` and `fprc predict`: a model from raw logs to predictions, without Snakemake."""
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from fprc.evaluation.crossval import MOST_BYTES, refusals_of
 from fprc.experiments.data import Data, join
 from fprc.experiments.settings import Judgement
 from fprc.experiments.trained import refuse_other_data, trained_on
+from fprc.given import refuse_repeats
 from fprc.logs import write_columns
 from fprc.models import SequenceModel, load_model, save_model
 from fprc.plan.arguments import judgement
@@ -148,25 +148,6 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
         f"{rmse(y, output):.2f} {data.unit}"
     )
     print(visible(report))
-
-
-def refuse_repeats(paths: Sequence[str], why: str) -> None:
-    """Refuse a recording that is given twice.
-
-    Parameters
-    ----------
-    why : str
-        What would be wrong, for the message.
-
-    Raises
-    ------
-    ConfigError
-        Lists every repeated recording.
-    """
-    places = [os.path.realpath(path) for path in paths]
-    repeated = [path for i, path in enumerate(paths) if places[i] in places[:i]]
-    if repeated:
-        raise ConfigError(f"{', '.join(repeated)}: given twice; give each recording once: {why}")
 
 
 def _read(logs: Sequence[str], settings: Settings, model: str) -> Data:

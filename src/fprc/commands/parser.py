@@ -25,24 +25,24 @@ from typing import Any
 
 from fprc import __version__
 
-#: Commands and their functions in ``fprc.commands``, as ``module.function``.
+#: Commands and their functions, as ``package.module.function``.
 COMMANDS = {
-    "simulate": "simulate.simulate",
-    "train": "models.train",
-    "predict": "models.predict",
-    "export": "export.export_c",
-    "import": "import_recording.import_or_draft",
-    "log check": "logs.check",
-    "log repair": "logs.repair",
-    "readout": "readout.report_readout",
-    "config check": "configuration.check",
-    "config defaults": "configuration.defaults",
-    "config reference": "configuration.reference",
-    "config rig": "configuration.rig",
-    "config published": "configuration.published",
-    "calibrate": "calibrate.calibrate_from_files",
-    "rig check": "rig.check",
-    "rig run": "rig.run",
+    "simulate": "commands.simulate.simulate",
+    "train": "commands.models.train",
+    "predict": "commands.models.predict",
+    "export": "commands.export.export_c",
+    "import": "recordings.import_recording.import_or_draft",
+    "log check": "commands.logs.check",
+    "log repair": "commands.logs.repair",
+    "readout": "recordings.readout.report_readout",
+    "config check": "commands.configuration.check",
+    "config defaults": "commands.configuration.defaults",
+    "config reference": "commands.configuration.reference",
+    "config rig": "commands.configuration.rig",
+    "config published": "commands.configuration.published",
+    "calibrate": "commands.calibrate.calibrate_from_files",
+    "rig check": "apparatus.command.check",
+    "rig run": "apparatus.command.run",
 }
 
 #: The first words of commands of two words, and what these commands do.
@@ -123,7 +123,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _add_command(commands: Any, name: str, run: str) -> None:
-    module, _, function = run.partition(".")
+    module, _, function = run.rpartition(".")
     parameters, docstring = _read(module, function)
     text, *rest = re.split(r"^(\w+)\n-+\n", docstring.replace("``", "`"), flags=re.MULTILINE)
     sections = dict(zip(rest[::2], rest[1::2], strict=True))
@@ -136,7 +136,7 @@ def _add_command(commands: Any, name: str, run: str) -> None:
         ),
         epilog="examples:\n" + textwrap.indent(sections["Examples"].strip(), "  "),
     )
-    command.set_defaults(run=partial(_call, f"fprc.commands.{module}", function))
+    command.set_defaults(run=partial(_call, f"fprc.{module}", function))
     described = {
         parameter: (placeholder, " ".join(lines.split()))
         for parameter, placeholder, lines in re.findall(
@@ -162,7 +162,8 @@ def _add_command(commands: Any, name: str, run: str) -> None:
 
 def _read(module: str, function: str) -> tuple[ast.arguments, str]:
     """Return parameters and docstring of a function, without importing its module."""
-    tree = ast.parse(Path(__file__).with_name(f"{module}.py").read_text(encoding="utf-8"))
+    path = Path(__file__).parents[1].joinpath(*module.split(".")).with_suffix(".py")
+    tree = ast.parse(path.read_text(encoding="utf-8"))
     functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
     node = next(node for node in functions if node.name == function)
     docstring = ast.get_docstring(node, clean=False) or ""  # cleaning imports inspect

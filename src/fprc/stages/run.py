@@ -60,17 +60,13 @@ def run_stage(job: Any) -> None:
 
 
 def stage_of(name: str) -> Callable[..., Any]:
-    """Return the function of a stage, given as ``judge.judge``."""
+    """Return the function of a stage, given as ``stages.judge.judge``."""
     return getattr(import_module(module_of(name)), name.rpartition(".")[2])
 
 
 def module_of(name: str) -> str:
-    """Return the module of a stage: ``judge.judge`` is in ``fprc.stages.judge``.
-
-    ``studies.judge.judge_family`` is in ``fprc.studies.stages.judge``.
-    """
-    *package, module, _ = name.split(".")
-    return ".".join(["fprc", *package, "stages", module])
+    """Return the module of a stage: ``stages.judge.judge`` is in ``fprc.stages.judge``."""
+    return f"fprc.{name.rpartition('.')[0]}"
 
 
 def _log_to(path: str, label: str) -> None:

@@ -6,9 +6,8 @@ from unittest.mock import Mock
 
 import pytest
 
-from fprc.apparatus import guardian
+from fprc.apparatus import guardian, pneumatics
 from fprc.apparatus.guardian import BEAT_S, _wait, _watch, vent_until_shown
-from fprc.devices import pneumatics
 from fprc.errors import ControlError
 
 

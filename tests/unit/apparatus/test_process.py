@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from fprc.apparatus import process
+from fprc.apparatus.journal import Journal
+from fprc.apparatus.record_on_rig import record_on_rig
 from fprc.control import RunAbortedError
 from fprc.errors import LogError, OutputError
-from fprc.logs import Journal, read_raw
-from fprc.stages.record_on_rig import record_on_rig
+from fprc.logs import read_raw
 
 TICKS = 40
 #: Tick before which the journal is lost.
@@ -144,7 +145,7 @@ def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypat
     def refuse(*arguments, **attributes):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("fprc.logs.recovery.write_raw", refuse)
+    monkeypatch.setattr("fprc.apparatus.recovery.write_raw", refuse)
     error, _ = record(cut)
     assert f"of {LOST + 1} samples" in error
     assert error.count("No space left on device") == 3
@@ -152,7 +153,7 @@ def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypat
 
 def test_run_that_the_disk_cannot_hold_does_not_begin(settings, places, monkeypatch):
     """Its 36,000 samples of 11 numbers take 3.2 MB in the journal, and as much in the log."""
-    stage = "fprc.stages.record_on_rig"
+    stage = "fprc.apparatus.record_on_rig"
     monkeypatch.setattr(f"{stage}.disk_usage", lambda folder: SimpleNamespace(free=10**7))
     monkeypatch.setattr(f"{stage}.guard", None)
     settings["experiments"]["sweep"]["duration_s"] = 180.0

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from fprc.apparatus.programme import names, plan
+from fprc.apparatus.record_on_rig import record_on_rig
 from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, Readings
 from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
 from fprc.experiments.data import Data
 from fprc.experiments.trained import trained_on
 from fprc.models import FPRC, FuzzyLinear, TapFeatures, load_model, save_model
-from fprc.stages.record_on_rig import record_on_rig
 
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)
 
@@ -75,7 +75,7 @@ def test_only_the_disturbance_asks_the_person_to_push(settings, fprc_file):
 def test_law_without_the_feedforward_of_its_name_does_not_start(
     settings, tmp_path, monkeypatch, controller, armed
 ):
-    monkeypatch.setattr("fprc.stages.record_on_rig.guard", None)
+    monkeypatch.setattr("fprc.apparatus.record_on_rig.guard", None)
     name = f"track_sine_0p2_{controller}"
     with pytest.raises(ControlError, match=f"{controller} needs a fitted fprc .*; give --model"):
         record_on_rig(str(tmp_path / "raw.h5"), name=name, settings=settings, armed=armed)
@@ -108,7 +108,7 @@ def files(fprc_file, recorded, tmp_path_factory):
 def test_model_that_is_not_the_one_in_the_name_of_the_log_is_refused_before_anything_starts(
     settings, files, tmp_path, monkeypatch, file, message
 ):
-    monkeypatch.setattr("fprc.stages.record_on_rig.guard", None)
+    monkeypatch.setattr("fprc.apparatus.record_on_rig.guard", None)
     name = "track_sine_0p2_fprc_pd"
     with pytest.raises(ConfigError) as caught:
         record_on_rig(

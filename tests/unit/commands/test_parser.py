@@ -43,8 +43,8 @@ def test_examples_of_a_command_call_its_function(command, capsys):
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_of_a_command_is_the_docstring_of_its_function(command, capsys):
-    module, _, function = COMMANDS[command].partition(".")
-    called = getattr(import_module(f"fprc.commands.{module}"), function)
+    module, _, function = COMMANDS[command].rpartition(".")
+    called = getattr(import_module(f"fprc.{module}"), function)
     shown = " ".join(help_of(command, capsys).split())
     text, _, sections = inspect.getdoc(called).replace("``", "`").partition("\n\nParameters\n")
     assert " ".join(re.split(r"\nExamples\n", text)[0].split()) in shown

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from fprc.claims.paired import NOT_JUDGED, Part, judge_together
 from fprc.escape import in_words
+from fprc.evaluation.paired import NOT_JUDGED, Part, judge_together
 from fprc.studies.beyond.measurements import family_title
 from fprc.tables.text import three_digits
 

@@ -10,7 +10,7 @@ from matplotlib.ticker import FuncFormatter, NullLocator
 
 from fprc import escape
 from fprc.artifacts import read_json, write_csv, write_text
-from fprc.claims.paired import EQUIVALENT_WITHIN
+from fprc.evaluation.paired import EQUIVALENT_WITHIN
 from fprc.figures import style
 from fprc.paper import SOURCES
 from fprc.studies.beyond import tables as tables

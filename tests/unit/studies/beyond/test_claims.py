@@ -95,7 +95,7 @@ def test_few_units_decide_nothing(make_family, judged):
 
 
 def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_family, judged, monkeypatch):
-    monkeypatch.setattr("fprc.claims.paired._share_of_subsets", lambda *rest: 0.9)
+    monkeypatch.setattr("fprc.evaluation.paired._share_of_subsets", lambda *rest: 0.9)
     rows = judged(make_family(spread=0.0))
     assert set(first(rows, "verdict").values()) <= {"undecided", "not judged"}
     decided = set(first(rows, "words").values()) - {"undecided", "not judged"}

@@ -1,0 +1,97 @@
+"""`fprc rig`: check the real rig, or run an experiment on it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from fprc.apparatus.guardian import guard
+from fprc.apparatus.programme import names, refuse_unknown
+from fprc.apparatus.record_on_rig import record_on_rig
+from fprc.config import from_files, local_files
+from fprc.errors import ConfigError
+from fprc.paper import EXPERIMENTS, reference_and_controller
+from fprc.registry import feedforward_of, model_of_run
+
+
+def check(*, armed: bool = False, config: Sequence[str] = ()) -> None:
+    """Check valves and sensors one by one.
+
+    Parameters
+    ----------
+    armed : bool
+        Let the valves move; otherwise only the sensors are checked.
+    config : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+
+    Examples
+    --------
+    fprc rig check --config config/config.yaml config/bench.yaml
+    fprc rig check --armed --config config/config.yaml config/bench.yaml
+
+    Raises
+    ------
+    ControlError
+        The check found a problem.
+    """
+    guard({"what": "check", "settings": _prepare(config), "armed": armed})
+
+
+def run(
+    name: str,
+    *,
+    out: str | None = None,
+    model: str | None = None,
+    armed: bool = False,
+    config: Sequence[str] = (),
+) -> None:
+    """Run one experiment and write its raw log.
+
+    Unless armed, prints what would be run, and ends with exit code 1.
+
+    Parameters
+    ----------
+    name : EXPERIMENT
+        Experiment to run; ``list`` prints their names.
+    out : FILE.h5
+        Raw log to write; by default EXPERIMENT.h5 in folders.raw.
+    model : MODEL.h5
+        Fitted model of the experiment's name; by default that in the results folder.
+    armed : bool
+        Let the valves move.
+    config : FILE
+        Configuration; later files override earlier ones. By default config/config.yaml if that
+        file exists, else the defaults.
+
+    Examples
+    --------
+    fprc rig run list
+    fprc rig run sweep --armed --config config/config.yaml config/bench.yaml
+
+    Raises
+    ------
+    ConfigError
+        There is no such experiment, or it uses no model and one is given.
+    ControlError
+        The run was refused or stopped.
+    """
+    settings = _prepare(config)
+    if name == "list":
+        print("\n".join(names(settings)))
+        return
+    refuse_unknown(name, settings)
+    if model and (name in EXPERIMENTS or not feedforward_of(reference_and_controller(name)[1])):
+        raise ConfigError(f"{name} uses no model; leave out --model, or choose another experiment")
+    results, folder = settings["folders"]["results"], settings["folders"]["raw"]
+    trained = f"{results}/models/sweep_{model_of_run(name)}.h5"
+    record_on_rig(
+        out or f"{folder}/{name}.h5",
+        name=name,
+        settings=settings,
+        armed=armed,
+        model=model or (trained if Path(trained).exists() else ""),
+    )
+
+
+def _prepare(files: Sequence[str]) -> dict[str, Any]:
+    return from_files(files or local_files()).model_dump(mode="json")

@@ -1,0 +1,131 @@
+"""The real rig behind the device protocol: boards, pressure sensors, angle sensors."""
+
+import contextlib
+import math
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from fprc.apparatus.bendlabs import BendSensor, open_bus
+from fprc.apparatus.locks import locked
+from fprc.apparatus.pneumatics import (
+    Pressures,
+    Valves,
+    board_names,
+    call_all,
+    quietly,
+    vent,
+)
+from fprc.channels import Readings
+from fprc.errors import DeviceError
+
+
+class HardwareRig:
+    """The paper's apparatus (Sec. II-B, Fig. 3).
+
+    Parameters
+    ----------
+    hardware : Mapping
+        As in ``fprc.config.hardware.Hardware``.
+    elapsed : callable
+        Returns the time since the start of the run, s, which becomes the time of a reading.
+    has_lock : bool
+        Whether this process already holds the locks of the boards; see ``fprc.apparatus.locks``.
+    sleep, now : callable
+        Sleep function, and a monotonic clock, s.
+
+    Raises
+    ------
+    DeviceError
+        Lists every part that cannot be opened; the others are released.
+    """
+
+    def __init__(
+        self,
+        hardware: Mapping[str, Any],
+        elapsed: Callable[[], float],
+        *,
+        has_lock: bool = False,
+        sleep: Callable[[float], None] = time.sleep,
+        now: Callable[[], float] = time.monotonic,
+    ):
+        boards = hardware["boards"]
+        self._elapsed = elapsed
+        self._voltages = hardware["valves"]
+        self._venting: dict[str, Any] = {"sleep": sleep, "now": now}
+        self._buses: dict[int, Any] = {}
+        with contextlib.ExitStack() as opened:
+            locks = opened.enter_context(contextlib.ExitStack())
+            if not has_lock:
+                locks.enter_context(locked(board_names(boards)))
+            problems: dict[str, None] = {}  # each once: both boards may lack the driver
+
+            def attempt(build: Callable[[], Any], release: str) -> Any:
+                try:
+                    part = build()
+                except DeviceError as error:
+                    problems[str(error)] = None
+                    return None
+                opened.callback(quietly, getattr(part, release))
+                return part
+
+            def sensor(settings: Mapping[str, Any]) -> BendSensor:
+                number = settings["bus"]
+                if number not in self._buses:
+                    self._buses[number] = bus = open_bus(number)
+                    opened.callback(quietly, bus.close)
+                calibration = {key: settings[key] for key in ("gain", "offset_deg")}
+                built = BendSensor(self._buses[number], settings["address"], **calibration)
+                built.start(sleep=sleep)
+                return built
+
+            self._valves: Valves = attempt(lambda: Valves(hardware, reset=True), "close")
+            self._inputs: Pressures = attempt(lambda: Pressures(hardware), "close")
+            self._sensors: list[BendSensor] = [
+                attempt(partial(sensor, hardware[name]), "shutdown")
+                for name in ("theta", "phi")
+                if hardware[name]
+            ]
+            if problems:
+                raise DeviceError("\n".join(problems))
+            opened.pop_all()
+        self._locks = locks
+        self.write, self.safe = self._valves.write, self._valves.vent
+        self._angles = [math.nan, math.nan]
+
+    def read(self) -> Readings:
+        """Return the latest reading of every sensor; NaN for a sensor that the rig lacks.
+
+        Raises
+        ------
+        DeviceError
+            A board or a sensor does not answer.
+        """
+        stamp = self._elapsed()
+        kpa = self._inputs.read()
+        for k, sensor in enumerate(self._sensors):
+            angle = sensor.read()
+            if angle is not None:
+                self._angles[k] = angle
+        return Readings(stamp, kpa[0], self._angles[0], kpa[1], kpa[2], self._angles[1])
+
+    def close(self) -> None:
+        """Vent, wait until readings confirm it, and release every part, even if a step fails.
+
+        Raises
+        ------
+        DeviceError
+            No reading confirms that both chambers are vented; the driver or a sensor reports
+            an error.
+        """
+        sensors = [sensor.shutdown for sensor in self._sensors]
+        buses = [bus.close for bus in self._buses.values()]
+        with self._locks:
+            call_all(
+                lambda: vent(self._valves, lambda: self._inputs, self._voltages, **self._venting),
+                self._valves.release,
+                self._inputs.close,
+                *sensors,
+                *buses,
+            )

@@ -1,0 +1,224 @@
+"""Pneumatics of the real rig: both valves, the pressure sensors, and venting.
+
+``hardware`` is a mapping as in ``fprc.config.hardware.Hardware``.
+"""
+
+import contextlib
+import time
+from collections.abc import Callable, Mapping
+from functools import cache, partial
+from itertools import cycle
+from typing import Any
+
+from fprc.apparatus.contec import Board
+from fprc.errors import DeviceError
+from fprc.escape import in_words
+
+#: The two voltages of the heartbeat output, for a watchdog relay.
+_HEARTBEAT_V = (0.0, 5.0)
+#: Time between two readings while a chamber vents, s.
+_POLL_S = 0.02
+#: Consecutive readings that must show a vented chamber.
+_IN_A_ROW = 10
+
+
+class NotVentedError(DeviceError):
+    """The valves were set to vent, but no reading confirms that the chambers are vented."""
+
+    def __init__(self, why: str):
+        super().__init__(
+            f"THE CHAMBERS MAY BE UNDER PRESSURE: both valves were set to vent, but {why}. Cut the "
+            "supply and open the chambers by hand; if a gauge shows 0 kPa, check the sensors' "
+            "cables and zero_v"
+        )
+
+
+class Valves:
+    """Both proportional valves on the output board, and the optional heartbeat output.
+
+    Parameters
+    ----------
+    reset : bool
+        Whether to reset the board, and to vent both chambers.
+
+    Raises
+    ------
+    DeviceError
+        The driver or the board cannot be opened; or the driver reports an error: raised by every
+        method, after trying its other writes.
+    """
+
+    def __init__(self, hardware: Mapping[str, Any], *, reset: bool):
+        boards = hardware["boards"]
+        self._board = Board(boards["library"], boards["output_device"], "Ao", reset=reset)
+        self._outputs = (boards["main_output"], boards["reservoir_output"])
+        self._heartbeat = boards["heartbeat_output"]
+        self._beats = 0
+        self._voltages = hardware["valves"]
+        self.release = self._board.close  #: releases the board; its outputs hold their voltages
+        if reset:
+            try:
+                self.exhaust()  # even at rest: a closed valve leaks, and would fill the chamber
+            except DeviceError:
+                quietly(self.close)  # tries to vent once more
+                raise
+
+    def write(self, main_v: float, reservoir_v: float) -> None:
+        """Set both voltages; if both writes succeed, toggle the heartbeat output."""
+        self._write_in_turn(main_v, reservoir_v)
+        if self._heartbeat is not None:
+            self._beats += 1
+            self._board.write(self._heartbeat, _HEARTBEAT_V[self._beats % 2])
+
+    def vent(self) -> None:
+        """Close both valves, then open both chambers to the atmosphere."""
+        neutral_v, vent_v = self._voltages["neutral_v"], self._voltages["vent_v"]
+        self._write_in_turn(neutral_v, neutral_v, vent_v, vent_v)
+
+    def close(self) -> None:
+        """Open both chambers to the atmosphere at once, and release the board."""
+        call_all(self.exhaust, self.release)
+
+    def exhaust(self) -> None:
+        """Open both chambers to the atmosphere at once."""
+        self._write_in_turn(self._voltages["vent_v"], self._voltages["vent_v"])
+
+    def _write_in_turn(self, *volts: float) -> None:
+        """Write voltages to the actuator's and the reservoir's valve in turn."""
+        call_all(
+            *(partial(self._board.write, *write) for write in zip(cycle(self._outputs), volts))
+        )
+
+
+class Pressures:
+    """The three pressure sensors on the input board.
+
+    Raises
+    ------
+    DeviceError
+        The driver or the board cannot be opened, or the driver reports an error.
+    """
+
+    def __init__(self, hardware: Mapping[str, Any]):
+        boards, names = hardware["boards"], ("p_exp", "p_i", "p_o")
+        self._channels = [boards[f"{name}_input"] for name in names]
+        self._scales = [(hardware[n]["zero_v"], hardware[n]["gain_kpa_per_v"]) for n in names]
+        self._board = Board(boards["library"], boards["input_device"], "Ai")
+        self.close = self._board.close
+
+    def read(self) -> list[float]:
+        """Return the present P_exp, P_i and P_o, kPa gauge."""
+        volts = self._board.read(1 + max(self._channels))
+        return [
+            (volts[channel] - zero) * gain
+            for channel, (zero, gain) in zip(self._channels, self._scales, strict=True)
+        ]
+
+
+def board_names(boards: Mapping[str, Any]) -> list[str]:
+    """Return the device names of both boards."""
+    return [boards["input_device"], boards["output_device"]]
+
+
+def vent(
+    valves: Valves,
+    open_inputs: Callable[[], Pressures],
+    voltages: Mapping[str, Any],
+    *,
+    on_write: Callable[[str], None] = lambda error: None,
+    sleep: Callable[[float], None] = time.sleep,
+    now: Callable[[], float] = time.monotonic,
+) -> None:
+    """Set both valves to vent, repeatedly, until readings show that both chambers are vented.
+
+    A chamber is vented if its sensor has read ``vented_kpa`` or less ten times in a row and has
+    changed since the first reading: a frozen one proves nothing. The valves are written again
+    before each reading, because the board may fail for a moment.
+
+    Parameters
+    ----------
+    open_inputs : callable
+        Returns the input board; called again after a DeviceError.
+    on_write : callable
+        Called after each write to the valves with its error; empty if it succeeded.
+
+    Raises
+    ------
+    NotVentedError
+        ``vent_s`` after the first successful write, no reading shows that both chambers are
+        vented.
+    DeviceError
+        Every write to the valves has failed for ``vent_s``.
+    """
+    began_s, written_s = now(), None
+    names, limit_kpa = ("p_exp_kpa", "p_i_kpa"), voltages["vented_kpa"]
+    seen: list[list[float]] = []
+    in_a_row = 0
+    while True:
+        failed = ""
+        try:
+            valves.exhaust()
+        except DeviceError as error:
+            failed = f"{error}; "
+            on_write(str(error))
+            if written_s is None and now() - began_s > voltages["vent_s"]:
+                raise
+        else:
+            on_write("")
+            written_s = now() if written_s is None else written_s
+        try:
+            seen.append(open_inputs().read()[:2])
+            state = in_words(
+                f"{name} = {kpa:.1f}" for name, kpa in zip(names, seen[-1], strict=True)
+            )
+            state += f"; vented is {limit_kpa:g} or less (hardware.valves.vented_kpa)"
+            # abs: a disconnected sensor reads far below 0
+            in_a_row = in_a_row + 1 if all(abs(kpa) <= limit_kpa for kpa in seen[-1]) else 0
+        except DeviceError as error:
+            in_a_row, state = 0, f"no pressure can be read ({error})"
+        frozen = [name for k, name in enumerate(names) if len({row[k] for row in seen}) == 1]
+        if written_s is not None:
+            if in_a_row >= _IN_A_ROW and not frozen:
+                return
+            if now() - written_s > voltages["vent_s"]:
+                state += f"; {in_words(frozen)} never changed: frozen sensor" if frozen else ""
+                raise NotVentedError(f"after {voltages['vent_s']:g} s {failed}{state}")
+        sleep(_POLL_S)
+
+
+def vent_from_outside(hardware: Mapping[str, Any], on_write: Callable[[str], None]) -> None:
+    """Vent both chambers after another process has driven them, over new connections.
+
+    The caller must hold the locks of the boards. Arguments and errors are those of ``vent``.
+    """
+    with contextlib.ExitStack() as opened:
+
+        @cache
+        def open_inputs() -> Pressures:
+            inputs = Pressures(hardware)
+            opened.callback(quietly, inputs.close)
+            return inputs
+
+        valves = Valves(hardware, reset=False)
+        try:
+            vent(valves, open_inputs, hardware["valves"], on_write=on_write)
+        finally:
+            quietly(valves.close)
+
+
+def call_all(*calls: Callable[[], None]) -> None:
+    """Make every call, then raise all their errors together."""
+    problems = []
+    for call in calls:
+        try:
+            call()
+        except (DeviceError, OSError) as error:
+            problems.append(str(error))
+    if problems:
+        raise DeviceError("\n".join(dict.fromkeys(problems)))
+
+
+def quietly(call: Callable[[], None]) -> None:
+    """Make a call; ignore its failure, which is reported elsewhere or no longer matters."""
+    with contextlib.suppress(DeviceError, OSError):
+        call()

@@ -1,0 +1,1 @@
+"""Recordings of other people: reading, import, and whether a sealed chamber helps."""

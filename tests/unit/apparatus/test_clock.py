@@ -1,0 +1,143 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fprc.apparatus.clock import Metronome
+from fprc.errors import ControlError
+
+# a power of two: sums of deadlines are exact
+PERIOD_S = 2.0**-8
+
+
+class Time:
+    """Time that advances in ``sleep`` and ``pass_``, and by ``look_s`` at each reading."""
+
+    def __init__(self, look_s=0.0):
+        self.s = 1000.0
+        self.look_s = look_s
+        self.slept = []
+
+    def now(self):
+        self.s += self.look_s
+        return self.s
+
+    def sleep(self, seconds):
+        assert seconds > 0.0
+        self.slept.append((self.s, seconds))
+        self.s += seconds
+
+    def pass_(self, periods):
+        self.s += periods * PERIOD_S
+
+
+@pytest.fixture
+def time():
+    return Time()
+
+
+def metronome(time, allowed=1000, **more):
+    more = {"now": time.now, "sleep": time.sleep} | more
+    return Metronome(PERIOD_S, overruns_in_a_row=allowed, **more)
+
+
+@pytest.mark.parametrize(
+    ("stall", "tick", "late"),
+    [
+        (0.0, 1, 0.0),
+        (0.75, 1, 0.0),
+        (1.0, 1, 0.0),
+        (1.25, 1, 0.25),
+        (1.875, 1, 0.875),  # just below one period late
+        (2.0, 2, 0.0),  # at one
+        (2.125, 2, 0.125),  # above
+        (9.5, 9, 0.5),
+        (700.0, 700, 0.0),
+    ],
+)
+def test_stall_gives_up_the_ticks_that_are_a_period_late(time, stall, tick, late):
+    clock = metronome(time)
+    clock.wait_for(0)
+    time.pass_(stall)
+    assert clock.wait_for(1) == tick
+    assert clock.overruns == tick - 1
+    assert time.s == 1000.0 + (1 + tick + late) * PERIOD_S
+    # and continues on the original grid
+    assert clock.wait_for(tick + 1) == tick + 1
+    assert time.s == 1000.0 + (2 + tick) * PERIOD_S
+
+
+@pytest.mark.parametrize(("missed", "ends"), [(2, False), (3, False), (4, True), (1e6, True)])
+def test_more_missed_ticks_than_allowed_end_the_run(time, missed, ends):
+    clock = metronome(time, allowed=3)
+    clock.wait_for(0)
+    time.pass_(1 + missed)
+    if not ends:
+        assert clock.wait_for(1) == 1 + missed
+        return
+    with pytest.raises(ControlError, match=f"{missed:.0f} ticks.*overruns_in_a_row"):
+        clock.wait_for(1)
+
+
+def test_missed_ticks_are_in_a_row_until_the_loop_has_caught_up(time):
+    clock = metronome(time, allowed=3)
+    clock.wait_for(0)
+    time.pass_(3.5)
+    assert clock.wait_for(1) == 3  # two missed, half a period late
+    time.pass_(0.75)
+    assert clock.wait_for(4) == 4  # late, none missed: not caught up
+    time.pass_(2.75)
+    with pytest.raises(ControlError, match="4 ticks"):
+        clock.wait_for(5)
+
+
+def test_loop_that_has_caught_up_may_miss_as_many_again(time):
+    clock = metronome(time, allowed=3)
+    clock.wait_for(0)
+    for tick in (1, 6, 11):
+        time.pass_(4)
+        assert clock.wait_for(tick) == tick + 3
+        assert clock.wait_for(tick + 4) == tick + 4  # on time
+    assert clock.overruns == 9
+
+
+def test_last_moment_is_waited_actively():
+    time = Time(look_s=1e-5)
+    clock = metronome(time, spin_s=1e-3)
+    for tick in range(5):
+        clock.wait_for(tick)
+        due_s = 1000.0 + 1e-5 + (tick + 1) * PERIOD_S
+        assert 0.0 <= time.s - due_s <= 3e-5
+        begun_s, slept_s = time.slept[-1]
+        assert begun_s + slept_s == pytest.approx(due_s - 1e-3, abs=3e-5)
+    assert len(time.slept) == 5
+
+
+def test_statistics_are_those_of_numpy(time):
+    clock, rng = metronome(time), np.random.default_rng(2)
+    late, tick = [], -1
+    for stall in rng.exponential(0.6, 3000):
+        tick = clock.wait_for(tick + 1)
+        late.append(time.s - 1000.0 - (tick + 1) * PERIOD_S)
+        time.pass_(stall)
+    statistics = clock.statistics()
+    names = ("jitter_p50_s", "jitter_p99_s", "jitter_p99_9_s", "jitter_max_s")
+    expected = np.percentile(late, [50.0, 99.0, 99.9, 100.0])
+    assert [statistics[name] for name in names] == pytest.approx(expected, abs=1e-9)
+    assert statistics["jitter_max_s"] > 0.5 * PERIOD_S
+    assert (statistics["ticks"], statistics["overruns"]) == (3000, tick + 1 - 3000)
+    assert tick + 1 > 3000
+
+
+@given(st.lists(st.integers(0, 5000), max_size=60))
+def test_ticks_rise_and_none_begins_early_or_a_period_late(works):
+    time = Time()
+    clock = metronome(time)
+    ticks = [clock.wait_for(0)]
+    for work in works:
+        time.pass_(work / 1024)
+        ticks.append(clock.wait_for(ticks[-1] + 1))
+        assert ticks[-1] > ticks[-2]
+        late = (time.s - 1000.0) / PERIOD_S - 1 - ticks[-1]
+        assert 0.0 <= late < 1.0
+        assert clock.overruns == ticks[-1] + 1 - len(ticks)

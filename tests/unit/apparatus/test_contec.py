@@ -1,0 +1,68 @@
+import shutil
+import subprocess
+
+import pytest
+
+from fprc.apparatus.contec import Board, load_library
+from fprc.errors import DeviceError
+
+
+@pytest.fixture
+def library(bench, driver):
+    return str(driver)
+
+
+def test_input_board_reads_the_channels_asked_for(bench, library):
+    bench.shared.inputs[:4] = [1.25, -10.0, 9.5, 7.0]
+    board = Board(library, "AIO000", "Ai")
+    assert list(board.read(3)) == [1.25, -10.0, 9.5]
+    bench.shared.inputs[0] = 2.5
+    assert board.read(3)[0] == 2.5
+
+
+def test_output_board_writes_the_channel_asked_for(bench, library):
+    board = Board(library, "AIO001", "Ao")
+    board.write(1, 2.5)
+    board.write(0, -10.0)
+    assert [row[1:] for row in bench.writes()] == [(1, 2.5), (0, -10.0)]
+    assert list(bench.shared.outputs[:2]) == [-10.0, 2.5]
+
+
+def test_board_is_reset_unless_its_outputs_must_hold(bench, library):
+    Board(library, "AIO001", "Ao").close()
+    calls = bench.shared.calls
+    Board(library, "AIO001", "Ao", reset=False).close()
+    assert bench.shared.calls - calls == calls - 1
+
+
+@pytest.mark.parametrize(("code", "words"), [(20000, "\\ufffd+u"), (20001, "no description")])
+def test_words_that_cannot_be_read_and_none_are_no_crash(bench, library, code, words):
+    board = Board(library, "AIO000", "Ai")
+    bench.fail(code=code)
+    with pytest.raises(DeviceError, match=rf"failed with code {code} \({words}\)"):
+        board.read(1)
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"), [("libcaio.so", "libcaio.so"), ("lib\0caio.so", r"lib\x00caio.so")]
+)
+def test_missing_library_says_where_to_get_it(tmp_path, name, shown):
+    with pytest.raises(DeviceError) as caught:
+        load_library(str(tmp_path / name))
+    assert str(caught.value).startswith(f"driver {tmp_path / shown}: cannot be loaded (")
+    assert "API-AIO(LNX) from contec.com, or set hardware.boards.library" in str(caught.value)
+
+
+def test_driver_is_looked_for_by_its_own_name():
+    with pytest.raises(DeviceError, match=r"^driver libcaio\.so: cannot"):
+        load_library()
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler, cc")
+def test_wrong_library_is_reported_with_the_call_that_it_lacks(tmp_path):
+    source = tmp_path / "other.c"
+    source.write_text("long AioInit(void) { return 0; }\nlong AioExit(void) { return 0; }\n")
+    other = tmp_path / "other.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", other, source], check=True)
+    with pytest.raises(DeviceError, match="has no AioResetDevice; it is not Contec's API-AIO"):
+        load_library(str(other))

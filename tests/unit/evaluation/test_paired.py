@@ -1,0 +1,231 @@
+"""Verdicts on several pairs at once, against closed forms, brute force and simulation."""
+
+import math
+from itertools import combinations
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from scipy.stats import ttest_1samp
+
+from fprc.evaluation.paired import ALPHA, Part, _least_level, holm, judge_together
+
+MARGIN = math.log(1.05)
+SAMPLES = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=12).filter(
+    lambda values: np.std(values) > 1e-6
+)
+LEVELS = st.floats(0.001, 0.3)
+
+
+def part(values, **more):
+    return Part("ours / theirs", dict(enumerate(values)), **more)
+
+
+def normal(mean, std, units, seed=0):
+    """Return a sample whose mean and standard deviation are exactly these."""
+    sample = np.random.default_rng(seed).standard_normal(units)
+    return mean + std * (sample - sample.mean()) / sample.std(ddof=1)
+
+
+def outcomes_of(*claims, **how):
+    """Return the outcome of each claim, given by its parts."""
+    named = {str(number): ("Text.", parts) for number, parts in enumerate(claims)}
+    by_claim = {row["id"]: SimpleNamespace(**row) for row in judge_together(named, **how)}
+    return list(by_claim.values())
+
+
+def judge(*samples, **more):
+    """Return the outcome of a claim alone."""
+    (outcome,) = outcomes_of([part(sample, **more) for sample in samples])
+    return outcome
+
+
+# --- one pair -------------------------------------------------------------------------------------
+
+
+@given(SAMPLES, LEVELS)
+def test_equivalence_is_two_one_sided_tests(values, level):
+    ps = (
+        ttest_1samp(values, MARGIN, alternative="less").pvalue,
+        ttest_1samp(values, -MARGIN, alternative="greater").pvalue,
+    )
+    assert (part(values).verdict(level) == "equivalent") == (max(ps) <= level / 2)
+
+
+@given(SAMPLES, LEVELS)
+def test_superior_and_inferior_are_t_tests(values, level):
+    test = ttest_1samp(values, 0.0)
+    expected = "undecided"
+    if test.pvalue < level:
+        expected = "superior" if test.statistic < 0 else "inferior"
+    assert part(values, limit=1.1).verdict(level) == expected
+
+
+# --- several claims -------------------------------------------------------------------------------
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=6))
+@example([0.03, 0.03])  # neither, although either alone would be decided
+def test_holm_is_the_closure_of_bonferroni(p):
+    """A claim is decided if Bonferroni rejects every set of claims that it is in."""
+    everything = range(len(p))
+    closure = [
+        max(
+            min(1.0, size * min(p[j] for j in chosen))
+            for size in range(1, len(p) + 1)
+            for chosen in combinations(everything, size)
+            if i in chosen
+        )
+        for i in everything
+    ]
+    adjusted, levels = holm(np.array(p))
+    assert adjusted == pytest.approx(closure)
+    decided = np.array(p) <= levels
+    assert (decided == (adjusted <= ALPHA)).all() or np.isclose(adjusted, ALPHA).any()
+
+
+def test_claim_that_only_a_lower_level_decides_does_not_ease_the_next_one():
+    """Its first part is inferior at 0.001, and equivalent at the level of the first claim."""
+    loose = [part(normal(math.log(1.03), 0.02, 12)), part(normal(0.0, 1.0, 12))]
+    first, second = outcomes_of(loose, [part(normal(-0.3, 0.05, 12))])
+    assert (first.verdict, first.p) == ("undecided", 1.0)
+    assert (second.verdict, second.level) == ("superior", ALPHA / 2)
+
+
+MEANS = st.sampled_from([-0.3, -0.04, 0.0, 0.02, 0.03, 0.04, 0.3])
+ERRORS = st.sampled_from([0.001, 0.005, 0.01, 0.02, 0.1])
+
+
+@settings(deadline=None)
+@given(st.lists(st.lists(st.tuples(MEANS, ERRORS), min_size=1, max_size=3), min_size=1, max_size=4))
+def test_claim_is_decided_if_its_p_is_below_the_level_of_all(numbers):
+    """Whatever its parts are: one may be inferior at a low level and equivalent at a higher one."""
+    units = 12
+    claims = [
+        [part(normal(mean, error * math.sqrt(units), units)) for mean, error in of_claim]
+        for of_claim in numbers
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fprc.evaluation.paired._share_of_subsets", lambda *rest: 1.0)
+        outcomes = outcomes_of(*claims)
+    for outcome in outcomes:
+        assert (outcome.verdict != "undecided") == (outcome.p <= ALPHA)
+
+
+def test_a_claim_that_is_not_judged_still_counts():
+    weak = [part(normal(-0.1, 0.125, 12))]  # p = 0.018
+    assert outcomes_of(weak)[0].p == pytest.approx(0.0178, abs=5e-4)
+    outcomes = outcomes_of(weak, [part([])], [part([-0.1])])
+    assert [outcome.verdict for outcome in outcomes] == ["undecided", "not judged", "not judged"]
+    assert outcomes[0].p == pytest.approx(3 * 0.0178, abs=2e-3)
+    assert outcomes[0].level == pytest.approx(ALPHA / 3)
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_claim_that_was_decided_elsewhere_counts_as_if_it_were_judged(place):
+    spreads = [0.2, 0.3, 0.4]
+    claims = [[part(normal(-0.3, spread, 20, seed=7))] for spread in spreads]
+    expected = outcomes_of(*claims)
+    elsewhere = claims.pop(place)
+    expected.pop(place)
+    assert outcomes_of(*claims, further=[_least_level(elsewhere)]) == [
+        SimpleNamespace(**vars(outcome) | {"id": str(k)}) for k, outcome in enumerate(expected)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "verdict"),
+    [
+        (-0.3, -0.3, "superior"),
+        (-0.3, 0.0, "equivalent"),
+        (-0.3, 0.3, "inferior"),
+        (0.0, 0.3, "inferior"),
+        (0.0, 0.0, "equivalent"),
+    ],
+)
+def test_verdict_of_two_parts_is_the_weaker(first, second, verdict):
+    assert judge(normal(first, 0.01, 12), normal(second, 0.01, 12)).verdict == verdict
+    assert judge(normal(second, 0.01, 12), normal(first, 0.01, 12)).verdict == verdict
+
+
+def test_part_that_is_undecided_leaves_the_claim_undecided():
+    assert judge(normal(-0.3, 0.01, 12), normal(0.0, 1.0, 12)).verdict == "undecided"
+    assert judge(normal(0.3, 0.01, 12), normal(0.0, 1.0, 12)).verdict == "inferior"
+
+
+def test_p_of_two_parts_is_that_of_the_weaker():
+    weak, strong = normal(-0.1, 0.125, 12), normal(-0.3, 0.01, 12)
+    assert judge(strong, weak).p == pytest.approx(2 * judge(weak).p)
+    assert judge(strong, weak).level == pytest.approx(judge(weak).level / 2)
+    # one part that is inferior decides the claim
+    assert judge(normal(0.3, 0.01, 12), weak).p < judge(weak).p
+
+
+# --- units that share training data ---------------------------------------------------------------
+
+
+def test_interval_of_blocks_has_the_variance_of_nadeau_and_bengio():
+    values, blocks, overlap = normal(-0.1, 0.05, 10), 10, 100 / 860
+    error = math.sqrt((1 / blocks + overlap) * 0.05**2)
+    half = 2.2622 * error  # quantile of t with 9 degrees of freedom
+    found = part(values, overlap=overlap).interval(0.05)
+    assert found == pytest.approx((-0.1, -0.1 - half, -0.1 + half), abs=1e-5)
+    subset = values[:5]
+    half = 2.7764 * math.sqrt((1 / 5 + overlap) * subset.var(ddof=1))
+    _, low, high = part(values, overlap=overlap).interval(0.05, range(5))
+    assert high - low == pytest.approx(2 * half, rel=1e-4)
+
+
+@given(SAMPLES, st.sampled_from([1.0, 1.1]), st.just(0.0) | st.floats(0.01, 1.0))
+def test_lowest_level_is_where_the_verdict_turns(values, limit, overlap):
+    sample = part(values, limit=limit, overlap=overlap)
+    least, inferior = sample.least_levels()
+    if least < 0.9:
+        assert sample.verdict(least * 1.0001) != "undecided"
+        assert sample.verdict(least * 0.9999) == "undecided"
+    if inferior < 0.9:
+        assert sample.verdict(inferior * 1.0001) == "inferior"
+
+
+# --- other units ----------------------------------------------------------------------------------
+
+
+def test_verdict_that_fewer_units_turn_is_undecided():
+    values = normal(-0.1, 0.13, 12)  # p = 0.02
+    outcome = judge(values)
+    assert part(values).verdict(ALPHA) == "superior"
+    shares = [
+        part(subset).verdict(ALPHA) == "superior"
+        for subset in combinations(values, len(values) - 5)
+    ]
+    assert outcome.verdict == "undecided"
+    assert outcome.stable == pytest.approx(np.mean(shares), abs=0.12)
+    assert outcome.stable < 0.95
+
+
+def test_one_outlier_leaves_it_undecided():
+    values = normal(-0.1, 0.02, 12)
+    outcome = judge(values)
+    assert (outcome.verdict, outcome.stable) == ("superior", 1.0)
+    assert judge([*values[1:], 1.0]).verdict == "undecided"
+
+
+def test_seven_units_decide_nothing_and_eight_do():
+    for units, verdict in ((7, "undecided"), (8, "superior")):
+        assert judge(normal(-0.5, 0.01, units)).verdict == verdict
+
+
+def test_subsets_lack_as_many_units_as_asked_for():
+    claim = [part(normal(-0.1, 0.13, 12))]
+    (outcome,) = outcomes_of(claim, left_out=1)
+    values = list(claim[0].values.values())
+    shares = [part(subset).verdict(ALPHA) == "superior" for subset in combinations(values, 11)]
+    assert outcome.stable == pytest.approx(np.mean(shares), abs=0.1)
+    assert outcome.stable > outcomes_of(claim)[0].stable
+
+
+def test_units_that_all_agree_are_judged():
+    assert judge([-0.2] * 10).verdict == "superior"
+    assert judge([0.0] * 10).verdict == "equivalent"

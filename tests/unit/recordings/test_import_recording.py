@@ -1,0 +1,294 @@
+import logging
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from sklearn.model_selection import LeaveOneGroupOut
+
+from fprc.channels import RAW_CHANNELS
+from fprc.cli import main
+from fprc.config import Settings
+from fprc.errors import ConfigError, LogError, OutputError
+from fprc.experiments.data import Data, read_data, refuse_mixture
+from fprc.logs import assess, read_columns, read_raw
+from fprc.models import FPRC
+from fprc.recordings.import_recording import _line, import_or_draft
+from fprc.stages.preprocess import preprocess
+
+pytestmark = pytest.mark.slow
+
+RATE = {"experiment": "sweep", "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
+LIMITS = Settings().quality.model_dump()
+ANGLE = {"column": "theta_deg", "unit": "deg"}
+COMMAND = {"column": "p_exp_command_kpa", "unit": "kPa"}
+
+
+@pytest.fixture
+def bring(recorded, tmp_path, undrawn):
+    """Import a simulated sweep, written as CSV, with the given channels."""
+
+    def bring(channels, lost=slice(0), **more):
+        table = pd.DataFrame(recorded["sweep"])
+        table.drop(index=table.index[lost]).to_csv(tmp_path / "log.csv", index=False)
+        mapping = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
+        (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
+        raw = tmp_path / "sweep.h5"
+        import_or_draft(str(tmp_path / "log.csv"), map_=str(tmp_path / "map.yaml"), out=str(raw))
+        return raw
+
+    return bring
+
+
+def prepared(raw):
+    data, quality = raw.with_name("data.h5"), raw.with_name("quality.json")
+    preprocess(
+        str(raw), str(data), str(quality),
+        experiment="sweep", target="command", sample_rate_hz=200.0, limits=LIMITS,
+    )  # fmt: skip
+    return data
+
+
+def test_log_goes_out_as_csv_and_comes_back_the_same(bring, recorded):
+    names = [name for name in RAW_CHANNELS if name != "time_s"]
+    units = {"kpa": "kPa", "deg": "deg", "_v": "V"}
+    unit = {name: next(u for end, u in units.items() if name.endswith(end)) for name in names}
+    raw = bring({name: {"column": name, "unit": unit[name]} for name in names})
+    log = read_raw(raw, **RATE)
+    assert set(log.channels) == set(RAW_CHANNELS)
+    for name in names:
+        assert log.channels[name].tolist() == recorded["sweep"][name].tolist()
+    assert log.attributes["source"] == "import"
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("sweep.diagnosis.json", '{"source": "a", "log": "other.h5", "words": []}'),
+        ("sweep.diagnosis.png", "mine"),
+        ("sweep.diagnosis.png", None),
+    ],
+)
+def test_file_that_no_import_wrote_is_kept_and_nothing_written(bring, tmp_path, name, content):
+    if content is None:
+        (tmp_path / name).mkdir()
+    else:
+        (tmp_path / name).write_text(content)
+    with pytest.raises(OutputError, match=f"{name}: exists and was not made by this command"):
+        bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND})
+    assert [path.name for path in tmp_path.glob("sweep*")] == [name]
+    assert content is None or (tmp_path / name).read_text() == content
+
+
+def test_map_of_two_parts_is_for_another_command(bring):
+    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
+    with pytest.raises(ConfigError, match="test_from_s is for `fprc readout`"):
+        bring(channels, experiment=None, test_from_s=5)
+
+
+# --- all or nothing -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("fails", "old"),
+    [("draw_diagnosis", True), ("write_json", False), ("write_raw", True), ("resample", True)],
+)
+def test_import_that_fails_leaves_everything_as_it_was(bring, monkeypatch, old, fails):
+    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
+    folder = bring(channels).parent
+    if not old:
+        for path in folder.glob("sweep.*"):
+            path.unlink()
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+
+    def fail(*arguments, **named):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(f"fprc.recordings.import_recording.{fails}", fail)
+    with pytest.raises(ZeroDivisionError):
+        bring(channels)
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize("name", [r"$\frac{$", "$x$ `b` | <i>", "=1, a\x1b[2J", "日本"])
+def test_column_of_any_name_is_imported_and_drawn(tmp_path, name):
+    table = pd.DataFrame({"t": np.arange(20) / 200.0, name: np.arange(20.0), "p": np.ones(20)})
+    table.to_csv(tmp_path / "log.csv", index=False)
+    theta = {"column": name, "unit": "deg", "note": f"from {name}"}
+    raw = imported(tmp_path, {"theta_deg": theta, "p_exp_kpa": {"column": "p", "unit": "kPa"}})
+    assert read_raw(raw, **RATE).channels["theta_deg"].tolist() == list(range(20))
+    assert sorted(path.name for path in tmp_path.glob("sweep*")) == [
+        "sweep.diagnosis.json", "sweep.diagnosis.png", "sweep.h5",
+    ]  # fmt: skip
+
+
+def imported(folder, channels, time=None, source="log.csv"):
+    """Import a file of a folder by the command line, and return the log."""
+    mapping = {"experiment": "sweep", "time": time or {"column": "t"}, "channels": channels}
+    (folder / "map.yaml").write_text(yaml.safe_dump(mapping))
+    names = [str(folder / name) for name in (source, "map.yaml", "sweep.h5")]
+    assert main(["import", names[0], "--map", names[1], "--out", names[2]]) == 0
+    return folder / "sweep.h5"
+
+
+# --- what may be absent ---------------------------------------------------------------------
+
+
+def test_gap_that_is_filled_is_noted_in_the_log(bring):
+    raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, lost=slice(1000, 1300))
+    log = read_raw(raw, **RATE)
+    assert len(log.channels["time_s"]) == 4000
+    noted = assess(log, sample_rate_hz=200.0, **LIMITS)["notes"]["time_s"]
+    assert "gaps, filled by linear interpolation: 1, about 300 samples" in noted
+
+
+def test_newtons_are_not_taken_for_kilopascals_and_not_mixed_with_them(bring, caplog):
+    force = {"column": "p_i_kpa", "unit": 1, "scale": 10, "note": "motor force F [N]"}
+    raw = bring({"theta_deg": ANGLE, "p_exp_kpa": force})
+    note = "not in kPa: motor force F [N]"
+    log = read_raw(raw, **RATE)
+    record = assess(log, sample_rate_hz=200.0, **LIMITS)
+    assert log.channels["p_exp_kpa"].max() > LIMITS["pressure_range_kpa"][1]
+    assert record["notes"] == {"p_exp_kpa": note}
+    assert record["checks"]["range"]["passed"]
+    with caplog.at_level(logging.WARNING):
+        data = read_data(str(prepared(raw)))
+    assert f"p_exp_kpa: {note}" in caplog.text
+    assert data.attributes["notes"] == {"p_exp_kpa": note}
+    assert (data.unit, data.attributes["theta_unit"]) == ("N", "deg")
+    refuse_mixture(data, data)
+    plain = Data(data.channels, data.attributes | {"p_target_unit": "kPa"})
+    with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
+        refuse_mixture(data, plain)
+
+
+# --- command line ---------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_words_of_the_draft_are_those_of_the_map(tmp_path, capsys, matlab_files):
+    """Names of nested parts: tests/unit/logs/test_arrays.py."""
+    count = np.arange(50.0)
+    both, empty = np.column_stack([count, -count]), np.zeros((0, 0))
+    content = {"run": {"t": 0.01 * count, "q": both}, "none": empty}
+    matlab_files.write_matlab5(tmp_path / "log.mat", content)
+    assert main(["import", str(tmp_path / "log.mat"), "--draft"]) == 0
+    printed = capsys.readouterr().out
+    assert set(re.findall(r'"(run\..*?)"', printed)) == {"run.q[:, 0]", "run.q[:, 1]", "run.t"}
+    assert "# none: cannot be a channel: empty" in printed.splitlines()
+    theta, p_exp = (
+        {"column": f"run.q[:, {k}]", "unit": unit} for k, unit in ((1, "deg"), (0, "kPa"))
+    )
+    channels = {"theta_deg": theta, "p_exp_kpa": p_exp}
+    log = read_raw(imported(tmp_path, channels, {"column": "run.t"}, "log.mat"), **RATE)
+    assert log.channels["theta_deg"][::2] == pytest.approx(-count)
+    assert log.channels["p_exp_kpa"][::2] == pytest.approx(count)
+
+
+def jittery(jitter_s):
+    """Return 2,000 stamps of 200 Hz, each late by up to ``jitter_s``."""
+    late = np.random.default_rng(1).uniform(0.0, jitter_s, 2000)
+    return np.sort(np.arange(2000) / 200.0 + late)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "is_clock"),
+    [
+        (jittery(0.0), True),
+        (jittery(0.004), True),
+        (jittery(0.02), True),
+        (np.linspace(0.0, 1.0, 2000) ** 4, False),  # a ramp that rises late
+        (np.array([-1e308, 1e308, 1.2e308, 1.3e308]), False),
+    ],
+    ids=["even", "jitter", "more jitter", "ramp", "beyond all numbers"],
+)
+def test_clock_is_found_however_unevenly_it_ticks(tmp_path, capsys, stamps, is_clock):
+    rows = "".join(f"{stamp:.9f},1\n" for stamp in stamps)
+    (tmp_path / "log.csv").write_text(f"t,x\n{rows}")
+    assert main(["import", str(tmp_path / "log.csv"), "--draft"]) == 0
+    rates = re.findall(r"# ([\d.]+) Hz", capsys.readouterr().out)
+    assert [round(float(rate), -2) for rate in rates] == [200.0] * is_clock
+
+
+# --- the page that explains it --------------------------------------------------------------
+
+DOCS = Path(__file__).parents[3] / "docs"
+
+
+def test_several_recordings_of_the_page_are_fitted_both_ways():
+    page = (DOCS / "chamber.md").read_text(encoding="utf-8")
+    snippet = page.split("```python\n")[1].split("```")[0]
+    rng = np.random.default_rng(0)
+    names = {"np": np, "FPRC": FPRC, "LeaveOneGroupOut": LeaveOneGroupOut}
+    for i in range(1, 5):
+        names |= {f"X{i}": rng.uniform(0.0, 60.0, (300, 2)), f"y{i}": rng.uniform(0.0, 350.0, 300)}
+    exec(compile(snippet, "docs/chamber.md", "exec"), names)
+    X, y, lengths = names["X"], names["y"], names["lengths"]
+    rows = [
+        names["prepared"].features.transform(part) for part in np.split(X, np.cumsum(lengths)[:-1])
+    ]
+    again = FPRC(random_state=1).make_readout().fit(np.vstack(rows), y)
+    np.testing.assert_allclose(names["model"].readout_.predict(rows[2]), again.predict(rows[2]))
+    assert len(names["errors"]) == 3
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_draft_of_names_that_tell_all_is_a_map_that_imports(recorded, tmp_path, capsys):
+    sweep = recorded["sweep"]
+    columns = {
+        "t [ms]": 1e3 * sweep["time_s"],
+        'bend "angle" [rad]': np.deg2rad(sweep["theta_deg"]),
+        "Pressure [bar]": sweep["p_exp_kpa"] / 100.0,
+        "sealed chamber, kPa": sweep["p_o_kpa"],
+        "room \U0001f321": np.zeros(len(sweep["time_s"])),
+    }
+    pd.DataFrame(columns).to_csv(tmp_path / "arm.csv", index=False)
+    assert main(["import", str(tmp_path / "arm.csv"), "--draft"]) == 0
+    text = capsys.readouterr().out
+    assert "?" not in "".join(text.splitlines(keepends=True)[1:])
+    (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
+    given = [str(tmp_path / name) for name in ("arm.csv", "arm.yaml", "sweep.h5")]
+    assert main(["import", given[0], "--map", given[1], "--out", given[2]]) == 0
+    log = read_columns(given[2], ("time_s", "theta_deg", "p_exp_kpa", "p_o_kpa"))
+    assert log.attributes["sample_rate_hz"] == 200.0
+    for name, values in log.channels.items():
+        np.testing.assert_allclose(values, sweep[name], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("columns", "clock"),
+    [
+        ({"": 1.0, "timestamp": 0.005}, "timestamp, unit: s"),  # pandas writes the row's number
+        ({"sample": 1.0, "Elapsed [ms]": 5.0}, "Elapsed [ms], unit: ms"),
+        ({"time [s]": 1.0}, "time [s], unit: s"),  # 1 Hz, and not 1 kHz
+        ({"t_µs": 5000.0}, "t_µs, unit: us"),
+        ({"n": 1.0, "ticks": 5.0}, "n, unit: ms}  # 1000 Hz; or ticks?"),
+    ],
+)
+def test_draft_takes_the_clock_and_its_unit_from_names(columns, clock, recorded, tmp_path, capsys):
+    count = len(recorded["sweep"]["time_s"])
+    table = pd.DataFrame({name: step * np.arange(count) for name, step in columns.items()})
+    table["PAM B [bar abs]"] = 1.0 + recorded["sweep"]["p_o_kpa"] / 100.0
+    table.to_csv(tmp_path / "arm.csv", index=False)
+    assert main(["import", str(tmp_path / "arm.csv"), "--draft"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (time,) = (line.replace('"', "") for line in lines if line.startswith("time:"))
+    assert f"column: {clock}" in time
+    assert any('"unit": "bar"' in line and "-101.325" in line for line in lines)
+
+
+def test_draft_says_why_a_column_is_no_channel(tmp_path, capsys):
+    (tmp_path / "arm.csv").write_text("Time;Angle\ns;deg\n0,0;1,0\n0,1;2,0\n")
+    assert main(["import", str(tmp_path / "arm.csv"), "--draft"]) == 0
+    assert "# Angle: cannot be a channel: line 2 holds 'deg'" in capsys.readouterr().out
+
+
+@given(name=st.text())
+def test_draft_quotes_any_name_as_yaml(name):
+    line = _line("time", {"column": name, "unit": "s"}, name)
+    assert line.isprintable()
+    assert yaml.safe_load(line) == {"time": {"column": name, "unit": "s"}}

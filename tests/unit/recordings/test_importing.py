@@ -1,0 +1,191 @@
+import pytest
+import yaml
+
+from fprc.errors import ConfigError
+from fprc.recordings.clock import SECONDS
+from fprc.recordings.importing import Time, likely_channel, likely_unit, read_csv, read_map
+
+SMALL = {
+    "experiment": "sweep",
+    "time": {"column": "t"},
+    "channels": {
+        "theta_deg": {"column": "angle", "unit": "deg"},
+        "p_exp_kpa": {"column": "P", "unit": "bar"},
+    },
+}
+#: The beginning of a map of two parts.
+TWO = SMALL | {"experiment": None}
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read(content):
+        path = tmp_path / "map.yaml"
+        path.write_text(content if isinstance(content, str) else yaml.safe_dump(content))
+        return read_map(path)
+
+    return read
+
+
+@pytest.fixture
+def problems(read):
+    def problems(content):
+        with pytest.raises(ConfigError) as caught:
+            read(content)
+        return str(caught.value)
+
+    return problems
+
+
+def with_channel(name, **column):
+    return SMALL | {"channels": SMALL["channels"] | {name: column}}
+
+
+def test_small_map_has_the_documented_defaults(read):
+    given_map = read(SMALL)
+    assert (given_map.sample_rate_hz, given_map.start_s, given_map.end_s) == (None, 0.0, None)
+    assert (given_map.time.unit, given_map.time.rate_hz) == ("s", None)
+    assert (given_map.channels.theta_deg.scale, given_map.channels.theta_deg.offset) == (1.0, 0.0)
+    assert given_map.channels.p_o_kpa is None
+
+
+def test_every_unit_of_time_has_its_seconds():
+    assert set(Time.model_fields["unit"].annotation.__args__) == set(SECONDS)
+
+
+def test_numbers_of_yaml_serve_as_names_and_as_unit_one(read):
+    given_map = read(with_channel("p_o_kpa", column=3, unit=1, note="force [N]"))
+    assert (given_map.channels.p_o_kpa.column, given_map.channels.p_o_kpa.unit) == ("3", "1")
+
+
+def test_quantity_that_is_something_else_needs_a_note(problems):
+    assert "channels.p_o_kpa: unit 1 stands for another quantity" in problems(
+        with_channel("p_o_kpa", column="F", unit="1")
+    )
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (SMALL | {"sample_rate": 100}, "sample_rate: unknown key; did you mean sample_rate_hz?"),
+        (
+            with_channel("angle", column="P", unit="deg"),
+            "channels.angle: unknown key; did you mean channels.theta_deg?",
+        ),
+        (SMALL | {"csv": {"zzz": 1}}, "csv.zzz: unknown key; the keys are separator, decimal, "),
+        (
+            with_channel("p_0_kpa", column="P", unit="kPa"),
+            "channels.p_0_kpa: unknown key; did you mean channels.p_o_kpa?",
+        ),
+        (
+            with_channel("p_o_kpa", column="P", unit="kPa", ofset=1),
+            "channels.p_o_kpa.ofset: unknown key; did you mean channels.p_o_kpa.offset?",
+        ),
+        (with_channel("p_o_kpa", column="P", unit="deg"), "channels.p_o_kpa.unit = deg: must be"),
+        (with_channel("p_o_kpa", column="P"), "channels.p_o_kpa.unit: missing"),
+        (with_channel("p_o_kpa", column="P", unit="Pa", scale=0), "channels.p_o_kpa.scale: 0 "),
+        (with_channel("p_o_kpa", column="P", unit="Pa", scale=float("inf")), "finite"),
+        (with_channel("p_o_kpa", column=True, unit="Pa"), "must not be true or false"),
+        (SMALL | {"time": {"rate_hz": "?"}}, "time.rate_hz = ?: the draft did not find it"),
+        (with_channel("p_o_kpa", column="?", unit="kPa"), "p_o_kpa.column = ?: the draft did"),
+        (SMALL | {"experiment": "walk"}, "experiment = walk: must be 'sweep' or 'complex'"),
+        (SMALL | {"time": {}}, "time: give either column (with its unit) or rate_hz"),
+        (SMALL | {"time": {"column": "t", "rate_hz": 10}}, "time: give either column"),
+        (SMALL | {"time": {"rate_hz": 10, "unit": "ms"}}, "time: unit belongs to a column"),
+        (SMALL | {"time": {"rate_hz": 0}}, "time.rate_hz = 0: must be greater than 0"),
+        (SMALL | {"start_s": 3, "end_s": 2}, "end_s = 2; must be above start_s = 3"),
+        (SMALL | {"test_from_s": 7}, "give either experiment"),
+        (SMALL | {"experiment": None}, "give either experiment"),
+        (TWO | {"test_from_s": 3, "start_s": 4}, "between start_s = 4 and end_s = inf"),
+        (TWO | {"test_from_s": 9, "end_s": 8}, "between start_s = 0 and end_s = 8"),
+        (SMALL | {"end_s": []}, "end_s = []: must be a valid number"),
+        (SMALL | {"end_s": 10**399}, "end_s = 1000"),
+        (SMALL | {"end_s": "soon"}, "end_s = soon: must be a valid number"),
+        (with_channel("p_o_kpa"), "channels.p_o_kpa.column: missing"),
+        (SMALL | {"channels": {"theta_deg": 5}}, "channels.theta_deg = 5: must hold keys"),
+        (SMALL | {"time": "t"}, "time = t: must hold keys and values"),
+        ({1: "sweep"}, "1: unknown key; keys are words"),
+        (SMALL | {"channels": {}}, "channels.theta_deg: missing"),
+        (
+            SMALL | {"channels": {"theta_deg": SMALL["channels"]["theta_deg"]}},
+            "channels: p_exp_kpa or p_exp_command_kpa is missing",
+        ),
+        (SMALL | {"channels": 3}, "channels = 3: must hold keys and values"),
+        ({"experiment": "sweep"}, "channels: missing"),
+        ("[1, 2]", "must hold keys and values, not a list"),
+        ("", "channels: missing"),
+        ("a: [", "cannot be read as YAML"),
+    ],
+)
+def test_error_names_place_value_and_remedy(problems, content, message):
+    assert message in problems(content)
+
+
+def test_all_errors_are_told_at_once(problems):
+    message = problems(
+        {
+            "experiment": "swep",
+            "rate": 1,
+            "channels": {"theta_deg": {"column": "x", "unit": "kPa"}, "p_exp": {}},
+        }
+    )
+    assert message.splitlines()[0].endswith("5 errors in the map:")
+    for part in ("experiment", "rate", "time", "channels.theta_deg.unit", "channels.p_exp"):
+        assert sum(line.startswith(f"  {part}") for line in message.splitlines()) == 1
+
+
+def test_what_an_unknown_key_may_mean_is_not_called_missing(problems):
+    message = problems({
+        "experimnt": "sweep",
+        "time": {"colum": "t"},
+        "channels": {"theta_deg": SMALL["channels"]["theta_deg"], "p_exp_kp": {}},
+    })  # fmt: skip
+    assert {line.rpartition("did you mean ")[2] for line in message.splitlines()[1:]} == {
+        "experiment?", "time.column?", "channels.p_exp_kpa?",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("content", "meant"),
+    [
+        (with_channel("p_o_kpa", column="P", unit="baar"), "bar"),
+        (with_channel("p_o_kpa", column="P", unit="KPA"), "kPa"),
+        (with_channel("p_o_kpa", column="P", unit="banana"), None),
+        (with_channel("phi_deg", column="P", unit="degrees"), "deg"),
+        (SMALL | {"time": {"column": "t", "unit": "msec"}}, "ms"),
+        (SMALL | {"experiment": "swep"}, "sweep"),
+    ],
+)
+def test_wrong_word_is_answered_by_the_nearest(problems, content, meant):
+    _, _, message = problems(content).partition("; did you mean ")
+    assert message == (f"{meant}?" if meant else "")
+
+
+def test_format_of_the_text_is_read_from_a_map_that_is_not_complete(tmp_path):
+    path = tmp_path / "map.yaml"
+    path.write_text(yaml.safe_dump({"time": 5, "csv": {"decimal": ","}}))
+    assert read_csv(path).decimal == ","
+    path.write_text(yaml.safe_dump({"csv": {"decimal": ";"}}))
+    with pytest.raises(ConfigError, match=r"map\.yaml: 1 error in the map:\n  csv\.decimal = ;"):
+        read_csv(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "channel", "unit"),
+    [
+        ("angle [rad]", "theta_deg", "rad"),
+        ("/robot/bendAngle", "theta_deg", None),
+        ("theta_d", None, None),
+        ("desired angle", None, None),
+        ("P set [bar]", "p_exp_command_kpa", "bar"),
+        ("pressure_psi", "p_exp_kpa", "psi"),
+        ("PAM B [kPa abs]", "p_o_kpa", "kPa"),
+        ("Po(mbar)", "p_o_kpa", "mbar"),
+        ("position", None, None),
+        ("p_i_command_kpa", "p_i_command_kpa", "kPa"),
+        ("valve_main_v", "valve_main_v", "V"),
+    ],
+)
+def test_name_of_a_column_tells_its_channel_and_unit(name, channel, unit):
+    assert likely_channel(name) == channel
+    assert channel is None or likely_unit(name, channel) == unit
