@@ -35,8 +35,8 @@ def quoted():
             f"on {seeds.units} seeds each, *near print* on {seeds.units} rigs",
             f"on {seeds.units} rigs with {seeds.seeds_per_rig} seeds each",
         ],
-        "docs/decisions/0022-another-processor.md": [
-            f"by more than {checked._LEVELS} levels and accepts up to {checked._PIXELS}:"
+        "docs/decisions.md": [
+            f"up to {checked._PIXELS} pixels differ by more than {checked._LEVELS} levels"
         ],
         "docs/hardware.md": [
             f"about every {1e3 * guardian.BEAT_S:g} ms",

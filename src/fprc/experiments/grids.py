@@ -72,7 +72,7 @@ def normalised(prepared: Prepared, log: str) -> Prepared:
 
     theta and the filtered P_o are each scaled by their minimum and maximum. The ridge parameter is
     that of features in deg and kPa. It is divided by the product of both ranges, so that it counts
-    as much as on them (docs/decisions/0024-weights.md).
+    as much as on them (docs/decisions.md).
 
     Raises
     ------

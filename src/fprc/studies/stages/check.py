@@ -19,7 +19,7 @@ log = logging.getLogger(__name__)
 
 #: A picture is outdated if more than _PIXELS pixels differ by more than _LEVELS of 255. On another
 #: processor a few edges differ by one level; a dot moved by half a pixel changes 40 pixels by more
-#: than 16 levels, and a different digit 110. See docs/decisions/0022.
+#: than 16 levels, and a different digit 110. See docs/decisions.md.
 _LEVELS = 16
 _PIXELS = 20
 
