@@ -14,26 +14,7 @@ from fprc.registry import feedforward_of, model_of_run
 
 
 def check(*, armed: bool = False, config: Sequence[str] = ()) -> None:
-    """Check valves and sensors one by one.
-
-    Parameters
-    ----------
-    armed : bool
-        Let the valves move; otherwise only the sensors are checked.
-    config : FILE
-        Configuration; later files override earlier ones. By default config/config.yaml if that
-        file exists, else the defaults.
-
-    Examples
-    --------
-    fprc rig check --config config/config.yaml config/bench.yaml
-    fprc rig check --armed --config config/config.yaml config/bench.yaml
-
-    Raises
-    ------
-    ControlError
-        The check found a problem.
-    """
+    """Check valves and sensors one by one."""
     guard({"what": "check", "settings": _prepare(config), "armed": armed})
 
 
@@ -45,36 +26,7 @@ def run(
     armed: bool = False,
     config: Sequence[str] = (),
 ) -> None:
-    """Run one experiment and write its raw log.
-
-    Unless armed, prints what would be run, and ends with exit code 1.
-
-    Parameters
-    ----------
-    name : EXPERIMENT
-        Experiment to run; ``list`` prints their names.
-    out : FILE.h5
-        Raw log to write; by default EXPERIMENT.h5 in folders.raw.
-    model : MODEL.h5
-        Fitted model of the experiment's name; by default that in the results folder.
-    armed : bool
-        Let the valves move.
-    config : FILE
-        Configuration; later files override earlier ones. By default config/config.yaml if that
-        file exists, else the defaults.
-
-    Examples
-    --------
-    fprc rig run list
-    fprc rig run sweep --armed --config config/config.yaml config/bench.yaml
-
-    Raises
-    ------
-    ConfigError
-        There is no such experiment, or it uses no model and one is given.
-    ControlError
-        The run was refused or stopped.
-    """
+    """Run one experiment and write its raw log."""
     settings = _prepare(config)
     if name == "list":
         print("\n".join(names(settings)))

@@ -31,36 +31,7 @@ def calibrate_from_files(
     published: str | None = None,
     workers: int | None = None,
 ) -> None:
-    """Fit the simulated rig to what the paper prints and claims.
-
-    Fits the free parameters of the rig and writes a parameter file. The
-    report is written beside it as JSON, and so are the checkpoints of the searches: repeat the
-    command to continue a search that was stopped.
-
-    Parameters
-    ----------
-    files : FILE
-        Configuration; later files override earlier ones. By default config/config.yaml if that
-        file exists, else the defaults.
-    out : FILE.yaml
-        Parameter file to write; its name becomes that of the rig.
-    published : FILE
-        Numbers to fit; by default what ``fprc config published`` prints.
-    workers : int, optional
-        Processes; by default one per processor.
-
-    Examples
-    --------
-    fprc calibrate
-    fprc calibrate mine.yaml --out config/rigs/mine.yaml
-
-    Raises
-    ------
-    ConfigError
-        The configuration or an option is wrong; lists all errors.
-    OutputError
-        ``out`` or the report exists and no fit wrote it, or they cannot be written.
-    """
+    """Fit the simulated rig to what the paper prints and claims."""
     settings = from_files(files or local_files()).model_dump(mode="json")
     count = effective_n_jobs(workers or -1)
     if not re.fullmatch(r"[\w.-]+\.yaml", Path(out).name):

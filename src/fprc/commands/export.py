@@ -17,38 +17,7 @@ from fprc.registry import outside_classes
 
 
 def export_c(model: str, *, c: str, learn: bool = False, config: Sequence[str] = ()) -> None:
-    """Turn a trained model into C code for a controller.
-
-    Writes an FPRC or Fuzzy-linear as one C99 header without memory allocation. docs/deploy.md
-    shows its use.
-
-    Parameters
-    ----------
-    model : MODEL.h5
-        Model of ``fprc train`` or the workflow.
-    c : NAME.h
-        Header to write; every name in it begins with NAME.
-    learn : bool
-        Let the model learn on the controller, with the settings of ``control.feedforward``.
-    config : FILE
-        Configuration; later files override earlier ones. By default config/config.yaml if that
-        file exists, else the defaults.
-
-    Examples
-    --------
-    fprc export model.h5 --c fprc_model.h
-    fprc export results/models/sweep_fprc.h5 --c fprc_model.h --learn
-
-    Raises
-    ------
-    ConfigError
-        The configuration is wrong.
-    FprcError
-        ``model`` holds no model that can be exported, or that can learn at the configured rate.
-    OutputError
-        ``c`` does not end in ``.h``, is a file that this command did not write, or cannot be
-        written.
-    """
+    """Turn a trained model into C code for a controller."""
     path = Path(c)
     refuse_output(path, ".h", ours=lambda old: GENERATED.encode() in read_given(old))
     settings = from_files(config or local_files()).model_dump(mode="json")

@@ -19,24 +19,7 @@ COMPLETE, SOME_LOST = 0, 3
 
 
 def check(paths: Sequence[str], *, json_: bool = False) -> int:
-    """Check raw logs and say what is wrong with them.
-
-    The limits are the defaults; the expected sample rate is that of the log's attributes. Exit
-    code 1: a log cannot be used, or a check fails.
-
-    Parameters
-    ----------
-    paths : FILE.h5
-        Raw log.
-    json_ : bool
-        Print a JSON list: the quality record of each log, or ``log`` and ``error`` if it cannot be
-        read.
-
-    Examples
-    --------
-    fprc log check sweep.h5 complex.h5
-    fprc log check --json sweep.h5
-    """
+    """Check raw logs and say what is wrong with them."""
     limits = Settings().quality.model_dump()
     records = []
     for path, record in zip(paths, attempt_each(_record, paths, limits=limits), strict=True):
@@ -84,30 +67,7 @@ def _record(path: str, limits: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def repair(source: str, *, out: str) -> int:
-    """Recover a raw log from the journal of a run.
-
-    Copies the readable samples to a new raw log and prints what is lost. Exit code 0: nothing is
-    lost; 3: some is, or may be; 1: nothing is readable. A damaged raw log is not repaired: use the
-    journal of its run, which is beside it.
-
-    Parameters
-    ----------
-    source : FILE.journal
-        Journal; it is not changed.
-    out : COPY.h5
-        Raw log to write.
-
-    Examples
-    --------
-    fprc log repair sweep.journal --out sweep.h5
-
-    Raises
-    ------
-    LogError
-        The file is no journal, or nothing can be read.
-    OutputError
-        ``out`` exists, does not end in ``.h5``, or cannot be written.
-    """
+    """Recover a raw log from the journal of a run."""
     findings = recover(source, out)
     whole = findings.closed and not findings.lost
     print(visible(f"{out}: {findings.samples} samples from {source}"))

@@ -34,41 +34,7 @@ def train(
     config: Sequence[str] = (),
     out: str,
 ) -> None:
-    """Train a model on raw logs.
-
-    Keeps the model of the best fold of a cross-validation, as in Table II, and prints its
-    training and validation error.
-
-    Parameters
-    ----------
-    logs : LOG.h5
-        Raw log; several train together.
-    model : NAME
-        esn, fprc, fuzzy_linear, or one of models.others in the configuration.
-    seed : int, optional
-        Seed of folds and clusters; by default the configuration's, 1.
-    config : FILE
-        Configuration; later files override earlier ones. By default config/config.yaml if that
-        file exists, else the defaults.
-    out : MODEL.h5
-        Model to write.
-
-    Examples
-    --------
-    fprc train sweep.h5 --out model.h5
-    fprc train monday.h5 tuesday.h5 --model fuzzy_linear --out model.h5
-
-    Raises
-    ------
-    ConfigError
-        The configuration is wrong, or has no such model; a log is given twice.
-    LogError
-        A log cannot be used, or the logs differ in source, units or channels.
-    EvaluationError
-        The logs do not suit the model.
-    OutputError
-        ``out`` exists, does not end in ``.h5``, or cannot be written.
-    """
+    """Train a model on raw logs."""
     refuse_output(out, ".h5")
     refuse_repeats(logs, "its samples would train and validate at once")
     chosen = {} if seed is None else {"seed": seed}
@@ -95,36 +61,7 @@ def train(
 
 
 def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> None:
-    """Compute the pressure P_ff that a trained model gives for a raw log.
-
-    Prints the error against the log's P_exp. The table has the time, the inputs of the model,
-    P_exp (``p_target_kpa``) and P_ff.
-
-    Parameters
-    ----------
-    model : MODEL.h5
-        Model of ``fprc train`` or the workflow.
-    raw : LOG.h5
-        Raw log.
-    config : FILE
-        Configuration; later files override earlier ones. By default config/config.yaml if that
-        file exists, else the defaults.
-    out : FILE
-        Table to write: FILE.csv or FILE.h5.
-
-    Examples
-    --------
-    fprc predict model.h5 complex.h5 --out predicted.csv
-
-    Raises
-    ------
-    FprcError
-        The file holds no model, or one that the configuration does not have.
-    LogError
-        The log cannot be used, or lacks an input of the model.
-    OutputError
-        ``out`` exists, has another suffix, or cannot be written.
-    """
+    """Compute the pressure P_ff that a trained model gives for a raw log."""
     refuse_output(out, ".csv", ".h5")
     settings = from_files(config or local_files()).model_dump(mode="json")
     models = settings["models"]

@@ -1,56 +1,18 @@
-"""The command line, as the signatures and docstrings of the commands describe it.
+"""The command line: every command, its arguments and its help.
 
-The function of a command is written for Python and for the command line:
-
-- Parameters before ``*`` are positional arguments; those after it are options. An underscore at
-  the end, which keeps a name apart from one of Python's, is left out: ``--map`` is ``map_``.
-- The annotation is one of ``_KINDS`` or a ``Literal`` of the allowed words.
-- A type in capitals in the docstring is the placeholder: ``out : FILE.h5``.
-- Summary, extended summary, Parameters and Examples are the help.
-
-Functions are read as text: importing their modules takes seconds, and the help must appear at
-once.
+A command is imported when it runs, so that the help appears at once.
 """
 
 import argparse
-import ast
-import re
 import textwrap
 from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import partial
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from fprc import __version__
-
-#: Commands and their functions, as ``package.module.function``.
-COMMANDS = {
-    "simulate": "commands.simulate.simulate",
-    "train": "commands.models.train",
-    "predict": "commands.models.predict",
-    "export": "commands.export.export_c",
-    "import": "recordings.import_recording.import_or_draft",
-    "log check": "commands.logs.check",
-    "log repair": "commands.logs.repair",
-    "readout": "recordings.readout.report_readout",
-    "config check": "commands.configuration.check",
-    "config defaults": "commands.configuration.defaults",
-    "config reference": "commands.configuration.reference",
-    "config rig": "commands.configuration.rig",
-    "config published": "commands.configuration.published",
-    "calibrate": "commands.calibrate.calibrate_from_files",
-    "rig check": "apparatus.command.check",
-    "rig run": "apparatus.command.run",
-}
-
-#: The first words of commands of two words, and what these commands do.
-_GROUPS = {
-    "log": "Check or repair experiment logs",
-    "config": "Check or explain the configuration",
-    "rig": "Check and run the real rig",
-}
+from fprc.paper import EXPERIMENTS
 
 _ABOUT = """\
 Hysteresis compensation by pneumatic physical reservoir computing.
@@ -62,14 +24,11 @@ to begin:
   fprc predict model.h5 sweep.h5 --out predicted.csv
 """
 
-#: Annotations of parameters, and what they mean to argparse.
-_KINDS: dict[str, dict[str, Any]] = {
-    "str": {},
-    "str | None": {},
-    "int | None": {"type": int},
-    "float | None": {"type": float},
-    "bool": {"action": "store_true"},
-    "Sequence[str]": {"nargs": "+"},
+#: The first words of commands of two words, and what these commands do.
+_GROUPS = {
+    "log": "Check or repair experiment logs",
+    "config": "Check or explain the configuration",
+    "rig": "Check and run the real rig",
 }
 
 
@@ -100,6 +59,229 @@ def _nearest(word: str, names: Iterable[str]) -> str:
     return f"; did you mean {near[0]}?" if near else ""
 
 
+Argument = tuple[str, dict[str, Any]]
+
+
+def _arg(name: str, metavar: str | None, text: str, **settings: Any) -> Argument:
+    named = {} if metavar is None else {"metavar": metavar}
+    return name, {"help": text, **named, **settings}
+
+
+def _flag(name: str, text: str, **settings: Any) -> Argument:
+    return name, {"help": text, "action": "store_true", **settings}
+
+
+# fmt: off
+_OUT: dict[str, Any] = {"required": True}
+_MANY: dict[str, Any] = {"nargs": "+", "default": ()}
+_LATER = "later files override earlier ones"
+_LOCAL = f"{_LATER}; by default config/config.yaml if that file exists, else the defaults"
+_CONFIG = _arg("--config", "FILE", f"configuration; {_LOCAL}", **_MANY)
+_MODEL = _arg("model", "MODEL.h5", "model of `fprc train` or the workflow")
+_SOURCE = _arg("source", "SOURCE", "recording: CSV, HDF5 or MATLAB file")
+_WORKERS = _arg("--workers", None, "processes; by default one per processor", type=int)
+
+#: Name, function as ``module:function``, help with examples, arguments of each command.
+COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
+    ("simulate", "commands.simulate:simulate", """
+        Simulate an experiment and write its raw log.
+
+        The simulated rig performs a hysteresis experiment of the paper, as in
+        `snakemake logs`.
+
+        examples:
+          fprc simulate sweep --out sweep.h5
+          fprc simulate complex --seed 2 --rig viscous --out complex.h5
+    """, [
+        _arg("experiment", None, "the paper trains on sweep and tests on complex",
+             choices=EXPERIMENTS),
+        _arg("--seed", None, "seed of the sensors and their noise; by default the "
+             "configuration's, 1", type=int),
+        _arg("--rig", "NAME", "simulated rig; by default the configuration's"),
+        _arg("--config", "FILE", "configuration, or a file that `fprc calibrate` wrote; "
+             f"{_LOCAL}", **_MANY),
+        _arg("--out", "FILE.h5", "raw log to write", **_OUT),
+    ]),
+    ("train", "commands.models:train", """
+        Train a model on raw logs.
+
+        Keeps the model of the best fold of a cross-validation, as in Table II, and
+        prints its training and validation error.
+
+        examples:
+          fprc train sweep.h5 --out model.h5
+          fprc train monday.h5 tuesday.h5 --model fuzzy_linear --out model.h5
+    """, [
+        _arg("logs", "LOG.h5", "raw log; several train together", nargs="+"),
+        _arg("--model", "NAME", "esn, fprc (the default), fuzzy_linear, or one of models.others "
+             "in the configuration", default="fprc"),
+        _arg("--seed", None, "seed of folds and clusters; by default the configuration's, 1",
+             type=int),
+        _CONFIG,
+        _arg("--out", "MODEL.h5", "model to write", **_OUT),
+    ]),
+    ("predict", "commands.models:predict", """
+        Compute the pressure P_ff that a trained model gives for a raw log.
+
+        Prints the error against the log's P_exp. The table has the time, the inputs of
+        the model, P_exp (`p_target_kpa`) and P_ff.
+
+        examples:
+          fprc predict model.h5 complex.h5 --out predicted.csv
+    """, [
+        _MODEL,
+        _arg("raw", "LOG.h5", "raw log"),
+        _CONFIG,
+        _arg("--out", "FILE", "table to write: FILE.csv or FILE.h5", **_OUT),
+    ]),
+    ("export", "commands.export:export_c", """
+        Turn a trained model into C code for a controller.
+
+        Writes an FPRC or Fuzzy-linear as one C99 header without memory allocation.
+        docs/deploy.md shows its use.
+
+        examples:
+          fprc export model.h5 --c fprc_model.h
+          fprc export results/models/sweep_fprc.h5 --c fprc_model.h --learn
+    """, [
+        _MODEL,
+        _arg("--c", "NAME.h", "header to write; every name in it begins with NAME", **_OUT),
+        _flag("--learn", "let the model learn on the controller, with the settings of "
+              "control.feedforward"),
+        _CONFIG,
+    ]),
+    ("import", "recordings.import_recording:import_or_draft", """
+        Turn a CSV, HDF5 or MATLAB file into a raw log.
+
+        Also diagnoses the recording. docs/own-data.md describes the map.
+
+        examples:
+          fprc import arm.csv --draft > arm.yaml
+          fprc import arm.csv --map arm.yaml --out sweep.h5
+    """, [
+        _SOURCE,
+        _flag("--draft", "print a map with channels, units and clock guessed from the file, and "
+              "all its columns, and exit"),
+        _arg("--map", "MAP.yaml", "columns, units, clock and sample rate", dest="map_"),
+        _arg("--out", "FILE.h5", "raw log to write"),
+    ]),
+    ("log check", "commands.logs:check", """
+        Check raw logs and say what is wrong with them.
+
+        The limits are the defaults; the expected sample rate is that of the log's
+        attributes. Exit code 1: a log cannot be used, or a check fails.
+
+        examples:
+          fprc log check sweep.h5 complex.h5
+          fprc log check --json sweep.h5
+    """, [
+        _arg("paths", "FILE.h5", "raw log", nargs="+"),
+        _flag("--json", "print a JSON list: the quality record of each log, or `log` and `error` "
+              "if it cannot be read", dest="json_"),
+    ]),
+    ("log repair", "commands.logs:repair", """
+        Recover a raw log from the journal of a run.
+
+        Copies the readable samples to a new raw log and prints what is lost. Exit code
+        0: nothing is lost; 3: some is, or may be; 1: nothing is readable. A damaged
+        raw log is not repaired: use the journal of its run, which is beside it.
+
+        examples:
+          fprc log repair sweep.journal --out sweep.h5
+    """, [
+        _arg("source", "FILE.journal", "journal; it is not changed"),
+        _arg("--out", "COPY.h5", "raw log to write", **_OUT),
+    ]),
+    ("readout", "recordings.readout:report_readout", """
+        Measure how much the readout P_o of a recording improves FPRC.
+
+        Imports a recording, trains FPRC, with P_o, without it and with substitutes for
+        it, and other models on its first part, tests them on its second, and writes a
+        report with verdicts. The map, which docs/own-data.md describes, gives
+        test_from_s, where the second part begins, by default the last third of what it
+        selects. Without a rate in the map, the models work at the recording's own
+        rate, at most 200 Hz; settings in samples are scaled to the same time. Repeat
+        the command to continue a run that was stopped.
+
+        Writes `report.md`, `readout/` (table, errors), `raw/` (the logs with their
+        diagnoses), `data/` and `quality/`, in the workflow's formats.
+
+        examples:
+          fprc readout recording.csv --map map.yaml --out results/mine
+    """, [
+        _SOURCE,
+        _arg("--map", "MAP.yaml", "columns, units and parts", dest="map_", **_OUT),
+        _arg("--train", "FILE", "further recordings with the same columns, used for training "
+             "only; if the map has `experiment: complex` and no test_from_s, all of SOURCE is "
+             "test data", **_MANY),
+        _arg("--out", "FOLDER", "folder to write; by default results/ and SOURCE's name"),
+        _arg("--config", "FILE", f"configuration that overrides the defaults; {_LATER}", **_MANY),
+        _WORKERS,
+    ]),
+    ("config check", "commands.configuration:check", """
+        Check configuration files, merged in this order.
+
+        examples:
+          fprc config check config/config.yaml mine.yaml
+    """, [_arg("files", "FILE", "configuration, YAML", nargs="+")]),
+    ("config defaults", "commands.configuration:defaults", "Print config/config.yaml.", []),
+    ("config reference", "commands.configuration:reference", "Print docs/configuration.md.", []),
+    ("config rig", "commands.configuration:rig", """
+        Print the parameters of a fitted rig.
+
+        examples:
+          fprc config rig viscous
+    """, [_arg("name", "NAME", "name of the rig; by default that of the defaults", nargs="?")]),
+    ("config published", "commands.configuration:published", "Print the paper's numbers, as YAML.",
+     []),
+    ("calibrate", "commands.calibrate:calibrate_from_files", """
+        Fit the simulated rig to what the paper prints and claims.
+
+        Fits the free parameters of the rig and writes a parameter file. The report is
+        written beside it as JSON, and so are the checkpoints of the searches: repeat
+        the command to continue a search that was stopped.
+
+        examples:
+          fprc calibrate
+          fprc calibrate mine.yaml --out config/rigs/mine.yaml
+    """, [
+        _arg("files", "FILE", f"configuration; {_LOCAL}", nargs="*", default=()),
+        _arg("--out", "FILE.yaml", "parameter file to write, by default config/rigs/fitted.yaml; "
+             "its name becomes that of the rig", default="config/rigs/fitted.yaml"),
+        _arg("--published", "FILE", "numbers to fit; by default what `fprc config published` "
+             "prints"),
+        _WORKERS,
+    ]),
+    ("rig check", "apparatus.command:check", """
+        Check valves and sensors one by one.
+
+        examples:
+          fprc rig check --config config/config.yaml config/bench.yaml
+          fprc rig check --armed --config config/config.yaml config/bench.yaml
+    """, [
+        _flag("--armed", "let the valves move; otherwise only the sensors are checked"),
+        _CONFIG,
+    ]),
+    ("rig run", "apparatus.command:run", """
+        Run one experiment and write its raw log.
+
+        Unless armed, prints what would be run, and ends with exit code 1.
+
+        examples:
+          fprc rig run list
+          fprc rig run sweep --armed --config config/config.yaml config/bench.yaml
+    """, [
+        _arg("name", "EXPERIMENT", "experiment to run; `list` prints their names"),
+        _arg("--out", "FILE.h5", "raw log to write; by default EXPERIMENT.h5 in folders.raw"),
+        _arg("--model", "MODEL.h5", "fitted model of the experiment's name; by default that in "
+             "the results folder"),
+        _flag("--armed", "let the valves move"),
+        _CONFIG,
+    ]),
+]
+# fmt: on
+
+
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line.
 
@@ -110,82 +292,27 @@ def parser() -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"fprc {__version__}")
     top.set_defaults(run=lambda _: top.print_help())
-    commands = top.add_subparsers(title="commands", metavar="COMMAND")
-    verbs: dict[str, Any] = {}
-    for command, run in COMMANDS.items():
-        group, _, name = command.rpartition(" ")
-        if group and group not in verbs:
-            words = _GROUPS[group]
-            first = commands.add_parser(group, help=words, description=f"{words}.")
-            verbs[group] = first.add_subparsers(title="verbs", required=True)
-        _add_command(verbs.get(group, commands), name, run)
+    groups: dict[str, Any] = {"": top.add_subparsers(title="commands", metavar="COMMAND")}
+    for words, run, text, arguments in COMMANDS:
+        group, _, name = words.rpartition(" ")
+        if group not in groups:
+            about = _GROUPS[group]
+            first = groups[""].add_parser(group, help=about, description=f"{about}.")
+            groups[group] = first.add_subparsers(title="verbs", required=True)
+        description, _, examples = textwrap.dedent(text).strip().partition("examples:\n")
+        command = groups[group].add_parser(
+            name,
+            help=description.split(".\n")[0],
+            description=description.strip(),
+            epilog=examples and f"examples:\n{examples}",
+        )
+        command.set_defaults(run=partial(_call, run))
+        for argument, settings in arguments:
+            command.add_argument(argument, **settings)
     return top
 
 
-def _add_command(commands: Any, name: str, run: str) -> None:
-    module, _, function = run.rpartition(".")
-    parameters, docstring = _read(module, function)
-    text, *rest = re.split(r"^(\w+)\n-+\n", docstring.replace("``", "`"), flags=re.MULTILINE)
-    sections = dict(zip(rest[::2], rest[1::2], strict=True))
-    summary, *more = [" ".join(part.split()) for part in text.split("\n\n")]
-    command = commands.add_parser(
-        name,
-        help=summary.rstrip("."),
-        description="\n\n".join(
-            textwrap.fill(part, 79, break_on_hyphens=False) for part in (summary, *more)
-        ),
-        epilog="examples:\n" + textwrap.indent(sections["Examples"].strip(), "  "),
-    )
-    command.set_defaults(run=partial(_call, f"fprc.{module}", function))
-    described = {
-        parameter: (placeholder, " ".join(lines.split()))
-        for parameter, placeholder, lines in re.findall(
-            r"^(\w+) : (.+)\n((?: +.+\n?)+)", sections.get("Parameters", ""), re.MULTILINE
-        )
-    }
-    required = [None] * (len(parameters.args) - len(parameters.defaults))
-    for parameter, default in zip(
-        [*parameters.args, *parameters.kwonlyargs],
-        [*required, *parameters.defaults, *parameters.kw_defaults],
-        strict=True,
-    ):
-        name, annotation = ast.unparse(parameter).split(": ")
-        settings = _settings(annotation, default, *described[name])
-        if parameter in parameters.kwonlyargs:
-            option = f"--{name.rstrip('_').replace('_', '-')}"
-            command.add_argument(option, dest=name, required=default is None, **settings)
-            continue
-        if default is not None:
-            settings["nargs"] = "*" if "nargs" in settings else "?"
-        command.add_argument(name, **settings)
-
-
-def _read(module: str, function: str) -> tuple[ast.arguments, str]:
-    """Return parameters and docstring of a function, without importing its module."""
-    path = Path(__file__).parents[1].joinpath(*module.split(".")).with_suffix(".py")
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
-    node = next(node for node in functions if node.name == function)
-    docstring = ast.get_docstring(node, clean=False) or ""  # cleaning imports inspect
-    return node.args, textwrap.dedent(f"    {docstring}")
-
-
-def _settings(
-    annotation: str, default: ast.expr | None, placeholder: str, text: str
-) -> dict[str, Any]:
-    """Return what a parameter means to argparse."""
-    if annotation.startswith("Literal"):
-        settings: dict[str, Any] = {"choices": ast.literal_eval(annotation.removeprefix("Literal"))}
-    else:
-        settings = dict(_KINDS[annotation])
-    if placeholder[0].isupper():
-        settings["metavar"] = placeholder
-    if default is not None:
-        settings["default"] = value = ast.literal_eval(default)
-        text += f" (default: {value})" if isinstance(value, str) else ""
-    return settings | {"help": text.replace("%", "%%")}
-
-
-def _call(module: str, function: str, options: argparse.Namespace) -> Any:
+def _call(run: str, options: argparse.Namespace) -> Any:
+    module, _, function = run.partition(":")
     given = {key: value for key, value in vars(options).items() if key != "run"}
-    return getattr(import_module(module), function)(**given)
+    return getattr(import_module(f"fprc.{module}"), function)(**given)

@@ -18,36 +18,7 @@ def simulate(
     config: Sequence[str] = (),
     out: str,
 ) -> None:
-    """Simulate an experiment and write its raw log.
-
-    The simulated rig performs a hysteresis experiment of the paper, as in ``snakemake logs``.
-
-    Parameters
-    ----------
-    experiment : str
-        The paper trains on sweep and tests on complex.
-    seed : int, optional
-        Seed of the sensors and their noise; by default the configuration's, 1.
-    rig : NAME
-        Simulated rig; by default the configuration's.
-    config : FILE
-        Configuration, or a file that ``fprc calibrate`` wrote; later files override earlier ones.
-        By default config/config.yaml if that file exists, else the defaults.
-    out : FILE.h5
-        Raw log to write.
-
-    Examples
-    --------
-    fprc simulate sweep --out sweep.h5
-    fprc simulate complex --seed 2 --rig viscous --out complex.h5
-
-    Raises
-    ------
-    ConfigError
-        The configuration, the seed or the rig is wrong.
-    OutputError
-        ``out`` exists, does not end in ``.h5``, or cannot be written.
-    """
+    """Simulate an experiment and write its raw log."""
     refuse_output(out, ".h5")
     chosen = {name: value for name, value in (("seed", seed), ("rig", rig)) if value is not None}
     settings = from_files(config or local_files(), chosen).model_dump(mode="json")

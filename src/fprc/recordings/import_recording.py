@@ -50,35 +50,7 @@ def import_or_draft(
     map_: str | None = None,
     out: str | None = None,
 ) -> None:
-    """Turn a CSV, HDF5 or MATLAB file into a raw log.
-
-    Also diagnoses the recording. docs/own-data.md describes the map.
-
-    Parameters
-    ----------
-    source : SOURCE
-        Recording: CSV, HDF5 or MATLAB file.
-    draft : bool
-        Print a map with channels, units and clock guessed from the file, and all its columns, and
-        exit.
-    map_ : MAP.yaml
-        Columns, units, clock and sample rate.
-    out : FILE.h5
-        Raw log to write.
-
-    Examples
-    --------
-    fprc import arm.csv --draft > arm.yaml
-    fprc import arm.csv --map arm.yaml --out sweep.h5
-
-    Raises
-    ------
-    ConfigError
-        The map is wrong; lists all errors. Or neither ``draft`` nor both of ``map_`` and ``out``
-        are given.
-    LogError, OutputError
-        See ``import_mapped``.
-    """
+    """Turn a CSV, HDF5 or MATLAB file into a raw log."""
     if draft:
         # a map that is not complete may already say how the text is to be read
         layout = read_csv(map_).model_dump() if map_ else {}

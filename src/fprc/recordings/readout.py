@@ -49,49 +49,7 @@ def report_readout(
     config: Sequence[str] = (),
     workers: int | None = None,
 ) -> None:
-    """Measure how much the readout P_o of a recording improves FPRC.
-
-    Imports a recording, trains FPRC, with P_o, without it and with substitutes for it, and other
-    models on its first part, tests them on its second, and writes a report with verdicts. The map,
-    which docs/own-data.md describes, gives test_from_s, where the second part begins, by default
-    the last third of what it selects. Without a rate in the map, the models work at
-    the recording's own rate, at most 200 Hz; settings in samples are scaled to the same time.
-    Repeat the command to continue a run that was stopped.
-
-    Writes ``report.md``, ``readout/`` (table, errors), ``raw/`` (the logs with their
-    diagnoses), ``data/`` and ``quality/``, in the workflow's formats.
-
-    Parameters
-    ----------
-    source : SOURCE
-        Recording: CSV, HDF5 or MATLAB file.
-    map_ : MAP.yaml
-        Columns, units and parts.
-    train : FILE
-        Further recordings with the same columns, used for training only. If the map has
-        ``experiment: complex`` and no test_from_s, all of SOURCE is test data.
-    out : FOLDER
-        Folder to write; by default results/ and SOURCE's name.
-    config : FILE
-        Configuration that overrides the defaults; later files override earlier ones.
-    workers : int, optional
-        Processes; by default one per processor.
-
-    Examples
-    --------
-    fprc readout recording.csv --map map.yaml --out results/mine
-
-    Raises
-    ------
-    ConfigError
-        The map or the configuration is wrong.
-    LogError
-        The recording cannot be used with this map.
-    OutputError
-        ``out`` is no folder, or cannot be written to.
-    FprcError
-        The library that writes the tables is not installed, or another process writes into ``out``.
-    """
+    """Measure how much the readout P_o of a recording improves FPRC."""
     if find_spec("tabulate") is None:  # which pandas imports only when it writes a table
         raise FprcError(
             "fprc readout needs tabulate to write its tables; install with: "
