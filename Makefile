@@ -107,7 +107,7 @@ recordings: .venv/.ready  ## evaluate the recordings of docs/chamber.md: DATASET
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
 	$(STUDIES) readme calibration_page beyond_page drift_page
 
-check: .venv/.ready  ## compare verdicts, results and pictures with what is declared
+check: .venv/.ready  ## compare verdicts and pictures with what is declared
 	$(STUDIES) check
 
 fault-matrix: .venv/.ready  ## inject faults and write the outcomes to docs/faults.md

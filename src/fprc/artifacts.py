@@ -3,9 +3,7 @@
 import errno
 import json
 import logging
-import math
 import os
-import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,7 +11,6 @@ from contextlib import contextmanager, suppress
 from itertools import takewhile
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
-from zlib import crc32
 
 if TYPE_CHECKING:  # most jobs write no table, and many take less time than importing pandas
     from pandas import DataFrame
@@ -141,8 +138,8 @@ def resuming(
 ) -> Iterator[tuple[list[Any], Callable[[Any], None]]]:
     """Yield the entries of a checkpoint, and a function that appends one and syncs it to the disk.
 
-    The file is JSON lines, each a pair of CRC-32 and entry; the first entry is ``head``. A line
-    that was cut or damaged is dropped with all that follow. Other processes are refused meanwhile.
+    The file is JSON lines; the first entry is ``head``. A line that was cut is dropped with all
+    that follow. Other processes are refused meanwhile.
 
     Parameters
     ----------
@@ -162,7 +159,7 @@ def resuming(
             text = json.dumps(entry, allow_nan=False)
             # closing the file flushes it, which fails again on a full disk: explain that error too
             with explaining(path), open(path, "a", encoding="utf-8") as end:
-                end.write(f"[{crc32(text.encode())}, {text}]\n")
+                end.write(f"{text}\n")
                 end.flush()
                 os.fsync(end.fileno())
 
@@ -186,9 +183,11 @@ def resuming(
 
 
 def _entry(line: bytes) -> Any:
-    """Return the entry of a checkpoint's line; None if the line was cut or damaged."""
-    match = re.fullmatch(rb"\[(\d{1,10}), (.+)\]\n", line)
-    return json.loads(match[2]) if match and int(match[1]) == crc32(match[2]) else None
+    """Return the entry of a checkpoint's line; None if the line was cut."""
+    try:
+        return json.loads(line) if line.endswith(b"\n") else None
+    except ValueError:
+        return None
 
 
 def refuse_unwritable(folders: Sequence[Path | str]) -> None:
@@ -277,8 +276,7 @@ def read_json(path: Path | str) -> dict[str, Any]:
     Raises
     ------
     FprcError
-        It cannot be opened, was cut or damaged, holds something else, or a number that is not
-        finite.
+        It cannot be opened, was cut, or holds something else.
     """
     try:
         return parse_object(read_given(path, most_bytes=_LARGEST_JSON).decode("utf-8"))
@@ -290,23 +288,17 @@ def read_json(path: Path | str) -> dict[str, Any]:
 
 
 def parse_object(text: str) -> dict[str, Any]:
-    """Parse a JSON object whose numbers are finite.
+    """Parse a JSON object.
 
     Raises
     ------
     ValueError, RecursionError
         The text is anything else.
     """
-    content = json.loads(text, parse_float=_finite, parse_constant=_finite)
+    content = json.loads(text)
     if not isinstance(content, dict):
         raise ValueError("must be a JSON object")
     return content
-
-
-def _finite(text: str) -> float:
-    if not math.isfinite(float(text)):
-        raise ValueError(f"{text[:40]} is not finite")
-    return float(text)
 
 
 def is_json_with(path: Path | str, *keys: str) -> bool:

@@ -79,5 +79,5 @@ def test_archive_and_packages_of_a_smoke_run(clone):
     with tarfile.open(archive) as packed:
         held = {member.name for member in packed.getmembers()}
     assert {"README.md", "src/fprc/logs/__init__.py", "results/smoke/raw/sweep.h5"} <= held
-    assert {"results/smoke/digests/claims.json.sha256", "results/smoke/report.html"} <= held
+    assert "results/smoke/report.html" in held
     assert not any("/logs/" in name for name in held if name.startswith("results"))

@@ -83,20 +83,3 @@ def test_run_says_what_it_does_and_how_much_is_done(project):
     assert "Reason:" not in done.stdout
     # what a job says of its progress is in its log
     assert "[configuration_table]" not in done.stdout
-
-
-@pytest.mark.parametrize(
-    ("target", "hint"),
-    [("tabel2", "Did you mean table2?"), ("beyond", "--snakefile workflow/studies/Snakefile")],
-)
-def test_target_that_does_not_exist_gets_the_nearest_or_its_snakefile(project, target, hint):
-    done = project.snakemake("--dry-run", target)
-    assert done.returncode == 1
-    assert hint in done.stdout
-
-
-def test_target_after_configfile_is_explained(project):
-    done = project.snakemake("--configfile", "config/smoke.yaml", "all")
-    assert done.returncode == 1
-    assert "all: no such configuration file. If it is a target, put it before" in done.stdout
-    assert "Traceback" not in done.stdout

@@ -1,4 +1,4 @@
-# Pages of the documentation that show results; the check of verdicts, results, pictures and README.
+# Pages of the documentation that show results; the check of verdicts, pictures and README.
 # Both look at the paper and at its studies.
 
 #: The documentation shows the results of the paper's settings, in the checkout.
@@ -76,9 +76,8 @@ if PLAN.on_simulated_rig:
         localrule: True
         params:
             **stage("studies.stages.check.check_results"),
-            results=lambda wildcards: RESULTS,
             pictures=lambda wildcards: PICTURES if SHOWN else {},
         message:
-            "Check of the declared verdicts, of results, of pictures in docs, of README.md"
+            "Check of the declared verdicts, of pictures in docs, of README.md"
         script:
             "../scripts/stage.py"

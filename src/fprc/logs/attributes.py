@@ -100,8 +100,8 @@ def is_text(text: str | bytes) -> bool:
 def _object(name: str, text: str) -> dict[str, Any]:
     try:
         content = parse_object(text)
-        # refuses lone surrogates, as \udce9
-        json.dumps(content, ensure_ascii=False).encode("utf-8")
+        # refuses NaN and lone surrogates, as \udce9
+        json.dumps(content, ensure_ascii=False, allow_nan=False).encode("utf-8")
     except (ValueError, RecursionError) as error:
         raise LogError(f"= {reprlib.repr(text)}: must be a JSON object ({error})") from error
     if name == "notes" and not all(isinstance(note, str) for note in content.values()):

@@ -13,7 +13,6 @@ from threadpoolctl import threadpool_limits
 from fprc.artifacts import explaining
 from fprc.errors import FprcError
 from fprc.escape import TerminalFormatter
-from fprc.provenance import digest_of, refuse_changed, write_digests
 
 log = logging.getLogger("fprc")
 
@@ -25,9 +24,7 @@ _NOT_ARGUMENTS = ("stage", "code", "made_from")
 def run_stage(job: Any) -> None:
     """Call the stage of a rule with its named inputs, outputs and params as arguments.
 
-    The param ``stage`` names it, see ``module_of``. Inputs that were changed after their rule wrote
-    them are refused: the digest of each output is kept for that. Raw logs have checksums inside
-    instead, since a recording may replace a simulated one. Progress goes to the rule's log file,
+    The param ``stage`` names it, see ``module_of``. Progress goes to the rule's log file,
     and with FPRC_MESSAGES=all to the terminal too. An FprcError ends the process with exit code 1
     and only its message; the traceback goes to the log file. Numerical libraries run on one thread,
     so that results do not depend on the number of cores and parallel jobs do not compete for them.
@@ -39,20 +36,13 @@ def run_stage(job: Any) -> None:
     """
     named = [*job.input.items(), *job.output.items(), *job.params.items()]
     arguments = {name: value for name, value in named if name not in _NOT_ARGUMENTS}
-    results = Path(job.log[0]).parents[1]
-    outputs = [] if "raw" in job.output.keys() else list(job.output)
     try:
         _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
-        refuse_changed(results, job.input)
-        for path in outputs:
-            digest_of(path, results).unlink(missing_ok=True)
         # what loads OpenMP later reads this; its threads would wait for those of other jobs
         os.environ["OMP_NUM_THREADS"] = "1"
         stage = stage_of(job.params.stage)  # first: the limit applies to loaded libraries only
         with threadpool_limits(1):
             stage(**arguments)
-        with explaining(results):
-            write_digests(outputs, results)
     except FprcError as error:
         log.error("error: %s", error)
         log.debug("traceback:", exc_info=True)

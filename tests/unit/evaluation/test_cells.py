@@ -62,8 +62,8 @@ def lines(path):
 
 
 def entries(path):
-    """Entries of a checkpoint, without their checksums."""
-    return [json.loads(line)[1] for line in lines(path)]
+    """Entries of a checkpoint."""
+    return [json.loads(line) for line in lines(path)]
 
 
 def expected(asked=CELLS):
@@ -88,18 +88,12 @@ DAMAGE = {
     "cut": cut,
     "without its end": lambda last: last[:-1],
     "gone": lambda last: "",
-    "another number": lambda last: last.replace('"rmse": 0.', '"rmse": 1.'),
-    "not a number": lambda last: last.replace('"rmse": 0.', '"rmse": NaN, "was": 0.'),
-    "no result": lambda last: '[0, {"cell": {"n_c": 2}}]\n',
-    "an empty pair": lambda last: "[0, ]\n",
-    "a long checksum": lambda last: f"[{'9' * 5000}, {last[1:]}",
     "no text": lambda last: "\x00\x00\xff\n",
-    "without a checksum": lambda last: last.partition(", ")[2][:-2] + "\n",
 }
 
 
 @pytest.mark.parametrize("what", DAMAGE)
-def test_damaged_line_is_dropped_and_its_cell_judged_again(sweep, what):
+def test_line_that_was_cut_is_dropped_and_its_cell_judged_again(sweep, what):
     sweep()
     *whole, last = sweep.checkpoint.read_text(encoding="utf-8").splitlines(keepends=True)
     n_c = entries(sweep.checkpoint)[-1]["cell"]["n_c"]
@@ -110,7 +104,7 @@ def test_damaged_line_is_dropped_and_its_cell_judged_again(sweep, what):
     assert sorted(entry["cell"]["n_c"] for entry in entries(sweep.checkpoint)[1:]) == [1, 2, 3, 4]
 
 
-def test_lines_after_a_damaged_one_are_judged_again_too(sweep):
+def test_lines_after_one_that_was_cut_are_judged_again_too(sweep):
     sweep()
     order = [entry["cell"]["n_c"] for entry in entries(sweep.checkpoint)[1:]]
     head, first, second, *rest = sweep.checkpoint.read_text(encoding="utf-8").splitlines(True)

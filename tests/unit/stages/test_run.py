@@ -1,6 +1,4 @@
 import logging
-import shutil
-import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -8,7 +6,6 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from fprc.errors import ControlError
-from fprc.provenance import changed_results
 from fprc.stages import run as runner
 from fprc.stages.run import run_stage
 
@@ -111,56 +108,3 @@ def test_stage_that_fails_ends_with_its_message(job, run, capsys):
     kept = Path(job.log[0]).read_text(encoding="utf-8")
     assert "error: P_i = 500 kPa; reduce it" in kept
     assert "Traceback" in kept
-
-
-#: What may happen to a result, and whether it is still the same.
-DAMAGE = {
-    "nothing": (lambda content: content, True),
-    "empty": (lambda content: b"", False),
-    "another digit": (lambda content: content.replace(b"1.5", b"2.5"), False),
-    "longer": (lambda content: content + b" ", False),
-}
-
-
-@pytest.mark.parametrize("name", ["crossval/a.json", "tables/table2.csv", "fig.png", "a b'.md"])
-@pytest.mark.parametrize("what", DAMAGE)
-def test_result_that_was_changed_is_refused_by_the_next_stage(job, run, tmp_path, name, what):
-    written = tmp_path / name
-    written.parent.mkdir(exist_ok=True)
-    job.output = Files(result=str(written))
-    run(lambda result, **inputs: Path(result).write_bytes(b'{"x": 1.5}'))
-    damage, same = DAMAGE[what]
-    written.write_bytes(damage(written.read_bytes()))
-    assert changed_results(tmp_path) == ([] if same else [str(written)])
-    job.input, job.output = job.output, Files(page=str(tmp_path / "page.html"))
-    if same:
-        run(lambda result, page, **params: Path(page).touch())
-    else:
-        with pytest.raises(SystemExit):
-            run(lambda **arguments: pytest.fail("was run"))
-        assert f"{written}: " in Path(job.log[0]).read_text(encoding="utf-8")
-        assert not Path(job.output.page).exists()
-
-
-def test_result_has_no_digest_while_it_is_written(job, run, tmp_path):
-    job.output = Files(first=str(tmp_path / "a.json"), second=str(tmp_path / "b.json"))
-
-    def half(first, second, **inputs):
-        Path(first).write_text("new")
-        raise ZeroDivisionError
-
-    run(lambda first, second, **inputs: [Path(path).touch() for path in (first, second)])
-    with pytest.raises(ZeroDivisionError):
-        run(half)
-    assert changed_results(tmp_path) == []
-
-
-@pytest.mark.skipif(shutil.which("sha256sum") is None, reason="no sha256sum here")
-def test_digests_are_read_by_sha256sum(job, run, tmp_path):
-    run(Stage())
-    digests = sorted((tmp_path / "digests").iterdir())
-    text = "".join(path.read_text(encoding="utf-8") for path in digests)
-    for edit, code in ((b"", 0), (b"x", 1)):
-        with open(job.output.png, "ab") as file:
-            file.write(edit)
-        assert subprocess.run(["sha256sum", "--check"], input=text.encode()).returncode == code

@@ -1,4 +1,4 @@
-"""Check verdicts, results, the documentation's pictures and the README."""
+"""Check verdicts, the documentation's pictures and the README."""
 
 import logging
 import math
@@ -11,7 +11,6 @@ from PIL import Image, ImageChops
 from fprc.artifacts import read_json
 from fprc.claims.ledger import changed_verdicts
 from fprc.errors import FprcError
-from fprc.provenance import changed_results
 from fprc.studies.blocks import different_lines
 from fprc.yaml_file import read_yaml
 
@@ -29,10 +28,9 @@ def check_results(
     verdicts: str,
     pages: Sequence[str] = (),
     *,
-    results: str,
     pictures: Mapping[str, str],
 ) -> None:
-    """Check verdicts, results and pictures.
+    """Check verdicts, pictures and README.md.
 
     A verdict on execution times that differs from the declared one is only a
     warning, since times differ between runs and machines.
@@ -43,8 +41,6 @@ def check_results(
         Files of the judged claims and of the declared verdicts.
     pages : sequence of str
         Tables of the report; without them README.md is not checked.
-    results : str
-        Folder of the results.
     pictures : Mapping
         Pictures of the documentation, each with the figure that it is a copy of; those whose figure
         was not built are not checked.
@@ -52,9 +48,8 @@ def check_results(
     Raises
     ------
     FprcError
-        Lists every verdict that differs from the declared one, every result that was changed
-        after its rule wrote it, every picture that differs from its figure, and every block of
-        README.md with other numbers.
+        Lists every verdict that differs from the declared one, every picture that differs from
+        its figure, and every block of README.md with other numbers.
     """
     declared = read_yaml(verdicts)["verdicts"]
     claims = read_json(ledger)["claims"]
@@ -67,8 +62,6 @@ def check_results(
     failures = {
         f"verdicts differ from {verdicts}; if the new ones in {ledger} are right, declare them in "
         f"{verdicts}": [line for line in changed if line not in of_times],
-        "results that were damaged or edited after their rules wrote them; delete them and build "
-        "again": changed_results(results),
         "pictures differ from the figures that were built; copy the figures with `make docs`": [
             f"{picture} differs from {figure}"
             for picture, figure in pictures.items()
