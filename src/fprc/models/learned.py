@@ -8,18 +8,10 @@ A class from outside, which may learn anything, is not checked; its parts of thi
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+import numpy as np
 from sklearn.base import BaseEstimator, clone
 
-from fprc.models.limits import (
-    MOST_FEATURES,
-    Allows,
-    Array,
-    Limit,
-    Whole,
-    Words,
-    check_limits,
-    shown,
-)
+from fprc.models.limits import MOST_FEATURES, Array, Limit, Whole, Words, check_limits
 
 
 class LearnedPart(NamedTuple):
@@ -32,7 +24,6 @@ class LearnedPart(NamedTuple):
 #: What ``learned`` yields beside a name.
 Learned = Array | LearnedPart | list[LearnedPart]
 
-_RATE = Limit(1e-3, 1e6)
 #: What a model may know, or not.
 _OPTIONAL = {"feature_names_in_", "information_", "sample_rate_hz_", "units_"}
 
@@ -89,32 +80,35 @@ def restore(
         vars(model).update(own)
     for key, expected in _declared(model, columns):
         if isinstance(expected, LearnedPart):
-            part = restore(expected.unfitted, values, f"{place}{key}.", expected.n_features_in)
-            setattr(model, key, part)
+            setattr(model, key, restore(expected[0], values, f"{place}{key}.", expected[1]))
         elif isinstance(expected, list):
             parts = [
-                restore(part, values, f"{place}{key}.{i}.", n)
-                for i, (part, n) in enumerate(expected)
+                restore(p, values, f"{place}{key}.{i}.", n) for i, (p, n) in enumerate(expected)
             ]
             setattr(model, key, parts)
         elif key in own or key not in _OPTIONAL:
             value = own.pop(key, None)
             if not expected.allows(value):
-                raise ValueError(f"{place}{key}: {shown(value)}; must be {expected}")
+                found = f"{value!r:.60}"
+                if isinstance(value, np.ndarray) and value.size and value.dtype != object:
+                    found = (
+                        f"{value.dtype} of shape {value.shape}, {value.min():g} to {value.max():g}"
+                    )
+                raise ValueError(f"{place}{key}: {found}; must be {expected}")
             setattr(model, key, value)
     if ours and own:
         raise ValueError(f"{place}: {type(model).__name__} learns no {', '.join(own)}")
     return model
 
 
-def _declared(model: Any, columns: int | None) -> Iterator[tuple[str, Learned | Allows]]:
+def _declared(model: Any, columns: int | None) -> Iterator[tuple[str, Any]]:
     """Yield what a model learns; the next thing only after the one before is set."""
     ours = is_built_in(model)
     if ours:
         yield "n_features_in_", Whole(columns or 1, columns or MOST_FEATURES)
         yield "feature_names_in_", Words(model.n_features_in_)
     yield "units_", Words(1 + model.n_features_in_ if ours else None)
-    yield "sample_rate_hz_", _RATE
+    yield "sample_rate_hz_", Limit(1e-3, 1e6)
     for key, expected in model.learned() if hasattr(model, "learned") else ():
         if ours or not isinstance(expected, Array):
             yield key, expected

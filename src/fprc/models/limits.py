@@ -101,22 +101,12 @@ class Words(NamedTuple):
         words = value.tolist() if isinstance(value, np.ndarray) else [None]
         return self.length in (None, len(words)) and all(isinstance(word, str) for word in words)
 
-    def __str__(self) -> str:  # noqa: D105
-        return f"{'any number of' if self.length is None else self.length} words"
-
 
 #: What ``random_state`` may be.
 SEED = Whole(0, 2**32 - 1, or_none=True)
 
-#: What tells whether a value of any type is allowed; as text, what it must be.
-Allows = Limit | Each | Array | Words
-
-
-def shown(value: Any) -> str:
-    """Return a value as a message shows it."""
-    if isinstance(value, np.ndarray) and value.dtype != object and value.size:
-        return f"{value.dtype} of shape {value.shape} from {value.min():g} to {value.max():g}"
-    return f"{value!r:.60}"
+#: What tells whether a parameter is allowed; as text, what it must be.
+Allows = Limit | Each
 
 
 def check_limits(estimator: BaseEstimator, limits: Mapping[str, Allows]) -> None:

@@ -5,8 +5,9 @@ before the HDF5 library reads it. The text is JSON: the model as it is before ``
 that it learned. What else it learned are arrays, each named by its place in the model, such as
 ``readout_.W_out_``.
 
-A model is read by making it again, see ``fprc.models.learned``; what does not fit into it is
-refused. A model that would not be read again is not written.
+A file may come from anybody, and may move a rig. All numbers must lie in the file as they are: a
+link or a chunk could lead to another file, or to more than there is. The model is made again from
+its parameters, and takes what fits, see ``fprc.models.learned``; anything else is refused.
 """
 
 import hashlib
@@ -27,15 +28,12 @@ from fprc.models.learned import is_built_in, is_learned, restore
 
 #: Largest file, bytes: an ESN of 4,000 nodes takes 128 MB.
 MOST_BYTES = 150_000_000
+#: Longest text, bytes, and longest message about a file, which may quote a name of any length.
+_LONGEST_TEXT, _LONGEST_MESSAGE = 1_000_000, 1000
 
-#: Longest message about a file, which may quote a name of any length.
-_LONGEST = 1000
-
-#: Name of the text.
-_TEXT = "model"
-_FORMAT = b"fprc model 2\n"
-_BLOCK = 512
-_HDF5 = b"\x89HDF\r\n\x1a\n"
+_TEXT, _BLOCK, _FORMAT = "model", 512, b"fprc model 2\n"
+#: Keys of an estimator in the text.
+_KEYS = {"class", "parameters"}
 
 
 def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type] = ()) -> None:
@@ -50,27 +48,25 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     Raises
     ------
     FprcError
-        The class of the model, or of an estimator among its parameters, is neither of this package
-        nor in ``classes``; a parameter is neither numbers nor text; or a learned attribute
-        cannot be saved: it is not finite, not as the class learns it, or neither numbers nor text.
+        The model would not be read again: the class of a part is neither of this package nor in
+        ``classes``; a parameter is neither numbers nor text; or a learned attribute is not finite,
+        not as its class learns it, or neither numbers nor text.
     """
     check_is_fitted(model)
-    parts, arrays, words = dict(_parts(model)), {}, {}
+    parts = dict(_parts(model))
+    arrays, words = dict[str, np.ndarray](), dict[str, np.ndarray]()
     try:
         for place, part in parts.items():
             for key, value in vars(part).items():
                 if is_learned(key) and not _held(value):
                     numbers = np.asarray(value)
-                    if numbers.dtype.kind in "biuf":
-                        arrays[place + key] = numbers
-                    else:
-                        words[place + key] = numbers.tolist()
+                    (arrays if numbers.dtype.kind in "biuf" else words)[place + key] = numbers
         text = json.dumps({"model": model, "words": words}, default=_plain, allow_nan=False)
-        content = packed(text, dict(sorted(arrays.items())))
+        content = packed(text, arrays)
         for place, part in _parts(_restored(content, classes)):
-            if _common(part) != _common(parts[place]):
+            if _described(part) != _described(parts[place]):
                 raise ValueError(f"{place}: its class and parameters are not those of make_...()")
-    except (FprcError, TypeError, ValueError) as error:
+    except (TypeError, ValueError) as error:
         raise FprcError(f"{type(model).__name__}: cannot be saved: {error}") from error
     Path(path).write_bytes(content)
 
@@ -95,11 +91,12 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
         if hasattr(model, "reset"):
             model.reset()
         return model
-    except FprcError as error:
-        raise FprcError(f"{path}: {str(error)[:_LONGEST]}") from error
     except Exception as error:  # on a file of somebody else, libraries and classes raise any type
-        why = f"{type(error).__name__}: {error}"[:_LONGEST]
-        raise FprcError(f"{path}: holds no model of fprc ({why}); train it again") from error
+        why = str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"
+        raise FprcError(
+            f"{path}: holds no model that this version of fprc can use: {why[:_LONGEST_MESSAGE]}; "
+            "give a model of `fprc train` or of the workflow, or train it again"
+        ) from error
 
 
 def packed(text: str, arrays: Mapping[str, np.ndarray]) -> bytes:
@@ -107,22 +104,19 @@ def packed(text: str, arrays: Mapping[str, np.ndarray]) -> bytes:
 
     Raises
     ------
-    FprcError
+    ValueError
         It is too large.
     """
     # in memory: HDF5 on a full disk crashes the process at exit
     with h5py.File(_TEXT, "w", driver="core", backing_store=False) as file:
         file.create_dataset(_TEXT, data=np.bytes_(text.encode()))
-        for name, values in arrays.items():
+        for name, values in sorted(arrays.items()):
             file.create_dataset(name, data=values)
         file.flush()
-        image = file.id.get_file_image()
-    if _BLOCK + len(image) > MOST_BYTES:
-        raise FprcError(
-            f"takes {(_BLOCK + len(image)) / 1e6:.0f} MB, the limit is {MOST_BYTES / 1e6:.0f} MB, "
-            "train a smaller one"
-        )
-    return sealed(image)
+        content = sealed(file.id.get_file_image())
+    if len(content) > MOST_BYTES:
+        raise ValueError(f"takes {len(content):,} bytes; at most {MOST_BYTES:,} are possible")
+    return content
 
 
 def sealed(image: bytes) -> bytes:
@@ -133,20 +127,23 @@ def sealed(image: bytes) -> bytes:
 
 def _unpacked(content: bytes) -> dict[str, Any]:
     """Return the text and every array of a file by name."""
-    image = content[_BLOCK:]
-    if content != sealed(image):
-        if content.startswith(_HDF5) and b"time_s" in content:  # the name of a channel
-            raise FprcError("is a log, no model; give the model of `fprc train` here")
-        if not content.startswith(_FORMAT):
-            raise FprcError("holds no model of fprc, or one of another version; train it again")
-        raise FprcError(
-            "was changed after it was saved: its SHA-256 is not the one that it holds; restore the "
-            "file, or train the model again"
-        )
-    with h5py.File(h5py.h5f.open_file_image(image)) as file:
-        if sum(file[name].nbytes for name in file) > len(image):
-            raise FprcError("declares more numbers than it has bytes; train the model again")
-        return {name: file[name][()] for name in file}
+    if not content.startswith(_FORMAT):
+        log = content.startswith(b"\x89HDF") and b"time_s" in content  # the name of a channel
+        raise ValueError(f"it is {'a log' if log else 'none, or one of another version'}")
+    if content != sealed(content[_BLOCK:]):
+        raise ValueError("it was changed after it was saved, its SHA-256 is another")
+    with h5py.File(h5py.h5f.open_file_image(content[_BLOCK:])) as file:
+        if any(type(file.get(name, getlink=True)) is not h5py.HardLink for name in file):
+            raise ValueError("it holds a link")
+        for name, data in file.items():
+            plan = data.id.get_create_plist()
+            whole = plan.get_layout() in (h5py.h5d.CONTIGUOUS, h5py.h5d.COMPACT)
+            if not whole or plan.get_external_count() or data.dtype.kind not in "biufS":
+                raise ValueError(f"{name}: its numbers do not lie in the file as they are")
+        sizes = {name: data.nbytes for name, data in file.items()}
+        if sum(sizes.values()) > len(content) or sizes[_TEXT] > _LONGEST_TEXT:
+            raise ValueError("it declares more numbers than it has bytes, or too long a text")
+        return {name: data[()] for name, data in file.items()}
 
 
 def _restored(content: bytes, classes: Collection[type]) -> Any:
@@ -158,16 +155,13 @@ def _restored(content: bytes, classes: Collection[type]) -> Any:
     text = json.loads(values.pop(_TEXT), object_hook=unfitted)
     for name, array in values.items():
         if not np.isfinite(array).all():
-            raise FprcError(f"{name}: holds NaN or infinity; train the model again")
+            raise ValueError(f"{name}: holds NaN or infinity")
     learned = {name: value if np.ndim(value) else value.item() for name, value in values.items()}
     for name, value in text["words"].items():
         learned[name] = np.array(value, dtype=object) if isinstance(value, list) else value
-    try:
-        model = restore(text["model"], learned)
-    except ValueError as error:
-        raise FprcError(f"{error}; train the model again") from error
+    model = restore(text["model"], learned)
     if learned:
-        raise FprcError(f"{', '.join(learned)}: is no part of the model; train it again")
+        raise ValueError(f"{', '.join(learned)}: is no part of the model")
     return model
 
 
@@ -183,37 +177,26 @@ def _known_classes(classes: Collection[type]) -> dict[str, type]:
     }
 
 
-#: Keys of an estimator in the text.
-_KEYS = {"class", "parameters"}
-
-
 def _plain(value: Any) -> Any:
     """Return a value as JSON has it: an estimator as class and parameters, an array as a list."""
     if isinstance(value, BaseEstimator):
         return {"class": type(value).__name__, "parameters": value.get_params(deep=False)}
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
-    raise TypeError(
-        f"a parameter is a {type(value).__name__}, which is neither numbers nor text; change it"
-    )
+    raise TypeError(f"a parameter is a {type(value).__name__}, neither numbers nor text; change it")
 
 
 def _unfitted(described: Mapping[str, Any], known: Mapping[str, type]) -> Any:
     """Return the estimator of ``_plain``."""
     name, parameters = described["class"], described["parameters"]
     if name not in known:
-        raise FprcError(
-            f"class {name} is unknown: a class of your own must be given, by --config or as one of "
-            "classes; else another version saved it, so train the model again"
+        raise ValueError(
+            f"class {name} is unknown; a class of your own must be given, by --config or in classes"
         )
-    try:
-        model = known[name](**parameters)
-    except TypeError as error:
-        raise FprcError(f"{name}: {error}, so another version saved it; train it again") from error
+    model = known[name](**parameters)
     missing = model.get_params(deep=False).keys() - parameters.keys()
     if is_built_in(model) and missing:
-        keys = ", ".join(sorted(missing))
-        raise FprcError(f"{name}: has no {keys}, so another version saved it; train it again")
+        raise ValueError(f"{name}: has no {', '.join(sorted(missing))}")
     return model
 
 
@@ -234,8 +217,7 @@ def _parts(model: BaseEstimator, place: str = "") -> Iterator[tuple[str, BaseEst
                 yield from _parts(part, f"{place}{key}{more}.")
 
 
-def _common(part: BaseEstimator) -> tuple[type, str]:
+def _described(part: BaseEstimator) -> str:
     """Return class and parameters; a cross-validation gives the readout of a fold another seed."""
-    parameters = part.get_params(deep=False)
-    parameters.pop("random_state", None)
-    return type(part), json.dumps(parameters, default=_plain)
+    parameters = part.get_params(deep=False) | {"random_state": None}
+    return json.dumps([type(part).__name__, parameters], default=_plain)

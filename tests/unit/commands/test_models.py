@@ -129,8 +129,8 @@ def test_logs_of_the_same_name_train_together(
         (["train", "DATA", "--out", "m.h5"], "is preprocessed; give the raw log"),
         (["train", "LOG", "--model", "fpcr", "--out", "m.h5"], "use esn, fprc or fuzzy_linear"),
         (["train", "MODEL", "--out", "m.h5"], "is a model, no log"),
-        (["predict", "precious.h5", "LOG", "--out", "p.csv"], "holds no model of fprc"),
-        (["predict", "LOG", "LOG", "--out", "p.csv"], "is a log, no model; give the model"),
+        (["predict", "precious.h5", "LOG", "--out", "p.csv"], "precious.h5: holds no model"),
+        (["predict", "LOG", "LOG", "--out", "p.csv"], "it is a log"),
         (["predict", "none.h5", "LOG", "--out", "p.txt"], "must end in .csv or .h5"),
     ],
 )

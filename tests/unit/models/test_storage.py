@@ -2,6 +2,7 @@ import json
 import os
 import re
 from fractions import Fraction
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -93,7 +94,7 @@ def test_same_model_gives_the_same_bytes(saved, path, tmp_path):
 
 @pytest.mark.parametrize("model", SEQUENCE_MODELS, ids=named)
 def test_unfitted_model_is_refused(model, path):
-    with pytest.raises((FprcError, NotFittedError), match="not fitted|fit"):
+    with pytest.raises((FprcError, NotFittedError), match="fit"):
         save_model(clone(model), path)
 
 
@@ -135,7 +136,7 @@ def test_any_byte_that_changed_is_noticed(saved, path, damaged_bytes):
     data = path.read_bytes()
     for at in damaged_bytes(len(data)):
         path.write_bytes(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :])
-        with pytest.raises(FprcError, match=r"model\.h5: (holds no model|was changed after)"):
+        with pytest.raises(FprcError, match=r"model\.h5: "):
             load_model(path)
 
 
@@ -181,7 +182,7 @@ TEXTS = {
     "no class": (FUZZY, put("model", "class", value={}), "holds no model"),
     "unknown class": (FUZZY, put("model", "class", value="FPCR"), "class FPCR is unknown"),
     "other class": (FUZZY, put("model", "class", value="FuzzyLinear"), "FuzzyLinear.*epsilon"),
-    "parameter": (FUZZY, setting("n_layers", 3), "FPRC: .*n_layers"),
+    "parameter": (FUZZY, setting("n_layers", 3), "n_layers"),
     "no parameter": (FUZZY, lambda text: text["model"]["parameters"].pop("n_c") and None, "n_c"),
     "number": (FUZZY, setting("n_c", 4), r"readout_\.centers_"),
     "taps": (FUZZY, setting("n_y", 4), r"readout_\.n_features_in_"),
@@ -201,6 +202,7 @@ TEXTS = {
     "no map": (BANK, setting("maps", [7]), "maps = "),
     "no maps": (BANK, setting("maps", []), "maps"),
     "references": (TAPS, setting("n_references", 7), "n_references"),
+    "40 MB of text": (FUZZY, put("words", "units_", value=["k" * 40_000_000]), "too long a text"),
     "factors": (LowpassBank(), setting("epsilons", "0.1"), "epsilons"),
 }  # fmt: skip
 
@@ -224,12 +226,40 @@ ARRAYS = {
     "gone": lambda file, name, x: None,
     "soft link": lambda file, name, x: file.__setitem__(name, h5py.SoftLink("/model")),
     "link": lambda file, name, x: file.__setitem__(name, h5py.ExternalLink("o.h5", "/x")),
+    "link to a pipe": lambda file, name, x: file.__setitem__(
+        name, h5py.ExternalLink(Path(file.filename).with_name("pipe"), "/x")
+    ),
+    "kept in another file": lambda file, name, x: file.create_dataset(
+        name, x.shape, "f8", external=[(elsewhere(file, x), 0, x.nbytes)]
+    ),
+    "kept in a pipe": lambda file, name, x: file.create_dataset(
+        name, x.shape, "f8", external=[(Path(file.filename).with_name("pipe"), 0, x.nbytes)]
+    ),
+    "virtual": lambda file, name, x: file.create_virtual_dataset(name, of_another_file(x)),
+    "compressed": lambda file, name, x: file.create_dataset(name, data=x, compression="gzip"),
+    "chunk of 1 GB": lambda file, name, x: file.create_dataset(
+        name, x.shape, "f8", maxshape=(None, None), chunks=(12_000, 12_000), compression="gzip"
+    ),
+    "words on a heap": lambda file, name, x: file.create_dataset(name, data=["a"] * x.size),
     "promised": lambda file, name, x: file.create_dataset(name, (10**6, 10**6), "f8"),
 }
 
 
+def elsewhere(file, x):
+    raw = Path(file.filename).with_name("raw.bin")
+    x.tofile(raw)
+    return raw
+
+
+def of_another_file(x):
+    layout = h5py.VirtualLayout(x.shape, "f8")
+    layout[:] = h5py.VirtualSource("other.h5", "x", shape=x.shape)
+    return layout
+
+
 @pytest.mark.parametrize("change", ARRAYS.values(), ids=ARRAYS)
 def test_wrong_array_is_refused(change, saved, path):
+    os.mkfifo(path.with_name("pipe"))
     name = "readout_.W_out_"
     with h5py.File(path, "a") as file, np.errstate(divide="ignore", invalid="ignore"):
         values = file[name][()]
@@ -247,7 +277,7 @@ def test_wrong_number_of_columns_is_named(name, value, saved, path):
     with h5py.File(path, "a") as file:
         file[name][...] = value
     reseal(path)
-    with pytest.raises(FprcError, match=rf"model\.h5: {re.escape(name)}"):
+    with pytest.raises(FprcError, match=rf"model\.h5: .* {re.escape(name)}: "):
         load_model(path)
 
 
@@ -266,7 +296,7 @@ def test_array_outside_its_limits_is_named(features, name, value, path):
     with h5py.File(path, "a") as file:
         file[name][...] = value
     reseal(path)
-    with pytest.raises(FprcError, match=rf"model\.h5: {name}: "):
+    with pytest.raises(FprcError, match=rf"model\.h5: .* {name}: "):
         load_model(path)
 
 
@@ -336,7 +366,7 @@ def test_model_from_outside_is_loaded_with_what_it_learned(outside, path):
 )
 def test_origin_of_a_model_from_outside_is_checked(name, value, outside, path):
     setattr(outside, name, value)
-    with pytest.raises(FprcError, match=f"{name}.*train the model again"):
+    with pytest.raises(FprcError, match=name):
         save_model(outside, path, [Outside])
 
 
