@@ -9,7 +9,7 @@ from fprc.apparatus import check as rig_check
 from fprc.apparatus import guardian, pneumatics, recovery
 from fprc.config import Settings
 from fprc.evaluation import paired
-from fprc.logs import isolated, sealed_chamber
+from fprc.logs import sealed_chamber
 from fprc.recordings import clock, competitors, delimited, diagnosis, resample
 from fprc.studies.stages import check as checked
 
@@ -27,7 +27,6 @@ def quoted():
     columns = settings.models.esn.r + settings.models.n_y
     states = competitors._MOST_BYTES // (8 * columns)
     return {
-        "data/raw/README.md": [f"memory ({isolated._LIMIT_BYTES >> 30} GB)"],
         "docs/benchmark.md": [
             f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.units - 1}, "
         ],
@@ -60,8 +59,6 @@ def quoted():
             f"| text | {delimited.LARGEST_TEXT_BYTES >> 20} MB |",
             f"| any other file; a journal | {given.MOST_BYTES >> 30} GB; "
             f"{recovery.LARGEST_JOURNAL_BYTES >> 30} GB |",
-            f"MATLAB or HDF5 file | {isolated._LIMIT_BYTES >> 30} GB |",
-            f"| {isolated._LIMIT_S:g} s, and 1 s for each {isolated._BYTES_PER_S / 1e6:g} MB",
             f"| {clock.MOST_POINTS / 1e6:g} million samples at the new rate",
             f"to {resample.PASS:g} of the new Nyquist frequency and at -{resample.STOP_DB:g} dB",
             f"a step longer than {settings.quality.gap_periods:g} median steps",

@@ -10,7 +10,6 @@ from fprc.config import Settings
 from fprc.errors import LogError
 from fprc.escape import visible
 from fprc.logs import assess, read_raw
-from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import warnings
 from fprc.paper import SOURCES
 
@@ -22,13 +21,15 @@ def check(paths: Sequence[str], *, json_: bool = False) -> int:
     """Check raw logs and say what is wrong with them."""
     limits = Settings().quality.model_dump()
     records = []
-    for path, record in zip(paths, attempt_each(_record, paths, limits=limits), strict=True):
-        if isinstance(record, LogError):
-            print(f"error: {record}", file=sys.stderr)
-            record = {"log": path, "error": str(record)}
-        elif not json_:
+    for path in paths:
+        try:
+            records.append(record := _record(path, limits))
+        except LogError as error:
+            print(f"error: {error}", file=sys.stderr)
+            records.append({"log": path, "error": str(error)})
+            continue
+        if not json_:
             print("\n".join(_page(path, record)))
-        records.append(record)
     if json_:
         print(json.dumps(records, indent=2))
     return int(any("error" in record or warnings(record) for record in records))

@@ -1,7 +1,7 @@
 """HDF5 files of channels of equal length, each with a unit and checksums."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -87,6 +87,25 @@ def read_columns(
     if problems:
         raise LogError("\n".join(problems))
     return columns
+
+
+def read_each(read: Callable[..., Any], paths: Sequence[Path | str], **keywords: Any) -> list[Any]:
+    """Read several files by a function of a path.
+
+    Raises
+    ------
+    LogError
+        Lists the errors of all files.
+    """
+    results, problems = [], []
+    for path in paths:
+        try:
+            results.append(read(path, **keywords))
+        except LogError as error:
+            problems.append(str(error))
+    if problems:
+        raise LogError("\n".join(problems))
+    return results
 
 
 def gather_columns(

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from fprc.channels import CHANNELS
 from fprc.errors import ConfigError, LogError
 from fprc.escape import in_words, terminal
 from fprc.logs import Columns, read_columns
-from fprc.logs.isolated import isolated_each
+from fprc.logs.columns import read_each
 from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.paths import Paths
 from fprc.plan.results import BY_NAME, RESULTS, Result
@@ -236,15 +236,13 @@ class Plan:
         }
 
 
-def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
+def read_plan(settings: Mapping[str, Any], raw: str) -> Plan:
     """Return the plan for the raw logs that exist.
 
     Parameters
     ----------
     raw : str
         Folder of the logs: ``folders.raw``, with the prefix if the workflow is a module with one.
-    isolate : bool
-        Read the logs in a child process, so that a damaged file cannot hang or crash this one.
 
     Raises
     ------
@@ -267,8 +265,7 @@ def read_plan(settings: Mapping[str, Any], raw: str, *, isolate: bool) -> Plan:
     if settings["source"] == "recorded":
         logs += [str(path) for path in Path(raw).glob("*.h5") if _is_further(path.stem)]
     present = [log for log in logs if Path(log).exists()]
-    header_of = partial(read_columns, names=())
-    read = isolated_each(header_of, present) if isolate else map(header_of, present)
+    read = read_each(read_columns, present, names=())
     plan = Plan(settings, {log.path.stem: log for log in read}, raw)
     if plan.records:
         _refuse_other_source(plan.existing, simulated=plan.on_simulated_rig)

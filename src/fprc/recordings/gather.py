@@ -9,7 +9,6 @@ import numpy as np
 from fprc.channels import CONVERTED
 from fprc.errors import LogError
 from fprc.logs.columns import LARGEST
-from fprc.logs.isolated import isolated_each
 from fprc.recordings.arrays import read_arrays
 from fprc.recordings.clock import Recording, read_clock
 from fprc.recordings.delimited import read_text
@@ -26,9 +25,6 @@ FACTORS = {"1": 1.0} | {name: by for units in CONVERTED.values() for name, by in
 
 def read_source(path: Path | str, **layout: Any) -> Source:
     """Read every variable of a CSV, HDF5 or MATLAB file that can be a channel.
-
-    HDF5 and MATLAB files are read in a child process, because their libraries can hang or
-    crash on a damaged file.
 
     Parameters
     ----------
@@ -47,8 +43,7 @@ def read_source(path: Path | str, **layout: Any) -> Source:
         raise LogError(f"{path}: unknown file name ending; must be one of {', '.join(_SUFFIXES)}")
     if kind == "CSV":
         return read_text(path, **layout)
-    (source,) = isolated_each(read_arrays, [path], matlab=kind == "MATLAB")
-    return source
+    return read_arrays(path, matlab=kind == "MATLAB")
 
 
 def gather(

@@ -14,7 +14,6 @@ from fprc.errors import ConfigError, LogError
 from fprc.escape import in_words, terminal, visible
 from fprc.figures import style
 from fprc.logs import read_columns, write_raw
-from fprc.logs.isolated import attempt_each
 from fprc.logs.quality import other_quantity
 from fprc.provenance import sha256
 from fprc.recordings.clock import SECONDS, Recording, likely_rate, oddities, refuse_length
@@ -187,8 +186,10 @@ def _outputs_beside(raw: str) -> tuple[str, str]:
 
 
 def _is_imported(old: Path) -> bool:
-    (log,) = attempt_each(read_columns, [old], names=())
-    return not isinstance(log, LogError) and log.attributes.get("source") == "import"
+    try:
+        return bool(read_columns(old, ()).attributes.get("source") == "import")
+    except LogError:
+        return False
 
 
 def draft_map(content: Source) -> str:

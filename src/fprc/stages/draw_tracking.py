@@ -6,7 +6,7 @@ from fprc.artifacts import write_csv
 from fprc.figures import style
 from fprc.figures.tracking import plot_error, plot_following, plot_reference_loops
 from fprc.logs import read_run
-from fprc.logs.isolated import isolated_each
+from fprc.logs.columns import read_each
 from fprc.paper import LOOPS, REFERENCE_NAMES
 from fprc.signals import settled
 from fprc.tables.figure_data import error_summary
@@ -26,9 +26,9 @@ def draw_following(
 
     The axes of the errors span those of all ``runs``, so that the four figures can be compared.
     """
-    # in one call, because each starts a process, and once, because each file has its error
+    # once, because each file has its error
     paths = list(dict.fromkeys([open_loop, closed_loop, *runs]))
-    logs = dict(zip(paths, isolated_each(read_run, paths), strict=True))
+    logs = dict(zip(paths, read_each(read_run, paths), strict=True))
     opened, closed = logs[open_loop], logs[closed_loop]
     table = error_summary([opened, closed])
     write_csv(csv, table)
@@ -62,7 +62,7 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> None:
 
     ``runs`` are the logs of PD and of FPRC+PD for each of ``LOOPS``, in this order.
     """
-    logs = isolated_each(read_run, runs)
+    logs = read_each(read_run, runs)
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.1, sharex=True, sharey=True)
     pairs = zip(axes, "ab", LOOPS, logs[::2], logs[1::2], strict=True)
     for ax, letter, reference, *pair in pairs:
@@ -76,7 +76,7 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> None:
 
 def draw_disturbance(run: str, csv: str, pdf: str, png: str, *, quiet_s: float) -> None:
     """Figure 17: tracking and reservoir while random forces push the reservoir."""
-    (log,) = isolated_each(read_run, [run])
+    (log,) = read_each(read_run, [run])
     channels, time_s = log.channels, log.channels["time_s"]
     table = error_summary([log])
     write_csv(csv, table)

@@ -8,7 +8,7 @@ from typing import Any
 from fprc.artifacts import write_json
 from fprc.experiments.data import Data, join, select_channels
 from fprc.logs import assess, read_raw, write_columns
-from fprc.logs.isolated import isolated_each
+from fprc.logs.columns import read_each
 from fprc.logs.quality import warnings
 
 log = logging.getLogger(__name__)
@@ -70,7 +70,7 @@ def read_recordings(
     LogError
         Lists every log that cannot be read.
     """
-    sources = isolated_each(
+    sources = read_each(
         read_raw,
         paths,
         experiment=experiment,

@@ -8,7 +8,7 @@ import numpy as np
 from fprc.artifacts import read_json
 from fprc.errors import LogError
 from fprc.logs import read_run
-from fprc.logs.isolated import isolated_each
+from fprc.logs.columns import read_each
 from fprc.logs.quality import warnings, warnings_of_run
 from fprc.paper import SOURCES
 from fprc.registry import title_of
@@ -122,7 +122,7 @@ def tabulate_tracking(
     LogError
         A log cannot be read, or some are simulated and others are not.
     """
-    logs = isolated_each(read_run, runs)
+    logs = read_each(read_run, runs)
     kinds = {run.attributes["source"]: str(run.path) for run in logs}
     if len(kinds) > 1:
         named = ", ".join(f"{source} ({path})" for source, path in kinds.items())

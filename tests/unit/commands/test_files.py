@@ -7,8 +7,6 @@ import pytest
 import yaml
 
 from fprc.cli import main
-from fprc.commands import logs
-from fprc.errors import LogError
 
 MAP = {
     "time": {"column": "t"},
@@ -106,10 +104,3 @@ def test_run_that_lacks_a_trained_model_asks_for_the_option_that_names_one(refus
 @pytest.mark.parametrize("name", ["sweep", "track_sweep_pd"])
 def test_model_of_a_run_that_uses_none_is_refused(refusal, name):
     assert "--model" in refusal(f"rig run {name} --model none.h5")
-
-
-def test_logs_are_read_in_a_process_that_may_crash_or_hang(monkeypatch, capsys):
-    """What becomes of such a process: tests/unit/logs/test_isolated.py."""
-    monkeypatch.setattr(logs, "attempt_each", lambda *call, **more: [LogError("it crashed")])
-    assert main(["log", "check", "log.h5"]) == 1
-    assert capsys.readouterr().err == "error: it crashed\n"

@@ -1,30 +1,26 @@
 """The raw logs that exist when the workflow begins."""
 
-import subprocess
-
 import h5py
 import pytest
 
 from fprc.config import check
 from fprc.errors import LogError
-from fprc.logs import isolated
 from fprc.logs.quality import substitute
 from fprc.plan.plan import read_plan
 
 NAMES = ["sweep", "complex", "track_sweep_fprc"]
 
 
-def there(folder, isolate=False, source="sim"):
+def there(folder, source="sim"):
     settings = check({"source": source}).model_dump(mode="json")
-    return read_plan(settings, str(folder), isolate=isolate).existing
+    return read_plan(settings, str(folder)).existing
 
 
-@pytest.mark.parametrize("isolate", [False, True])
-def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path, isolate):
+def test_channels_and_notes_of_the_logs_that_are_there(write_log, tmp_path):
     path = write_log("sweep.h5", notes={"theta_deg": "not in deg: x [mm]", "p_o_kpa": "muscle 1"})
     with h5py.File(path, "a") as log:
         del log["phi_deg"]
-    found = there(tmp_path, isolate)
+    found = there(tmp_path)
     assert list(found) == ["sweep"]
     assert {"phi_deg", "p_o_kpa"} - found["sweep"].names == {"phi_deg"}
     substitutes = [
@@ -38,26 +34,17 @@ def test_every_file_that_cannot_be_read_is_named(write_log, tmp_path):
     write_log("complex.h5", notes="{")
     write_log("track_sweep_fprc.h5")
     with pytest.raises(LogError) as caught:
-        there(tmp_path, isolate=True)
+        there(tmp_path)
     first, second = str(caught.value).splitlines()
     assert first.startswith(f"{tmp_path / 'sweep.h5'}: not an HDF5 file")
     assert second.startswith(f"{tmp_path / 'complex.h5'}: attribute notes = '{{': must be a JSON")
 
 
-def test_folder_without_logs_starts_no_process(tmp_path, monkeypatch):
-    monkeypatch.setattr(isolated.subprocess, "run", None)
-    assert there(tmp_path, isolate=True) == {}
-
-
-def test_all_logs_are_read_in_one_process(write_log, tmp_path, monkeypatch):
-    started, run = [], subprocess.run
-    monkeypatch.setattr(
-        isolated.subprocess, "run", lambda *a, **more: started.append(a) or run(*a, **more)
-    )
-    for name in NAMES:
+def test_logs_are_listed_in_the_order_of_the_plan(write_log, tmp_path):
+    assert there(tmp_path) == {}
+    for name in reversed(NAMES):
         write_log(f"{name}.h5")
-    assert list(there(tmp_path, isolate=True)) == NAMES
-    assert len(started) == 1
+    assert list(there(tmp_path)) == NAMES
 
 
 # --- what may be overwritten ------------------------------------------------------------------

@@ -72,9 +72,9 @@ def test_grid_in_which_no_value_is_between_others_is_refused_where_claims_are_ju
 ):
     settings = check({"grids": {name: values}}).model_dump(mode="json")
     with pytest.raises(ConfigError, match=f"grids.{name} = "):
-        read_plan(settings, str(tmp_path), isolate=False)
+        read_plan(settings, str(tmp_path))
     with pytest.raises(LogError, match="contains no raw log"):
-        read_plan(settings | {"source": "recorded"}, str(tmp_path), isolate=False)
+        read_plan(settings | {"source": "recorded"}, str(tmp_path))
 
 
 def test_every_result_has_a_name_and_files_of_its_own():

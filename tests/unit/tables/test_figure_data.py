@@ -178,7 +178,7 @@ def logs(monkeypatch):
     """Logs by name, in place of files."""
     found = {}
     monkeypatch.setattr(
-        draw_tracking, "isolated_each", lambda read, paths: [found[path] for path in paths]
+        draw_tracking, "read_each", lambda read, paths: [found[path] for path in paths]
     )
     return found
 
