@@ -5,8 +5,8 @@
 OTHER_RIGS = {
     name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
 }
-#: Those of them that were fitted, with a report of the fit.
-FITTED_RIGS = [name for name, path in OTHER_RIGS.items() if path.with_suffix(".json").exists()]
+#: Those of them that were fitted.
+FITTED_RIGS = [name for name in OTHER_RIGS if named_rig(name)["fitted"]["to"]]
 #: Families of many rigs, and the terms that they were fitted to.
 SETS = {"near_print": ["tables"], "drawn": []}
 FAMILY_TABLES = ("errors", "claims")

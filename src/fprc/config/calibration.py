@@ -14,7 +14,7 @@ Term = Literal[
 ]  # fmt: skip
 
 #: What a rig may have been searched for, also by searches that are not of this project.
-SearchedFor = Literal[Term, "closed_errors", "C15"]
+SearchedFor = Literal[Term, "closed_errors", "C1b"]
 
 
 class Fitted(Section):
@@ -114,6 +114,8 @@ class Calibration(Section):
             "pressure_sensor.noise_kpa": (0.02, 1.0),
             "bend_sensor.noise_deg": (0.01, 0.2),
             "bend_sensor.slow_error_deg": (0.05, 0.5),
+            "reservoir.squeeze_damping_kpa_s_per_ml": (0.3, 2.0),
+            "reservoir.squeeze_stiffness_kpa_per_ml": (12.0, 80.0),
         },
         description="narrower ranges than the physical ones, by free parameter",
     )

@@ -41,6 +41,24 @@ def stiffest_squeeze(rig: Mapping[str, Any]) -> float:
     return reservoir["squeeze_stiffness_kpa_per_ml"] + highest_kpa * sum(w / d for w, d in pairs)
 
 
+#: Longest lag of the squeeze, s: a corner of 3 Hz, above the 1 Hz to which P_o follows without
+#: dependence on the frequency (paper, Sec. II-B).
+LONGEST_LAG_S = 0.05
+
+_ATMOSPHERE_KPA = 101.325
+
+
+def squeeze_lag(rig: Mapping[str, Any]) -> float:
+    """Return the time constant of the squeeze while it slips, with PAM B at rest, s.
+
+    c_s / (k_s + g dP_o/ds), where dP_o/ds = P_o / V_B (absolute) of an isothermal gas.
+    """
+    reservoir = rig["reservoir"]
+    per_ml = (reservoir["precharge_kpa"] + _ATMOSPHERE_KPA) / reservoir["passive_volume_ml"]
+    stiffness = reservoir["squeeze_stiffness_kpa_per_ml"] + reservoir["back_pressure_gain"] * per_ml
+    return float(reservoir["squeeze_damping_kpa_s_per_ml"] / stiffness)
+
+
 class Valve(Section):
     """Both proportional valves, Festo MPYE-5-M5-010B."""
 
@@ -157,7 +175,7 @@ class Reservoir(Section):
         100, (0, 200), "gauge pressure at which PAM B is sealed", "paper, Sec. II-A"
     )
     squeeze_damping_kpa_s_per_ml: float = quantity(
-        1.0, (0.3, 20), "viscous resistance of the fabric, c_s", "fitted"
+        1.0, (0.3, 5), "viscous resistance of the fabric, c_s", "fitted; short lag"
     )
     squeeze_stiffness_kpa_per_ml: float = quantity(
         35, (5, 150), "stiffness of the fabric, k_s", "swing of P_o; fitted"
@@ -272,6 +290,16 @@ class Rig(Section):
                 f"the reservoir's squeeze covers {share:.2g} of the distance to equilibrium in one "
                 "integration step, must be at most 0.5; reduce step_s, or raise "
                 "slip_distance_ml or squeeze_damping_kpa_s_per_ml"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _squeeze_has_no_lag(self) -> "Rig":
+        if (lag := squeeze_lag(self.model_dump())) > LONGEST_LAG_S:
+            raise ValueError(
+                f"the reservoir's squeeze lags by {lag:.2g} s, must be at most {LONGEST_LAG_S} s, "
+                "since its loops do not depend on frequency; reduce squeeze_damping_kpa_s_per_ml "
+                "or raise squeeze_stiffness_kpa_per_ml"
             )
         return self
 

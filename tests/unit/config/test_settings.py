@@ -118,7 +118,7 @@ NAN, INFINITY = float("nan"), float("inf")
         ("evaluation.replicate_seeds", [True, False], ""),
         ("evaluation.replicate_seeds", [101, 101], ""),
         ("evaluation.replicate_seeds", [101], ""),
-        ("evaluation.replicate_seeds", [101, 204], ""),
+        ("evaluation.replicate_seeds", [101, 442], ""),
         ("calibration.taps", [3, 3], ""),  # over equal sizes no trend can be measured
         ("calibration.free", ["valve.leak"], ""),
         ("calibration.fit", [], ""),

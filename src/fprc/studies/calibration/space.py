@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.config.rig import free_ranges, stiffest_squeeze
+from fprc.config.rig import LONGEST_LAG_S, free_ranges, squeeze_lag, stiffest_squeeze
 
 #: Largest sum of the slip weights without the last one.
 _MOST = 0.97
@@ -92,14 +92,17 @@ def starts_near(point: np.ndarray, count: int, seed: int) -> np.ndarray:
 
 
 def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the rig with enough damping of the squeeze for its integration step.
+    """Return the rig with a damping of the squeeze that its lag and its integration step allow.
 
-    The limit is 0.48, below the 0.5 that ``fprc.config.rig.Rig`` allows.
+    The damping is lowered for the lag, then raised for the step (to a share of 0.48 of the distance
+    to equilibrium); where no damping does for both, ``fprc.config.rig.Rig`` refuses the rig.
     """
     reservoir = dict(rig["reservoir"])
+    damping = reservoir["squeeze_damping_kpa_s_per_ml"]
+    most = damping * LONGEST_LAG_S / squeeze_lag(rig)
     least = rig["step_s"] * stiffest_squeeze(rig) / 0.48
-    if reservoir["squeeze_damping_kpa_s_per_ml"] < least:
-        reservoir["squeeze_damping_kpa_s_per_ml"] = float(f"{least:.4g}")
+    allowed = max(min(damping, 0.999 * most), least)
+    reservoir["squeeze_damping_kpa_s_per_ml"] = float(f"{allowed:.4g}")
     return {**rig, "reservoir": reservoir}
 
 

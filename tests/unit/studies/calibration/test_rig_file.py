@@ -14,7 +14,7 @@ from fprc.studies.calibration.space import decode, free_parameters
 RIG = Rig().model_dump(mode="json")
 PATHS = Settings().calibration.free
 FREE = free_parameters(PATHS)
-BEGAN = {"to": ["C8"], "start": ["C15", "C8"], "seeds": [3, 41]}
+BEGAN = {"to": ["C8"], "start": ["C1b", "C8"], "seeds": [3, 41]}
 NOT_FITTED = {"to": [], "start": [], "seeds": []}
 
 points = st.lists(st.floats(0.0, 1.0), min_size=len(FREE), max_size=len(FREE)).map(np.array)
@@ -52,7 +52,7 @@ def test_file_gives_the_very_rig_back(point):
         assume(False)
     found = check(yaml.safe_load(parameter_file(rig, summary(), "mine", BEGAN)))
     assert found.rig == expected
-    fitted = {"name": "mine", "to": ["tables", "C8"], "start": ["C8", "C15"]}
+    fitted = {"name": "mine", "to": ["tables", "C8"], "start": ["C8", "C1b"]}
     fitted["seeds"] = [3, *range(21, 31), 41, 42]
     assert found.fitted.model_dump(mode="json") == fitted
     same = Settings().model_dump(exclude={"rig", "fitted"})

@@ -20,7 +20,10 @@ PATHS = [
     "bending.preload_kpa",
     "reservoir.squeeze_stiffness_kpa_per_ml",
 ]
-RANGES = {"bending.stiffness_kpa_per_deg": [2.5, 4.0]}
+RANGES = {
+    "bending.stiffness_kpa_per_deg": [2.5, 4.0],
+    "reservoir.squeeze_stiffness_kpa_per_ml": [30.0, 60.0],  # no lag
+}
 FREE = free_parameters(PATHS, RANGES)
 SEED = 1000
 SETTINGS = Settings().model_dump(mode="json")
