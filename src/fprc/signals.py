@@ -97,19 +97,6 @@ def turning_points(x: np.ndarray) -> np.ndarray:
     return np.sort(np.concatenate([find_peaks(side, prominence=prominence)[0] for side in (x, -x)]))
 
 
-def swing_frequency(time_s: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the frequency at which ``x`` swings, Hz, for every sample.
-
-    Two successive turns are half a period apart, which gives the frequency midway between them;
-    it is interpolated linearly in time. For a chirp, this is the instantaneous frequency. With
-    fewer than two turns it is one over the duration.
-    """
-    turns = time_s[turning_points(x)]
-    if len(turns) < 2:
-        return np.full(len(time_s), 1.0 / (time_s[-1] - time_s[0]))
-    return np.interp(time_s, 0.5 * (turns[1:] + turns[:-1]), 0.5 / np.diff(turns))
-
-
 #: Confidence of every interval.
 LEVEL = 0.95
 

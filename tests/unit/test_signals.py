@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
@@ -12,7 +12,6 @@ from fprc.signals import (
     random_pushes,
     reference_angle,
     sample_times,
-    swing_frequency,
     width_at_middle,
 )
 
@@ -114,24 +113,3 @@ def test_width_is_taken_half_way_and_not_at_the_mean():
     x = 0.25 * (1.0 - np.cos(0.8 * np.pi * time)) ** 2 - 0.5  # from -0.5 to 0.5, mean -0.125
     lens = np.sign(np.sin(0.8 * np.pi * time)) * (0.25 - x) ** 2
     assert width_at_middle(x, lens) == pytest.approx(2.0 * 0.0625, rel=0.01)
-
-
-@settings(max_examples=20)
-@given(st.floats(0.05, 0.3), st.floats(0.5, 1.5))
-def test_swing_frequency_of_a_chirp_is_its_instantaneous_frequency(f_start_hz, f_end_hz):
-    t_s = sample_times(120.0, 200.0)
-    x = chirp(t_s, duration_s=120.0, f_start_hz=f_start_hz, f_end_hz=f_end_hz, amplitude=175.0,
-              offset=175.0)  # fmt: skip
-    known = f_start_hz + (f_end_hz - f_start_hz) * t_s / 120.0
-    # before the middle of the first half cycle, and after that of the last, it is constant
-    inside = slice(int(200.0 * 1.5 / f_start_hz), -int(200.0 * 1.5 / f_end_hz))
-    assert np.abs(swing_frequency(t_s, x) / known - 1.0)[inside].max() < 0.03
-
-
-def test_swing_frequency_ignores_noise_and_knows_no_half_cycle():
-    t_s = sample_times(40.0, 200.0)
-    noise = 0.5 * np.random.default_rng(1).standard_normal(len(t_s))
-    found = swing_frequency(t_s, 100.0 * np.sin(2 * np.pi * 0.25 * t_s) + noise)
-    assert np.abs(found / 0.25 - 1.0).max() < 0.1
-    for still in (t_s, 0.0 * t_s):
-        assert set(swing_frequency(t_s, still)) == {1.0 / t_s[-1]}

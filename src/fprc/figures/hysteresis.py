@@ -3,39 +3,32 @@
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm
+from pandas import DataFrame
 
 
-def plot_loop(
-    x: np.ndarray,
-    y: np.ndarray,
-    ax: Axes,
-    labels: tuple[str, str],
-    colour_by: np.ndarray | None = None,
-) -> LineCollection:
-    """Draw a loop of ``y`` over ``x``, coloured by a quantity of each sample, or in grey.
+def plot_loops(loops: DataFrame, ax: Axes, x: str, y: str, band_hz: float) -> ScalarMappable:
+    """Draw ``y`` over ``x``, one loop per band of frequency; return their colours.
 
-    Its pieces are drawn in random order, so that no part of the recording hides another.
+    Parameters
+    ----------
+    loops : DataFrame
+        From ``mean_loops``.
     """
-    points = np.column_stack([x, y])
-    order = np.random.default_rng(0).permutation(len(points) - 1)
-    segments = np.stack([points[:-1], points[1:]], axis=1)[order]
-    lines = LineCollection(list(segments), linewidth=0.4, capstyle="round")
-    if colour_by is None:
-        lines.set_color("0.5")
-    else:
-        lines.set(array=colour_by[:-1][order], cmap="viridis")
-        lines.set_clim(colour_by.min(), colour_by.max())
-    lines.set_rasterized(True)
-    ax.add_collection(lines)
-    ax.autoscale_view()
-    ax.set(xlabel=labels[0], ylabel=labels[1])
-    return lines
+    edges = np.arange(loops["f_hz"].min(), loops["f_hz"].max() + 1.5 * band_hz, band_hz)
+    bands = len(edges) - 1
+    colours = ScalarMappable(BoundaryNorm(edges, bands), colormaps["viridis"].resampled(bands))
+    for f_hz, loop in loops.groupby("f_hz"):
+        colour = colours.to_rgba(f_hz + band_hz / 2)
+        ax.plot(loop[x], loop[y], color=colour, linewidth=0.7)
+    return colours
 
 
-def add_frequency_bar(lines: LineCollection, axes: Sequence[Axes], panel: str) -> None:
+def add_frequency_bar(colours: ScalarMappable, axes: Sequence[Axes], panel: str) -> None:
     """Put a bar for the colour of frequency below the axes; only ``panel`` has this colour."""
-    bar = axes[0].figure.colorbar(lines, ax=axes, location="bottom", aspect=40, pad=0.02)
+    bar = axes[0].figure.colorbar(colours, ax=axes, location="bottom", aspect=40, pad=0.02)
     bar.set_label(f"Frequency of the command in {panel} [Hz]")
     bar.outline.set_visible(False)

@@ -12,14 +12,23 @@ Run = Mapping[str, np.ndarray]
 
 
 def plot_fit(
-    time_s: np.ndarray, truth_kpa: np.ndarray, model_kpa: np.ndarray, ax: Axes, unit: str
+    time_s: np.ndarray,
+    truth_kpa: np.ndarray,
+    model_kpa: np.ndarray,
+    above: Axes,
+    below: Axes,
+    unit: str,
 ) -> None:
-    """Draw P_exp, in kPa or another unit, and P_ff over time."""
-    ax.plot(time_s, truth_kpa, color=SIGNALS["p_exp"], linewidth=1.8, label=r"$P_\mathrm{exp}$")
-    ax.plot(time_s, model_kpa, color=SIGNALS["p_ff"], linewidth=0.6, label=r"$P_\mathrm{ff}$")
+    """Draw P_exp, in kPa or another unit, and P_ff over time, and their difference below."""
+    above.plot(time_s, truth_kpa, color=SIGNALS["p_exp"], linewidth=1.8, label=r"$P_\mathrm{exp}$")
+    above.plot(time_s, model_kpa, color=SIGNALS["p_ff"], linewidth=0.6, label=r"$P_\mathrm{ff}$")
     other = rf"$P_\mathrm{{exp}}$ [{escape.figure(unit)}]"
-    ax.set(xlabel="Time [s]", ylabel="Pressure [kPa]" if unit == "kPa" else other)
-    ax.set_xlim(time_s[0], time_s[-1])
+    above.set(ylabel="Pressure [kPa]" if unit == "kPa" else other)
+    below.axhline(0.0, color="0.6", linewidth=0.4)
+    below.plot(time_s, model_kpa - truth_kpa, color="black", linewidth=0.5)
+    below.set(xlabel="Time [s]", ylabel=r"$P_\mathrm{ff} - P_\mathrm{exp}$")
+    for ax in (above, below):
+        ax.set_xlim(time_s[0], time_s[-1])
 
 
 def plot_following(run: Run, ax: Axes) -> None:

@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 from fprc import escape
 from fprc.figures import style
-from fprc.figures.hysteresis import plot_loop
 from fprc.recordings.clock import Recording
 from fprc.recordings.diagnosis import MARKS
 
@@ -58,8 +57,8 @@ def draw_diagnosis(
     every = -(-len(time_s) // _POINTS)
     loop = fig.add_subplot(grid[:, 1])
     p_exp, theta = channels[target][::every], channels["theta_deg"][::every]
-    labels = _axis(target, units), _axis("theta_deg", units)
-    plot_loop(p_exp, theta, loop, labels, time_s[::every])
+    loop.scatter(p_exp, theta, c=time_s[::every], s=0.5, linewidths=0, rasterized=True)
+    loop.set(xlabel=_axis(target, units), ylabel=_axis("theta_deg", units))
     style.letter(loop, "Loops, from dark to bright")
     marks = [ax.get_legend_handles_labels() for ax in left]
     by_label = {label: mark for pair in marks for mark, label in zip(*pair, strict=True)}

@@ -5,24 +5,23 @@ from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.cm import ScalarMappable
 
 from fprc import escape
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
-from fprc.figures.grids import (
-    explain_frames,
-    plot_grid,
-    plot_over,
-)
-from fprc.figures.hysteresis import add_frequency_bar, plot_loop
+from fprc.figures.grids import explain_frames, plot_grid, plot_over
+from fprc.figures.hysteresis import add_frequency_bar, plot_loops
 from fprc.figures.tracking import plot_fit
 from fprc.figures.weights import plot_shares
 from fprc.logs import Columns, read_columns
-from fprc.signals import swing_frequency, turning_points
+from fprc.signals import turning_points
 from fprc.tables.figure_data import (
+    BAND_HZ,
     fit_errors,
     grid_errors,
+    mean_loops,
+    smoothed,
     times_over_n_c,
     weight_shares,
 )
@@ -48,40 +47,44 @@ def _label(channel: str, log: Columns) -> str:
     return f"{symbol} [{escape.figure(log.attributes.get(f'{quantity}_unit', unit))}]"
 
 
-def _plot_loops(logs: Sequence[Columns], axes: Sequence[Axes], x: str, y: str) -> LineCollection:
-    """Draw the loops of the sweep, coloured by frequency, and in grey those of the complex log.
+def _plot_loops(logs: Sequence[Columns], axes: Sequence[Axes], x: str, y: str) -> ScalarMappable:
+    """Draw the mean loops of the sweep, coloured by frequency, and the path of the complex log.
 
     The complex command adds up five sines, so that it has no frequency at a time.
     """
-    lines: list[LineCollection] = []
+    sweep, other = (log.channels for log in logs)
+    colours = plot_loops(mean_loops(sweep), axes[0], x, y, BAND_HZ)
     for log, ax in zip(logs, axes, strict=True):
-        channels, command = log.channels, log.channels["p_target_kpa"]
-        f_hz = None if lines else swing_frequency(channels["time_s"], command)
-        labels = _label(x, log), _label(y, log)
-        lines.append(plot_loop(channels[x], channels[y], ax, labels, f_hz))
+        path = {name: smoothed(log.channels, name) for name in (x, y)}
+        if log.channels is other:
+            ax.plot(*path.values(), color="0.5", linewidth=0.4)
         # begins at rest and is not repeated
-        start = slice(next(iter(turning_points(command)), 0))
-        ax.plot(channels[x][start], channels[y][start], color="black", linewidth=0.7,
-                label="start", rasterized=True)  # fmt: skip
-    axes[1].legend(loc="upper left", handlelength=1.6)
-    return lines[0]
+        start = slice(next(iter(turning_points(log.channels["p_target_kpa"])), 0))
+        ax.plot(path[x][start], path[y][start], color="black", linewidth=0.9, label="start")
+        ax.set(xlabel=_label(x, log), ylabel=_label(y, log))
+        ax.legend(loc="upper left", handlelength=1.2, borderaxespad=0.0)
+    return colours
 
 
 def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> None:
-    """Figure 4: pressure commands and the actuator's hysteresis loops."""
+    """Figure 4: pressure commands, each as wide as the column, and the actuator's loops."""
     logs = [read_columns(path, _DATA) for path in (sweep, complex)]
-    fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.7, sharey="col")
-    axes[1, 1].sharex(axes[0, 1])
-    titles = (("(a) Sweep", "(b) Loops of (a)"), ("(c) Complex", "(d) Loops of (c)"))
-    for log, row, title in zip(logs, axes, titles, strict=True):
+    fig, axes = style.figure(3, 2, style.COLUMN_IN, 4.6, height_ratios=(1, 1, 2), sharey="row")
+    commands = [fig.add_subplot(axes[row, 0].get_gridspec()[row, :]) for row in (0, 1)]
+    for ax in axes[:2].ravel():
+        ax.remove()
+    for log, ax in zip(logs, commands, strict=True):
         time_s, command, _ = log.channels.values()
-        row[0].plot(time_s, command, color=style.SIGNALS["p_exp"], linewidth=0.5)
-        row[0].set(xlabel="Time [s]", ylabel=_label("p_target_kpa", log))
-        row[0].set_xlim(time_s[0], time_s[-1])
-        for ax, text in zip(row, title, strict=True):
-            style.letter(ax, text)
-    lines = _plot_loops(logs, axes[:, 1], "p_target_kpa", "theta_deg")
-    add_frequency_bar(lines, axes.ravel(), "(b)")
+        ax.plot(time_s, command, color=style.SIGNALS["p_exp"], linewidth=0.5)
+        ax.set(xlabel="Time [s]", ylabel=_label("p_target_kpa", log))
+        ax.set_xlim(time_s[0], time_s[-1])
+    axes[2, 1].sharex(axes[2, 0])
+    colours = _plot_loops(logs, axes[2], "p_target_kpa", "theta_deg")
+    axes[2, 1].label_outer()
+    titles = "(a) Sweep", "(c) Complex", "(b) Loops of (a)", "(d) Loops of (c)"
+    for ax, title in zip((*commands, *axes[2]), titles, strict=True):
+        style.letter(ax, title)
+    add_frequency_bar(colours, axes[2], "(a)")
     style.save(fig, logs[0].attributes, pdf, png)
 
 
@@ -89,11 +92,11 @@ def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> N
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
     logs = [read_columns(path, (*_DATA, "p_o_kpa")) for path in (sweep, complex)]
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.4, sharex=True, sharey=True)
-    lines = _plot_loops(logs, axes, "theta_deg", "p_o_kpa")
+    colours = _plot_loops(logs, axes, "theta_deg", "p_o_kpa")
     for ax, title in zip(axes, ("(a) Sweep", "(b) Complex"), strict=True):
         ax.label_outer()
         style.letter(ax, title)
-    add_frequency_bar(lines, axes, "(a)")
+    add_frequency_bar(colours, axes, "(a)")
     style.save(fig, logs[0].attributes, pdf, png)
 
 
@@ -103,26 +106,30 @@ def draw_training(fits: str, predictions: str, csv: str, pdf: str, png: str) -> 
     logs = {"train": read_columns(fits, names), "test": read_columns(predictions, names)}
     table = fit_errors(logs)
     write_csv(csv, table)
-    fig, axes = style.figure(2, 2, style.COLUMN_IN, 3.2, sharey="row")
-    whole = fig.add_subplot(axes[1, 0].get_gridspec()[1, :])
-    for ax in axes[1]:
+    fig, axes = style.figure(4, 2, style.COLUMN_IN, 4.4, sharey="row", height_ratios=(3, 2, 3, 2))
+    grid = axes[0, 0].get_gridspec()
+    for ax in axes[2:].ravel():
         ax.remove()
-    begin, end = axes[0]
-    parts = {"train": (begin, end), "test": (whole,)}
+    whole = [fig.add_subplot(grid[row, :]) for row in (2, 3)]
+    whole[1].sharey(axes[1, 0])
+    parts = {"train": axes[:2].T, "test": (whole,)}
     for row in table.itertuples():
         time_s, p_exp, p_ff = logs[row.phase].channels.values()
-        for ax in parts[row.phase]:
-            plot_fit(time_s, p_exp, p_ff, ax, row.unit)
-        style.letter(parts[row.phase][0], _TITLES_OF_FITS[row.phase])
+        for above, below in parts[row.phase]:
+            plot_fit(time_s, p_exp, p_ff, above, below, row.unit)
+            above.tick_params(labelbottom=False)
+        style.letter(parts[row.phase][0][0], _TITLES_OF_FITS[row.phase])
         rmse = f"RMSE {row.rmse:.1f} {escape.figure(row.unit)}"
-        parts[row.phase][-1].set_title(rmse, loc="right")
+        parts[row.phase][-1][0].set_title(rmse, loc="right")
     # the whole of a sweep would be a smear: at its end a cycle is as wide as a line
-    first, last = begin.get_xlim()
+    first, last = axes[0, 0].get_xlim()
     tenth = 0.1 * (last - first)
-    begin.set_xlim(first, first + tenth)
-    end.set_xlim(last - tenth, last)
-    end.set_ylabel("")
-    style.share_legend(fig, whole)
+    for begin, end in axes[:2]:
+        begin.set_xlim(first, first + tenth)
+        end.set_xlim(last - tenth, last)
+        end.set_ylabel("")
+    fig.align_ylabels()
+    style.share_legend(fig, whole[0])
     style.save(fig, logs["train"].attributes, pdf, png)
 
 

@@ -7,9 +7,44 @@ import numpy as np
 import pandas as pd
 
 from fprc.paper import GRID_SETTINGS
-from fprc.signals import mean_and_std, rms, settled
+from fprc.signals import mean_and_std, rms, settled, turning_points
 
 _PHASES = ("train", "validation", "test")
+#: Width of a band of frequency, Hz, and phases of a cycle, of mean loops.
+BAND_HZ, _PHASES_OF_CYCLE = 0.1, 100
+#: Length of the mean that takes the noise from a path, s: a tenth of the shortest period.
+_SMOOTHED_S = 0.1
+
+
+def mean_loops(channels: Mapping[str, np.ndarray]) -> pd.DataFrame:
+    """Mean over the cycles of each band of frequency, by phase (Figs. 4b and 5a).
+
+    A cycle goes from one upper turn of ``p_target_kpa`` to the next; without one, the whole counts.
+
+    Returns
+    -------
+    DataFrame
+        ``f_hz``, the lower edge of the band, and the mean of each channel at each phase.
+    """
+    turns = turning_points(channels["p_target_kpa"])[::2]
+    if len(turns) < 2:
+        turns = np.array([0, len(channels["time_s"]) - 1])
+    lengths = np.diff(turns)
+    table = pd.DataFrame(channels)[turns[0] : turns[-1]]
+    f_hz = 1.0 / np.diff(channels["time_s"][turns])
+    table["f_hz"] = np.repeat(BAND_HZ * np.floor(f_hz / BAND_HZ + 1e-6), lengths)
+    samples = np.arange(len(table)) - np.repeat(turns[:-1] - turns[0], lengths)
+    table["phase"] = samples * _PHASES_OF_CYCLE // np.repeat(lengths, lengths)
+    loops = table.groupby(["f_hz", "phase"]).mean().reset_index()
+    # the first point again, which closes each loop
+    return pd.concat([loops, loops.groupby("f_hz", as_index=False).first()])
+
+
+def smoothed(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """Mean of a channel over ``_SMOOTHED_S`` around each sample."""
+    time_s = channels["time_s"]
+    samples = max(round(_SMOOTHED_S / (time_s[1] - time_s[0])), 1)
+    return pd.Series(channels[name]).rolling(samples, center=True, min_periods=1).mean().to_numpy()
 
 
 def fit_errors(parts: Mapping[str, Any]) -> pd.DataFrame:

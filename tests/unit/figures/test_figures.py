@@ -8,10 +8,10 @@ import pytest
 from fprc.escape import figure
 from fprc.figures import style
 from fprc.figures.grids import plot_grid
-from fprc.figures.hysteresis import plot_loop
 from fprc.figures.tracking import plot_fit
 from fprc.logs import Columns, write_columns
 from fprc.stages import draw
+from fprc.tables.figure_data import mean_loops
 
 pytestmark = pytest.mark.slow
 
@@ -66,17 +66,40 @@ def test_drawing_is_saved_with_the_source_and_the_seed_of_its_log(drawing, log, 
     assert (figures[0].data["source"], figures[0].data["seed"]) == ("sim", 9)
 
 
-def test_loops_of_the_sweep_alone_are_coloured_and_both_show_the_start(log, tmp_path, figures):
+def test_loops_show_the_start_until_the_command_turns(log, tmp_path, figures):
     logs = log("one.h5", speed=3.0), log("two.h5", speed=4.0)
     for drawing in (draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis):
         drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
-    for fig, first, last in zip(figures, (1, 0), (3, 1), strict=True):
-        sweep, other = fig.axes[first], fig.axes[last]
-        assert len(sweep.collections[0].get_array()) == 79
-        assert other.collections[0].get_array() is None
+    for fig, panels in zip(figures, (slice(0, 2), slice(0, 2)), strict=True):
+        starts = [ax.lines[-1] for ax in fig.axes[panels]]
         # the command turns after a quarter of a period of 2 pi / 3 or 2 pi / 4 seconds
-        lengths = [len(ax.lines[0].get_xdata()) for ax in (sweep, other)]
+        lengths = [len(line.get_xdata()) for line in starts]
         assert lengths == pytest.approx([20 * np.pi / 6, 20 * np.pi / 8], abs=1.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_mean_loops_of_each_band_are_those_without_noise(seed):
+    time_s = np.arange(0.0, 90.0, 0.005)
+    f_hz = np.where(time_s < 50.0, 0.15, 0.55)
+    phase = np.cumsum(2.0 * np.pi * f_hz) * 0.005
+    noise = np.random.default_rng(seed).normal(scale=0.5, size=len(time_s))
+    width = np.where(f_hz < 0.5, 1.0, 2.0)
+    loops = mean_loops(
+        {"time_s": time_s, "p_target_kpa": np.sin(phase), "y": width * np.cos(phase) + noise}
+    )
+    for edge, size in ((0.1, 1.0), (0.5, 2.0)):
+        loop = loops[np.isclose(loops["f_hz"], edge)]
+        assert loop["y"].iloc[0] == loop["y"].iloc[-1]
+        assert np.ptp(loop["y"]) == pytest.approx(2.0 * size, abs=0.4)
+        radius = np.hypot(loop["p_target_kpa"], loop["y"] / size)
+        np.testing.assert_allclose(radius, 1.0, atol=0.25)
+
+
+def test_a_recording_that_never_turns_is_one_loop():
+    time_s = np.arange(300) / 100.0
+    loops = mean_loops({"time_s": time_s, "p_target_kpa": time_s, "theta_deg": 2.0 * time_s})
+    assert loops["f_hz"].unique() == pytest.approx([0.3])
+    assert loops["theta_deg"].max() == pytest.approx(6.0, abs=0.05)
 
 
 def test_training_is_shown_by_its_first_and_its_last_tenth_and_the_test_is_whole(
@@ -85,10 +108,11 @@ def test_training_is_shown_by_its_first_and_its_last_tenth_and_the_test_is_whole
     logs = log("one.h5"), log("two.h5")
     draw.draw_training(*logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png"))
     spans = [ax.get_xlim() for ax in figures[0].axes]
-    assert np.ravel(spans) == pytest.approx([0.0, 0.395, 3.555, 3.95, 0.0, 3.95])
-    for ax in figures[0].axes:
-        truth, model = (line.get_ydata() for line in ax.lines)
-        assert len(truth) == len(model) == 80
+    expected = np.ravel([[0.0, 0.395, 3.555, 3.95]] * 2 + [[0.0, 3.95, 0.0, 3.95]])
+    assert np.ravel(spans) == pytest.approx(expected)
+    for row in (2, 3, 5):
+        difference = figures[0].axes[row].lines[-1].get_ydata()
+        assert len(difference) == 80
 
 
 @pytest.mark.parametrize(
@@ -108,7 +132,7 @@ def test_symbols_of_the_paper_are_typeset(text, shown):
 def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     """A pair of dollars would be a formula, and a wrong one an error."""
     time = np.linspace(0.0, 4.0, 5)
-    plot_fit(time, time, time, axes, unit)
+    plot_fit(time, time, time, axes, axes.figure.add_subplot(), unit)
     axes.figure.canvas.draw()
     assert axes.get_ylabel() == rf"$P_\mathrm{{exp}}$ [{figure(unit)}]"
     log = Columns(Path("x.h5"), {}, {"p_target_unit": unit})
@@ -117,15 +141,3 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     )
     plot_grid(table, "train", axes, (3, 5))
     axes.set_xlabel(draw._label("p_target_kpa", log))
-
-
-def test_loop_joins_neighbouring_samples_and_is_coloured_by_frequency(axes):
-    x, y, f_hz = np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.0, 5.0]), np.array([0.3, 0.7, 0.9])
-    plot_loop(x, y, axes, ("x [kPa]", "y [deg]"), f_hz)
-    (lines,) = axes.collections
-    drawn = zip(lines.get_array().tolist(), map(np.ndarray.tolist, lines.get_segments()),
-                strict=True)  # fmt: skip
-    assert sorted(drawn) == [(0.3, [[0.0, 0.0], [1.0, 0.0]]), (0.7, [[1.0, 0.0], [1.0, 5.0]])]
-    assert lines.get_clim() == (0.3, 0.9)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [kPa]", "y [deg]")
-    assert axes.get_ylim()[1] >= 5.0
