@@ -12,7 +12,6 @@ from threadpoolctl import threadpool_limits
 from fprc.artifacts import exclusive, refuse_unwritable, write_text
 from fprc.config import from_files
 from fprc.errors import ConfigError, FprcError, LogError
-from fprc.escape import terminal
 from fprc.fingerprint import fingerprint
 from fprc.given import refuse_repeats
 from fprc.logs import read_columns
@@ -98,7 +97,7 @@ def report_readout(
         verdicts = report["verdicts"]
         doubts = [f"Doubtful: {line}" for line in cautions(folder, settings)]
         lines = [answer(verdicts).replace("**", ""), *doubts, *sentences(verdicts), str(page)]
-        print(terminal("\n".join(lines)))
+        print("\n".join(lines))
         lock.unlink()
 
 
