@@ -43,7 +43,7 @@ _LINES = {
     "esn": ("#777777", "-."),
     "fprc": ("#000000", "-"),
     "fuzzy_linear": ("#8c8c8c", "--"),
-    "pd": ("#b0b0b0", "-"),
+    "pd": ("#909090", "-"),
     "fprc_pd": ("#303030", "-"),
 }
 #: Of every other model.
@@ -56,6 +56,12 @@ PHASES: dict[str, dict[str, Any]] = {
 }
 #: Colour that marks a place in a figure: the least value, a fault.
 MARK = "#ee3377"
+#: Times of a run, behind its lines: settling (not judged), quiet, and pushed.
+TIMES: dict[str, dict[str, Any]] = {
+    "settling": {"facecolor": "white", "edgecolor": "0.8", "hatch": "/////"},
+    "quiet": {"facecolor": "#fff6d5"},
+    "pushed": {"facecolor": "0.9"},
+}
 
 
 def line_of(name: str) -> dict[str, Any]:
@@ -83,6 +89,7 @@ _STYLE: dict[Any, Any] = {
     "axes.spines.right": False,
     "lines.linewidth": 0.8,
     "legend.frameon": False,
+    "hatch.linewidth": 0.4,
     "savefig.dpi": 300,
     "pdf.fonttype": 42,
 }  # fmt: skip
@@ -109,6 +116,11 @@ def symbols(text: str) -> str:
     return re.sub(r"\b(theta|P|n)_([a-z]+)", typeset, escape.figure(text))
 
 
+def shade(ax: Axes, name: str, first_s: float, last_s: float) -> None:
+    """Shade a time of a run over the height of the axes, named for a key."""
+    ax.axvspan(first_s, last_s, **TIMES[name], linewidth=0, zorder=0, label=name)
+
+
 def letter(ax: Axes, text: str) -> None:
     """Put a panel's letter and title above its left edge."""
     ax.set_title(text, loc="left")
@@ -121,10 +133,11 @@ def legend_above(ax: Axes) -> None:
               ncols=len(labels), handlelength=1.4, columnspacing=1.0)  # fmt: skip
 
 
-def share_legend(fig: Figure, ax: Axes) -> None:
+def share_legend(fig: Figure, ax: Axes, columns: int = 2) -> None:
     """Put the legend of one axes above the figure, for all axes."""
     handles, labels = ax.get_legend_handles_labels()
-    fig.legend(handles, labels, loc="outside upper center", ncols=2)
+    fig.legend(handles, labels, loc="outside upper center", ncols=columns, handlelength=1.4,
+               columnspacing=1.2)  # fmt: skip
 
 
 #: Text under a figure, by the source of its data.

@@ -9,6 +9,8 @@ from fprc import escape
 from fprc.figures.style import SIGNALS, line_of
 
 Run = Mapping[str, np.ndarray]
+#: Colours of the errors, by controller: pale, where an error is drawn below another.
+ERRORS = {"fprc": "0.65", "fprc_pd": "black"}
 
 
 def plot_fit(
@@ -40,15 +42,16 @@ def plot_following(run: Run, ax: Axes) -> None:
     ax.set_ylabel("Angle [deg]")
 
 
-def plot_error(run: Run, ax: Axes, *, limit: float, rmse: float) -> None:
-    """Draw theta_d - theta from -limit to limit, deg, with its RMSE.
+def plot_errors(runs: Mapping[str, Run], ax: Axes, limit: float) -> None:
+    """Draw theta_d - theta of runs, given by controller, from -limit to limit, deg.
 
     Larger errors, while the actuator rises from rest, are cut off: they would flatten the others.
     """
     ax.axhline(0.0, color="0.6", linewidth=0.4)
-    ax.plot(run["time_s"], run["theta_d_deg"] - run["theta_deg"], linewidth=0.5, color="black")
+    for controller, run in runs.items():
+        error = run["theta_d_deg"] - run["theta_deg"]
+        ax.plot(run["time_s"], error, linewidth=0.5, color=ERRORS[controller])
     ax.set(ylabel="Error [deg]", ylim=(-limit, limit))
-    ax.set_title(f"RMSE {rmse:.2f} deg", loc="right")
 
 
 def plot_reference_loops(runs: Sequence[tuple[str, str, Run]], ax: Axes) -> None:
@@ -56,6 +59,6 @@ def plot_reference_loops(runs: Sequence[tuple[str, str, Run]], ax: Axes) -> None
     for label, controller, run in runs:
         ax.plot(run["theta_d_deg"], run["theta_deg"], **line_of(controller), label=label,
                 linewidth=0.4)  # fmt: skip
-    ax.axline((0, 0), slope=1, color=SIGNALS["theta_d"], linewidth=0.6, linestyle="--", zorder=3,
+    ax.axline((0, 0), slope=1, color=SIGNALS["theta_d"], linewidth=0.8, linestyle="--", zorder=3,
               label=r"$\theta = \theta_d$")  # fmt: skip
     ax.set(xlabel=r"$\theta_d$ [deg]", ylabel=r"$\theta$ [deg]", xlim=(0, 65), ylim=(-3, 65))

@@ -2,21 +2,26 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
 from fprc.artifacts import write_csv
 from fprc.figures import style
-from fprc.figures.tracking import plot_error, plot_following, plot_reference_loops
+from fprc.figures.tracking import (
+    ERRORS,
+    plot_errors,
+    plot_following,
+    plot_reference_loops,
+)
 from fprc.logs import read_run
 from fprc.logs.columns import read_each
 from fprc.paper import LOOPS, REFERENCE_NAMES
 from fprc.signals import settled
 from fprc.tables.figure_data import error_summary
 
-#: Behind the time of settling or of pushes.
-_GREY = "0.92"
-#: Panels of the reservoir in Fig. 17.
-_RESERVOIR = {
-    "p_i_kpa": "(b) Input $P_i$", "phi_deg": r"Bending $\phi$", "p_o_kpa": "Output $P_o$"
-}  # fmt: skip
+#: Width of the narrow panels beside those of Figs. 12 to 15, s: the end of the run.
+_END_S = 5.0
 
 
 def draw_following(
@@ -24,37 +29,50 @@ def draw_following(
 ) -> None:
     """Figures 12 to 15: open loop, closed loop, their errors, P_ff and P_fb.
 
-    The axes of the errors span those of all ``runs``, so that the four figures can be compared.
+    Narrow panels on the right show the end of the run, where lines that seem one are apart. The
+    axes of errors and P_fb span those of all ``runs``, so that the figures can be compared.
     """
     # once, because each file has its error
     paths = list(dict.fromkeys([open_loop, closed_loop, *runs]))
     logs = dict(zip(paths, read_each(read_run, paths), strict=True))
-    opened, closed = logs[open_loop], logs[closed_loop]
-    table = error_summary([opened, closed])
+    pair = [logs[open_loop], logs[closed_loop]]
+    table = error_summary(pair)
     write_csv(csv, table)
     every = error_summary([logs[run] for run in runs])
     limit = 1.05 * every["max_abs_error_deg"].max()
-    heights = (4, 4, 3, 3, 3, 2)
-    fig, axes = style.figure(6, 1, style.COLUMN_IN, 6.2, sharex=True, height_ratios=heights)
-    for k, (run, rmse) in enumerate(zip((opened, closed), table["rmse_deg"], strict=True)):
-        plot_following(run.channels, axes[k])
-        plot_error(run.channels, axes[k + 2], limit=limit, rmse=rmse)
-    for ax, name in zip(axes[4:], ("p_ff", "p_fb"), strict=True):
-        effort = closed.channels[f"{name}_kpa"]
-        ax.plot(closed.channels["time_s"], effort, color=style.SIGNALS[name], linewidth=0.7)
-        ax.set_ylabel(rf"$P_\mathrm{{{name[2:]}}}$ [kPa]")
-    titles = (
-        "(a) FPRC, open loop", "(b) FPRC+PD, closed loop", "(c) Error in (a)", "Error in (b)",
-        "(d) Outputs in (b)", "",
+    fig, axes = style.figure(
+        5, 2, style.COLUMN_IN, 5.8, sharex="col", sharey="row", width_ratios=(3, 1),
+        height_ratios=(4, 4, 4, 3, 3),
     )  # fmt: skip
-    for ax, title in zip(axes, titles, strict=True):
+    opened, closed = (log.channels for log in pair)
+    time_s, settle_s = closed["time_s"], pair[1].attributes["settle_s"]
+    for column in axes.T:
+        for ax, run in zip(column, (opened, closed), strict=False):
+            plot_following(run, ax)
+        plot_errors({"fprc": opened, "fprc_pd": closed}, column[2], limit)
+        for ax, name in zip(column[3:], ("p_ff", "p_fb"), strict=True):
+            ax.plot(time_s, closed[f"{name}_kpa"], color=style.SIGNALS[name], linewidth=0.7)
+            ax.set_ylabel(rf"$P_\mathrm{{{name[2:]}}}$ [kPa]")
+    efforts = [settled(logs[run].channels, settle_s)["p_fb_kpa"] for run in runs]
+    axes[4, 0].set_ylim(1.05 * min(map(np.min, efforts)), 1.05 * max(map(np.max, efforts)))
+    titles = "(a) FPRC", "(b) FPRC+PD", "(c) Errors", "(d) Outputs in (b)", ""
+    for (ax, end), title in zip(axes, titles, strict=True):
         style.letter(ax, title)
-        ax.axvspan(0.0, closed.attributes["settle_s"], color=_GREY, linewidth=0, zorder=0)
-        ax.margins(x=0)
-    style.legend_above(axes[0])
-    fig.align_ylabels(axes)
-    axes[-1].set_xlabel("Time [s]; grey: settling, not judged")
-    style.save(fig, closed.attributes, pdf, png)
+        style.shade(ax, "settling", time_s[0], settle_s)
+        ax.set_xlim(time_s[0], time_s[-1])
+        end.set_xlim(time_s[-1] - _END_S, time_s[-1])
+        end.set_ylabel("")
+    for ax, rmse in zip(axes[:, 0], table["rmse_deg"], strict=False):
+        ax.set_title(f"RMSE {rmse:.2f} deg", loc="right")
+    style.share_legend(fig, axes[0, 0], 3)
+    lines = [Line2D([], [], color=ERRORS[name]) for name in ERRORS]
+    axes[2, 0].legend(lines, ("in (a)", "in (b)"), loc="lower right", bbox_to_anchor=(1.0, 1.0),
+                      borderaxespad=0.1, ncols=2, handlelength=1.4)  # fmt: skip
+    fig.align_ylabels(axes[:, 0])
+    axes[-1, 0].set_xlabel("Time [s]")
+    axes[-1, 1].set_xlabel(f"Last {_END_S:g} s")
+    axes[-1, 1].xaxis.set_major_locator(MaxNLocator(2, integer=True))
+    style.save(fig, pair[1].attributes, pdf, png)
 
 
 def draw_loops(runs: Sequence[str], pdf: str, png: str) -> None:
@@ -63,15 +81,19 @@ def draw_loops(runs: Sequence[str], pdf: str, png: str) -> None:
     ``runs`` are the logs of PD and of FPRC+PD for each of ``LOOPS``, in this order.
     """
     logs = read_each(read_run, runs)
-    fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.1, sharex=True, sharey=True)
+    fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharex=True, sharey=True)
     pairs = zip(axes, "ab", LOOPS, logs[::2], logs[1::2], strict=True)
     for ax, letter, reference, *pair in pairs:
         alone, both = (settled(log.channels, log.attributes["settle_s"]) for log in pair)
         plot_reference_loops([("PD alone", "pd", alone), ("FPRC+PD", "fprc_pd", both)], ax)
         ax.label_outer()
         style.letter(ax, f"({letter}) {REFERENCE_NAMES[reference]}")
-    axes[0].legend(loc="lower right", handlelength=1.4, labelspacing=0.2, borderaxespad=0.1)
+    style.share_legend(fig, axes[0], 3)
     style.save(fig, logs[0].attributes, pdf, png)
+
+
+#: Panels of Fig. 17 (b), below those of (a).
+_RESERVOIR = {"p_i_kpa": "$P_i$", "phi_deg": r"$\phi$", "p_o_kpa": "$P_o$"}
 
 
 def draw_disturbance(run: str, csv: str, pdf: str, png: str, *, quiet_s: float) -> None:
@@ -81,20 +103,22 @@ def draw_disturbance(run: str, csv: str, pdf: str, png: str, *, quiet_s: float) 
     table = error_summary([log])
     write_csv(csv, table)
     (errors,) = table.itertuples()
-    fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.8, sharex=True, height_ratios=(4, 3, 3, 4, 4))
+    fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.4, sharex=True, height_ratios=(4, 3, 3, 3, 3))
     plot_following(channels, axes[0])
-    limit = 1.05 * errors.max_abs_error_deg
-    plot_error(channels, axes[1], limit=limit, rmse=errors.rmse_deg)
-    for ax, (name, title) in zip(axes[2:], _RESERVOIR.items(), strict=True):
+    plot_errors({"fprc_pd": channels}, axes[1], 1.05 * errors.max_abs_error_deg)
+    axes[1].set_title(f"RMSE {errors.rmse_deg:.2f} deg", loc="right")
+    for ax, (name, symbol) in zip(axes[2:], _RESERVOIR.items(), strict=True):
         signal, unit = name.rsplit("_", 1)
-        style.letter(ax, title)
         ax.plot(time_s, channels[name], color=style.SIGNALS[signal], linewidth=0.7)
-        ax.set_ylabel("Angle [deg]" if unit == "deg" else "Pressure [kPa]")
+        ax.set_ylabel(f"{symbol} [{'deg' if unit == 'deg' else 'kPa'}]")
+    edges = time_s[0], log.attributes["settle_s"], quiet_s, time_s[-1]
     for ax in axes:
-        ax.axvspan(quiet_s, time_s[-1], color=_GREY, linewidth=0, zorder=0)
+        for name, first, last in zip(style.TIMES, edges, edges[1:], strict=False):
+            style.shade(ax, name, first, last)
         ax.margins(x=0)
-    style.letter(axes[0], "(a) FPRC+PD")
-    style.legend_above(axes[0])
+    style.letter(axes[0], "(a) Actuator, FPRC+PD")
+    style.letter(axes[2], "(b) Reservoir")
+    style.share_legend(fig, axes[0], 5)
     fig.align_ylabels(axes)
-    axes[-1].set_xlabel("Time [s]; grey: pushed")
+    axes[-1].set_xlabel("Time [s]")
     style.save(fig, log.attributes, pdf, png)

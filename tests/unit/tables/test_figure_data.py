@@ -193,14 +193,17 @@ def test_figs_12_to_15_show_rmse_and_share_the_range_of_the_errors(figures, plac
     assert table["rmse_deg"].tolist() == pytest.approx(
         [4.0 * np.sqrt(np.mean(cosine**2)), np.sqrt(np.mean(cosine**2))], rel=1e-5
     )
-    axes = figures[0].axes
+    axes = np.reshape(figures[0].axes, (5, 2))
     limit = 1.05 * 9.0 * np.abs(cosine).max()
-    for ax, rmse in zip(axes[2:4], table["rmse_deg"], strict=True):
+    for ax, end in axes:
+        assert ax.get_xlim() == pytest.approx((0.0, 49.99))
+        assert end.get_xlim() == pytest.approx((44.99, 49.99))
+    for ax, rmse in zip(axes[:2, 0], table["rmse_deg"], strict=True):
         assert f"{rmse:.2f} deg" in ax.get_title(loc="right")
-        assert ax.get_ylim() == pytest.approx((-limit, limit))
-    for ax, channel in zip(axes[4:], ("p_ff_kpa", "p_fb_kpa"), strict=True):
-        (line,) = ax.lines
-        np.testing.assert_array_equal(line.get_ydata(), logs["closed"].channels[channel])
+    assert axes[2, 0].get_ylim() == pytest.approx((-limit, limit))
+    assert axes[4, 0].get_ylim() == pytest.approx((-1.05, 1.05), abs=0.01)  # of P_fb, in all runs
+    for ax, channel in zip(axes[3:, 0], ("p_ff_kpa", "p_fb_kpa"), strict=True):
+        np.testing.assert_array_equal(ax.lines[0].get_ydata(), logs["closed"].channels[channel])
 
 
 def test_fig_16_shows_each_reference_with_pd_and_with_both(figures, place, logs):
@@ -224,3 +227,4 @@ def test_fig_17_shows_the_error_of_its_run_and_the_signals_of_the_reservoir(figu
     for ax, name in zip(figures[0].axes[2:], ("p_i_kpa", "phi_deg", "p_o_kpa"), strict=True):
         (line,) = ax.lines
         np.testing.assert_array_equal(line.get_ydata(), logs["run"].channels[name])
+        assert [span.get_x() for span in ax.patches] == [0.0, 5.0, 20.0]
