@@ -1,7 +1,10 @@
 """Figure 9: share of each feature in the weights of each rule."""
 
+from typing import Any
+
 from matplotlib.axes import Axes
 from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from pandas import DataFrame, Series
 
@@ -9,6 +12,11 @@ from fprc.figures.style import MARK, SIGNALS
 
 _LABELS = {"bias": "Bias", "p_o": r"$\tilde{P}_o$", "theta_d": r"$\theta_d$"}
 _COLOURS = SIGNALS | {"bias": "#cccccc"}
+#: Lines between the features, from the top, by their names.
+_LIMITS: dict[str, dict[str, Any]] = {
+    r"$\theta_d$ above, $\tilde{P}_o$ below": {"linewidth": 1.3},
+    r"$\tilde{P}_o$ above, bias below": {"linewidth": 1.3, "linestyle": (0, (1.5, 1))},
+}
 #: Columns of the averages, each drawn as one bar, and the bars' names.
 _AVERAGES = {"mean_of_feature": "mean", "published_mean_of_feature": "paper"}
 
@@ -31,8 +39,9 @@ def plot_shares(table: DataFrame, ax: Axes) -> None:
                alpha=_opacity(lag), linewidth=0)  # fmt: skip
         bottom = bottom + share
     totals = table.groupby(["rule", "feature"])["share"].sum().unstack()
-    for edge in (totals["bias"], totals["bias"] + totals["p_o"]):
-        ax.hlines(edge, edge.index - 0.4, edge.index + 0.4, color=MARK, linewidth=1.3)
+    lower, upper = totals["bias"], totals["bias"] + totals["p_o"]
+    for edge, look in zip((upper, lower), _LIMITS.values(), strict=True):
+        ax.hlines(edge, edge.index - 0.4, edge.index + 0.4, color=MARK, **look)
     places = [rules[-1] + 1.6 * number for number, _ in enumerate(_AVERAGES, start=1)]
     for place, column in zip(places, _AVERAGES, strict=True):
         _plot_average(table.groupby("feature")[column].first().dropna(), place, ax)
@@ -56,9 +65,13 @@ def _add_key(table: DataFrame, ax: Axes) -> None:
         for name in _LABELS
     ]  # fmt: skip
     steps = {name: f", $k$ to $k-{last}$" if last else "" for name, last in taps.items()}
-    ax.legend(
-        patches, [label + steps[name] for name, label in _LABELS.items()], loc="lower right",
-        bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=len(patches), columnspacing=1.0,
+    largest = table.loc[table["feature"] == "bias", "share"].max()
+    steps["bias"] = f", up to {100 * largest:.1f} %"
+    lines = [Line2D([], [], color=MARK, **look) for look in _LIMITS.values()]
+    names = [*(label + steps[name] for name, label in _LABELS.items()), *_LIMITS]
+    figure: Any = ax.figure
+    figure.legend(
+        [*patches, *lines], names, loc="outside upper center", ncols=2, columnspacing=1.2,
         handler_map={tuple: HandlerTuple(None, pad=0.0)},
     )  # fmt: skip
 

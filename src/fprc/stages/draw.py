@@ -10,7 +10,7 @@ from matplotlib.cm import ScalarMappable
 from fprc import escape
 from fprc.artifacts import read_json, write_csv
 from fprc.figures import style
-from fprc.figures.grids import explain_frames, plot_grid, plot_over
+from fprc.figures.grids import explain_grids, explain_lines, plot_grids, plot_over
 from fprc.figures.hysteresis import add_frequency_bar, plot_loops
 from fprc.figures.tracking import plot_fit
 from fprc.figures.weights import plot_shares
@@ -138,7 +138,7 @@ def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> 
     report = read_json(weights)
     table = weight_shares(report, read_yaml(published))
     write_csv(csv, table)
-    fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.5)
+    fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.8)
     plot_shares(table, ax)
     style.save(fig, report, pdf, png)
 
@@ -164,35 +164,33 @@ def draw_settings(grids: Sequence[str], times: str, csv: str, pdf: str, png: str
     if panels["a"].empty:
         del panels["a"]
     write_csv(csv, pd.concat(panels, names=["panel"]).reset_index("panel"))
-    fig, axes = style.figure(len(panels), 1, style.COLUMN_IN, 5.0 if "a" in panels else 3.6)
+    fig, axes = style.figure(len(panels), 1, style.COLUMN_IN, 4.6 if "a" in panels else 3.4)
     for (panel, table), ax in zip(panels.items(), axes, strict=True):
         plot_over(table, ax, times=panel == "c")
         style.letter(ax, f"({panel}) {_TITLES_OF_SETTINGS[panel]}")
         if panel == "a":
             ax.set_xscale("log")
             ax.set_xlabel(r"$\epsilon$")
-            ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=1.4)
         else:
             ax.set_xscale("log", base=2)
             ax.set_xlabel("$n_c$")
             ax.set_xticks(sorted(table["value"].unique()))
             ax.xaxis.set_major_formatter("{x:g}")
-    if "a" not in panels:
-        style.share_legend(fig, axes[0])
+    spread = f"± std over {'seeds' if len(reports) > 1 else 'folds'}"
+    explain_lines(fig, list(panels["b"]["model"].unique()), spread)
     style.save(fig, _seeds_of(reports), pdf, png)
 
 
 def draw_taps(grids: Sequence[str], published: str, csv: str, pdf: str, png: str) -> None:
-    """Figure 11: errors over the tap sizes; as wide as a page."""
+    """Figure 11: errors over the tap sizes."""
     reports = [read_json(path) for path in grids]
     printed = read_yaml(published)["table_1_configuration"]
     table = grid_errors(reports, "taps")
     write_csv(csv, table)
-    fig, axes = style.figure(1, 3, style.PAGE_IN, 2.7, sharey=True)
-    papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
-    for ax, letter, phase in zip(axes, "abc", style.PHASES, strict=True):
-        plot_grid(table, phase, ax, papers)
+    fig, axes = style.figure(1, 3, style.COLUMN_IN, 2.5, sharey=True)
+    colours = plot_grids(table, axes, (printed["fprc"]["n_u"], printed["shared"]["n_y"]))
+    for ax, letter in zip(axes, "abc", strict=True):
         ax.label_outer()
-        style.letter(ax, f"({letter})")
-    explain_frames(fig)
+        style.letter(ax, f"({letter}) {ax.get_title('left')}")
+    explain_grids(fig, axes, colours, table["unit"].iloc[0])
     style.save(fig, _seeds_of(reports), pdf, png)

@@ -2,12 +2,10 @@ import inspect
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from fprc.escape import figure
 from fprc.figures import style
-from fprc.figures.grids import plot_grid
 from fprc.figures.tracking import plot_fit
 from fprc.logs import Columns, write_columns
 from fprc.stages import draw
@@ -136,8 +134,4 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     axes.figure.canvas.draw()
     assert axes.get_ylabel() == rf"$P_\mathrm{{exp}}$ [{figure(unit)}]"
     log = Columns(Path("x.h5"), {}, {"p_target_unit": unit})
-    table = pd.DataFrame(
-        {"n_y": [1, 1], "n_u": [1, 2], "mean": [1.0, 2.0], "unit": unit, "phase": "train"}
-    )
-    plot_grid(table, "train", axes, (3, 5))
     axes.set_xlabel(draw._label("p_target_kpa", log))

@@ -116,10 +116,15 @@ def test_fig_11_draws_the_means_of_its_table(figures, place):
     ]  # fmt: skip
     draw.draw_taps(one_rig(place, taps=cells), str(PUBLISHED), place("t.csv"), *PICTURES)
     table = pd.read_csv(place("t.csv"))
+    norms = set()
     for phase, ax in zip(("train", "validation", "test"), figures[0].axes, strict=False):
         (mesh,) = ax.collections[:1]
+        norms.add(mesh.norm)
         rows = table[table["phase"] == phase].sort_values(["n_y", "n_u"])
         assert mesh.get_array().ravel().tolist() == pytest.approx(rows["mean"].tolist(), rel=1e-5)
+        assert f"{rows['mean'].min():.1f}" in ax.get_title("left")
+    (norm,) = norms
+    assert (norm.vmin, norm.vmax) == pytest.approx((table["mean"].min(), table["mean"].max()))
 
 
 def test_fig_8_writes_the_rmse_that_it_shows(figures, place):
