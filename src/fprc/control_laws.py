@@ -12,6 +12,11 @@ NEUTRAL_V = 5.0
 #: Highest voltage of a valve, V; the lowest is 0.
 HIGHEST_V = 10.0
 
+#: Largest angle that can be true, deg; largest error that teaches, deg; and fastest bending, deg/s,
+#: ten times that of the paper's sweep. What is beyond is a fault of the sensor or, with an error, a
+#: step of the reference: nothing is learned from it.
+FARTHEST_DEG, LARGEST_ERROR_DEG, FASTEST_DEG_S = 360.0, 45.0, 1000.0
+
 
 def clamp(value: float, low: float, high: float) -> float:
     """Return a pressure within its limits: P_i and P_d = P_ff + P_fb, and what was learned."""
@@ -40,6 +45,26 @@ def pressure_step(
     return volts, summed
 
 
+def believe(belief: Any, theta_deg: float, fastest_deg: float) -> bool:
+    """Return whether an angle can be true: in range, and no faster than the actuator can be.
+
+    Parameters
+    ----------
+    belief : ndarray of shape (2,)
+        The last angle that could be true, NaN before the first, and the samples since then;
+        changed in place. If readings stay away from it for long, they are believed.
+    fastest_deg : float
+        Most that the angle changes in a sample.
+    """
+    belief[1] += 1.0
+    if not abs(theta_deg) <= FARTHEST_DEG:
+        return False
+    if abs(theta_deg - belief[0]) > fastest_deg * belief[1]:
+        return False
+    belief[0], belief[1] = theta_deg, 0.0
+    return True
+
+
 def learn_step(
     weights: Any,
     covariance: Any,
@@ -59,9 +84,9 @@ def learn_step(
 ) -> None:
     """Make one step of recursive least squares, in place; see ``fprc.models.Online``.
 
-    Nothing is learned where the command was at a limit, and where the actuator is at its stop:
-    there its angle does not depend on the pressure. A learned part that has reached its limit is
-    only led back.
+    Nothing is learned where the actuator is at its stop: there its angle does not depend on the
+    pressure. A command that was at a limit, and a learned part that has reached its own, are only
+    led back: the command, also from the stop, by an error of more than ``stop_deg``.
 
     Parameters
     ----------
@@ -87,8 +112,16 @@ def learn_step(
     gains : ndarray of shape (n_weights,)
         Overwritten.
     """
+    if not abs(error_deg) <= LARGEST_ERROR_DEG:
+        return
     p_d = p_ff_kpa + p_fb_kpa
-    if p_d <= 0.0 or p_d >= high or not theta_deg > stop_deg:
+    if p_d <= 0.0:
+        teaches = error_deg > stop_deg
+    elif p_d >= high:
+        teaches = error_deg < -stop_deg
+    else:
+        teaches = theta_deg > stop_deg
+    if not teaches:
         return
     size = len(weights)
     given = 0.0

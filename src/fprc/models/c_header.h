@@ -11,9 +11,14 @@ $inputs
  *       pff_init(&state);
  *       at each sample:  $use
  *
- * Do not compile with -ffast-math: it disables the check for NaN. */
+ * Compile without -ffast-math, -Ofast and -ffinite-math-only: they take out the check for NaN. */
 #ifndef PFF_H
 #define PFF_H
+
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) \
+    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "NaN would give a plausible P_ff: compile without -ffast-math and -ffinite-math-only"
+#endif
 
 #include <math.h>
 
@@ -36,6 +41,10 @@ typedef float pff_real;
  * and the covariance of its weights after the training. */
 $tables
 
+#ifdef PFF_LEARNS
+#define PFF_NONE ((unsigned long)-1)
+#endif
+
 /* One stream of samples. */
 typedef struct {
     pff_real row[PFF_ROW]; /* features, the latest tap of each input first */
@@ -44,7 +53,8 @@ typedef struct {
     pff_real learned[PFF_WEIGHTS], covariance[PFF_WEIGHTS][PFF_WEIGHTS]; /* of the readout */
     pff_real phi[PFF_DELAY][PFF_WEIGHTS], base[PFF_DELAY]; /* of the last samples, as the next */
     pff_real p_ff[PFF_DELAY], p_fb[PFF_DELAY];
-    unsigned long k; /* samples of the stream */
+    pff_real believed; /* the last angle that can be true, deg */
+    unsigned long k, doubted; /* samples of the stream, and since that angle; before any, PFF_NONE */
 #endif
 } pff_state;
 
@@ -67,6 +77,8 @@ static inline void pff_init(pff_state *state)
         }
     }
     state->k = 0;
+    state->believed = 0;
+    state->doubted = PFF_NONE;
 #endif
     state->streaming = 0;
 }
@@ -153,6 +165,22 @@ static inline pff_real pff_step(pff_state *state, const pff_real x[PFF_INPUTS])
 }
 
 #ifdef PFF_LEARNS
+/* Return whether an angle can be true: in range, and no faster than the actuator can be. */
+static inline int pff_believe(pff_state *state, pff_real theta)
+{
+    const pff_real moved = theta - state->believed;
+    const int none = state->doubted == PFF_NONE;
+
+    state->doubted += !none;
+    if (!(theta >= -pff_farthest && theta <= pff_farthest)
+        || (!none && (moved < 0 ? -moved : moved) > pff_fastest * (pff_real)state->doubted)) {
+        return 0;
+    }
+    state->believed = theta;
+    state->doubted = 0;
+    return 1;
+}
+
 /* Note the feedback in kPa that was added to the last P_ff. */
 static inline void pff_sent(pff_state *state, pff_real p_fb)
 {
@@ -162,7 +190,8 @@ static inline void pff_sent(pff_state *state, pff_real p_fb)
 }
 
 /* Learn from theta_d - theta and theta of this sample, deg, before its pff_step. Nothing is
- * learned while the command is at a limit, the actuator at its stop, or a number no number. */
+ * learned while the actuator is at its stop, or the command or the learned part at a limit and
+ * asked to go further; nor from an angle that is no number or cannot be true. */
 static inline void pff_learn(pff_state *state, pff_real error, pff_real theta)
 {
     const unsigned long then = state->k % PFF_DELAY;
@@ -170,12 +199,13 @@ static inline void pff_learn(pff_state *state, pff_real error, pff_real theta)
     pff_real gains[PFF_WEIGHTS], given = 0, scale = 1, innovation, p_d, updated;
     int i, j;
 
-    if (!state->streaming || state->k < PFF_DELAY || !(theta > pff_stop && theta <= pff_largest)
-        || !pff_is_number(error)) {
+    if (!pff_believe(state, theta) || !state->streaming || state->k < PFF_DELAY
+        || !(error >= -pff_largest_error && error <= pff_largest_error)
+        || !pff_is_number(state->p_fb[then])) {
         return;
     }
     p_d = state->p_ff[then] + state->p_fb[then];
-    if (!(p_d > 0 && p_d < pff_most)) {
+    if (!(p_d <= 0 ? error > pff_stop : p_d >= pff_most ? error < -pff_stop : theta > pff_stop)) {
         return;
     }
     for (i = 0; i < PFF_WEIGHTS; i++) {

@@ -9,6 +9,7 @@ import numpy as np
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
+from fprc.control_laws import FARTHEST_DEG, LARGEST_ERROR_DEG
 from fprc.errors import FprcError
 from fprc.models.features import TapFeatures
 from fprc.models.learned import rows_of
@@ -88,6 +89,8 @@ def c_header(
         tables |= {"mixing": online.mixing, "most": min(online.limit_kpa, LARGEST)}
         tables |= {"kpa_per_deg": settings.kpa_per_deg, "limit": settings.limit_kpa}
         tables |= {"stop": settings.stop_deg, "prior": online.prior}
+        tables |= {"farthest": FARTHEST_DEG, "fastest": online.fastest_deg}
+        tables |= {"largest_error": LARGEST_ERROR_DEG}
         described += f", {settings}"
         use = f"{name}_learn(&state, error, theta); {use} {name}_sent(&state, p_fb);"
     code = Path(__file__).with_name("c_header.h").read_text(encoding="utf-8")

@@ -44,8 +44,9 @@ class Online:
 
     C_0 is the inverse of the training's information, scaled to ``prior_s``. C never exceeds C_0,
     so the gains are bounded even if a weight is not excited for long; with forgetting instead, C
-    and the weights can grow without limit. Nothing is learned while the command is at a limit, the
-    actuator at its stop, or the learned part at ``limit_kpa`` and asked to go further.
+    and the weights can grow without limit. Nothing is learned while the actuator is at its stop, or
+    the command or the learned part at a limit and asked to go further; nor from an angle that
+    cannot be true, see ``fprc.control_laws.believe``.
 
     Parameters
     ----------
@@ -100,6 +101,7 @@ class Online:
         self.learned = np.zeros(len(self.prior))
         self._gains = np.empty_like(self.learned)
         self._phi = np.zeros((self.delay, len(self.learned)))
+        self.fastest_deg = control_laws.FASTEST_DEG_S * period_s
         self.reset()
         # it compiles, before the first tick of a loop; from no command, nothing is learned
         self._learn(0, 0.0, 0.0)
@@ -110,14 +112,14 @@ class Online:
         self.covariance = self.prior.copy()
         self.p_learned_kpa = 0.0
         self._sent = [(0.0, 0.0)] * self.delay  # P_ff and P_fb
-        self._k = 0
+        self._k, self._belief = 0, [math.nan, 0.0]
         self._model.reset(x)
 
     def learn(self, error_deg: float, theta_deg: float) -> None:
         """Learn from the error of a sample, before its ``step``; not from a fault or NaN."""
         then = self._k % self.delay
-        numbers = error_deg, theta_deg, self._sent[then][1]
-        if self._k >= self.delay and all(abs(number) <= LARGEST for number in numbers):
+        true = control_laws.believe(self._belief, theta_deg, self.fastest_deg)
+        if true and self._k >= self.delay and abs(self._sent[then][1]) <= LARGEST:
             self._learn(then, float(error_deg), float(theta_deg))
 
     def step(self, x: ArrayLike) -> float:
@@ -147,8 +149,9 @@ class Online:
         )  # fmt: skip
 
 
-#: Added to the diagonal of the information, for directions that the training never moved.
-_LEAST = 1e-6
+#: Added to the diagonal of the information, for directions that the training never moved. Large
+#: numbers need more, because of rounding: at most this share of the trace.
+_LEAST, _MOST_SHARE = 1e-6, 1e-9
 
 
 def prior_of(model: SequenceModel, prior_s: float, period_s: float) -> np.ndarray:
@@ -163,8 +166,10 @@ def prior_of(model: SequenceModel, prior_s: float, period_s: float) -> np.ndarra
     biases = slice(None, None, 1 + model.readout_.n_features_in_)
     samples = float(model.information_[biases, biases].sum())
     scaled = model.information_ * (prior_s / period_s / max(samples, 1.0))
-    if samples >= 1.0:
+    least = _LEAST
+    while samples >= 1.0 and least <= max(_LEAST, _MOST_SHARE * np.trace(scaled)):
         with suppress(ValueError):
-            prior = solve_ridge(scaled, np.eye(len(scaled)), _LEAST)
+            prior = solve_ridge(scaled, np.eye(len(scaled)), least)
             return 0.5 * (prior + prior.T)
+        least *= 100.0
     raise ValueError("information_ is of no training; train the model again")

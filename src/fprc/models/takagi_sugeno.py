@@ -12,7 +12,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
-from fprc.models.limits import SEED, Allows, Array, Limit, Whole, check_limits
+from fprc.models.limits import LARGEST, SEED, Allows, Array, Limit, Whole, check_limits
 from fprc.models.ridge import solve_ridge, with_bias
 
 
@@ -65,7 +65,8 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
 
     def learned(self) -> Iterator[tuple[str, Array]]:
         """Yield the shapes of centres and weights, see ``fprc.models.learned``."""
-        yield "centers_", Array((self.n_c, self.n_features_in_))
+        # as far as samples go: C computes with distances from the centres
+        yield "centers_", Array((self.n_c, self.n_features_in_), Limit(-LARGEST, LARGEST))
         yield "W_out_", Array((self.n_c, 1 + self.n_features_in_))
 
     def fit(self, X: ArrayLike, y: ArrayLike, *, init: np.ndarray | None = None) -> Self:

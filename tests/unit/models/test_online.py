@@ -94,6 +94,16 @@ def test_information_that_no_training_has_is_refused_before_a_step(model, spoil)
         Online(found, Learning(), PERIOD_S)
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 100.0, 1e3])
+def test_model_of_numbers_of_any_size_can_learn(scale):
+    X, y = log()
+    settings = {"sigma": 2.0 * scale, "alpha": 1e-3 * scale**2}
+    found = FPRC(n_c=3, random_state=1, **settings).fit(X * scale, y * scale)
+    prior = Online(found.remember(X * scale), Learning(), PERIOD_S).prior
+    size = np.sqrt(np.diag(prior))
+    assert np.linalg.eigvalsh(prior / np.outer(size, size)).min() > -1e-6
+
+
 def test_everything_is_compiled_before_the_first_step(model, monkeypatch):
     called, learn_step = [], module._learn_step
     monkeypatch.setattr(module, "_learn_step", lambda *given: called.append(learn_step(*given)))
@@ -175,10 +185,11 @@ def test_constant_error_of_the_model_is_learned(model):
         pytest.param(5.0, np.nan, 0.0, 1e6, id="no angle"),
         pytest.param(5.0, np.inf, 0.0, np.inf, id="infinite angle"),
         pytest.param(np.inf, 30.0, 0.0, np.inf, id="infinite error"),
-        pytest.param(1e10, 30.0, 0.0, np.inf, id="error that is a fault"),
+        pytest.param(-46.0, 30.0, 0.0, np.inf, id="error that is a fault"),
+        pytest.param(5.0, 1e4, 0.0, np.inf, id="angle that is a fault"),
         pytest.param(5.0, 30.0, np.nan, 1e6, id="unknown feedback"),
         pytest.param(5.0, 30.0, 1e6, 1e6, id="above the limit"),
-        pytest.param(5.0, 30.0, -1e6, 1e6, id="below 0"),
+        pytest.param(-5.0, 30.0, -1e6, 1e6, id="below 0"),
         pytest.param(5.0, 30.0, 0.0, 1.0, id="P_ff above the limit"),
     ],
 )
@@ -192,11 +203,51 @@ def test_nothing_is_learned_where_the_error_tells_nothing(model, error, theta, p
     assert not online.learned.any()
 
 
+FAULTS = {
+    "one sample": lambda k: 200.0 if k == 1200 else None,
+    "one sample, 1e8": lambda k: 1e8 if k == 1200 else None,
+    "first sample": lambda k: 1e8 if k == 0 else None,
+    "0.1 s": lambda k: 350.0 if 1200 <= k < 1220 else None,
+    "1 s, in range": lambda k: 120.0 if 1200 <= k < 1400 else None,
+    "1 s, out of range": lambda k: -1e5 if 1200 <= k < 1400 else None,
+    "again and again": lambda k: 55.0 if k % 50 == 0 else None,
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+def test_faulty_angle_costs_learning_no_more_than_none(model, fault):
+    """The plant needs 20 kPa more than the model says, at 5 kPa a degree."""
+    found, X = model
+    learning = Learning(prior_s=0.5, kpa_per_deg=5.0)
+    needed, off = found.predict(X) + 20.0, []
+    for angle in (np.nan, None):  # a dropout of the sensor, then the fault
+        online, given, errors = Online(found, learning, PERIOD_S, 1e6), [0.0] * 4, []
+        for k, x in enumerate(X):
+            error = (needed[k - 4] - given[-4]) / 5.0 if k >= 4 else 0.0
+            errors.append(error)
+            theta = 30.0 if fault(k) is None else (angle or fault(k))
+            online.learn(error if theta == 30.0 else x[0] - theta, theta)
+            given.append(online.step(x))
+        off.append(np.sqrt(np.mean(np.square(errors[2400:]))))
+    assert off[1] <= 1.1 * off[0] + 1e-3
+
+
+@pytest.mark.parametrize(("p_fb", "error"), [(-1e6, 5.0), (1e6, -5.0)])
+def test_command_at_its_limit_is_led_back_even_from_the_stop(model, p_fb, error):
+    found, X = model
+    online = Online(found, Learning(), PERIOD_S, 1e5)
+    for x in X[:50]:
+        online.learn(error, 0.0)
+        online.step(x)
+        online.sent(p_fb)
+    assert np.sign(online.p_learned_kpa) == np.sign(error)
+
+
 def test_learned_part_stays_within_its_limit(model):
     found, X = model
     online = Online(found, Learning(limit_kpa=10.0, prior_s=0.1), PERIOD_S, 1e6)
     for x in X:
-        online.learn(50.0, 30.0)
+        online.learn(40.0, 30.0)
         online.step(x)
         assert abs(online.p_learned_kpa) <= 10.0
     assert np.isfinite(online.learned).all()
