@@ -1,12 +1,14 @@
 """Compile the kernels once: processes that begin together would each compile them."""
 
+from itertools import chain
+
 from fprc.config import check
 from fprc.control import run
 from fprc.devices.sim import SimulatedRig
+from fprc.evaluation.sides import FAMILIES
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import Track
-from fprc.recordings.competitors import ON_RECORDINGS
 from fprc.registry import build
 
 
@@ -17,9 +19,9 @@ def main() -> None:
     signal = settings["experiments"]["sweep"] | {"duration_s": 2.0}
     log = acquire("sweep", signal, control, rig, seed=1)
     data = Data(log | {"p_target_kpa": log["p_exp_kpa"]}, {})
-    for name in ON_RECORDINGS:
+    for name in (*chain(*FAMILIES.values()), "fuzzy_linear"):
         X, y, _ = data.samples(name)
-        changed = {"r": 20} if name == "esn" else {}
+        changed = {"r": 20} if name.startswith("esn") else {}
         model = build(name, models, 1, **changed).fit(X, y)
         model.predict(X)
         model.step(X[0])

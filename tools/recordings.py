@@ -14,8 +14,9 @@ import yaml
 
 from fprc.artifacts import read_json, write_text
 from fprc.cli import main
-from fprc.evaluation.paired import LEAST_UNITS
+from fprc.recordings.answer import family_title
 from fprc.studies.blocks import replace_block
+from fprc.tables.text import three_digits
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs/chamber.md"
@@ -44,25 +45,27 @@ def readout(*asked: str, mapping: Mapping[str, Any]) -> dict[str, Any]:
         path.write_text(yaml.safe_dump(mapping), encoding="utf-8")
         if code := main(["readout", *asked, "--out", f"{folder}/out", "--map", str(path)]):
             raise SystemExit(code)
-        return read_json(f"{folder}/out/readout/competitors.json")
+        return read_json(f"{folder}/out/readout/answer.json")
 
 
 def row(name: str, report: Mapping[str, Any]) -> dict[str, str]:
     """Return the row of a recording."""
-    tested = {cell["model"]: cell.get("test_rmse_kpa") for cell in report["cells"]}
-    lengths = sorted(report["block_s"])
-    few = ", too few" if len(lengths) < LEAST_UNITS else ""
-    verdicts = {
-        claim["id"]: f"{claim['ratio']:.2f} ({claim['low']:.2f} to {claim['high']:.2f}), "
-        f"{claim['words']}"
-        for claim in report["verdicts"]
+    found = report["answer"]
+    beaten = sum(found["with"]["error"] < error for error in found["shifts"])
+    sides = {
+        f"{side} P_o": f"{three_digits(found[side]['error'])} {report['unit']}, "
+        f"{family_title(found[side]['family'], side == 'with')}"
+        for side in ("without", "with")
     }
-    tests = {
-        f"test, with {what}": f"{100 * (tested[model] / tested['fuzzy_linear'] - 1):+.0f} %"
-        for model, what in (("fprc", "P_o"), ("fprc_lowpass", "low-passed theta"))
+    return {
+        "recording": name,
+        "length": f"{found['duration_s']:.0f} s in {len(found['block_s'])} blocks",
+        "answer": found["verdict"],
+        **sides,
+        "ratio": f"{found['ratio']:.2f} ({found['low']:.2f} to {found['high']:.2f})",
+        "shifts beaten": f"{beaten} of {len(found['shifts'])}",
+        **{claim["id"]: claim["words"] for claim in report["claims"]},
     }
-    blocks = f"{len(lengths)} of {lengths[0]:.3g} s{few}"
-    return {"recording": name, "blocks": blocks, **verdicts, **tests}
 
 
 def recordings(datasets: Path, folder: str) -> Iterator[tuple[str, list[str], dict[str, Any]]]:

@@ -2,7 +2,7 @@
 Your own recording, and its answer
 ==================================
 
-From a CSV with its own names and units to the question of how much P_o improves the model. A
+From a CSV with its own names and units to the question of whether P_o is worth a second sensor. A
 simulated experiment stands in for your file.
 """
 
@@ -29,9 +29,9 @@ pd.DataFrame(
 ).to_csv(folder / "arm.csv", sep=";", index=False)
 
 # %%
-# A map names the columns and their units, and where the test begins.
+# A map names the columns and their units.
 (folder / "map.yaml").write_text("""\
-test_from_s: 80
+experiment: sweep
 time: {column: "t [ms]", unit: ms}
 channels:
   theta_deg: {column: "angle [rad]", unit: rad}
@@ -44,12 +44,15 @@ subprocess.run([*fprc, *command.split()], cwd=folder, capture_output=True, check
 
 # %%
 # ``mine/report.md`` begins with the answer.
-print((folder / "mine/report.md").read_text(encoding="utf-8").partition("\n## The models")[0])
+print(
+    (folder / "mine/report.md").read_text(encoding="utf-8").partition("\n## The paper's models")[0]
+)
 
 # %%
-# The other models, on the same two parts of the recording:
-table = pd.read_csv(folder / "mine/readout/competitors.csv").sort_values("test_rmse")
+# Both sides, family by family:
+table = pd.read_csv(folder / "mine/readout/sides.csv").set_index("family")
 figure, axes = style.figure(1, 1, style.COLUMN_IN, 2.4)
-axes.barh(table["model"], table["test_rmse"], color="0.6")
-axes.set(xlabel="Test RMSE [kPa]")
+table[["without", "with"]].plot.barh(ax=axes, color=["0.75", "0.35"])
+axes.set(xlabel="RMSE on unseen blocks [kPa]", ylabel="")
+axes.legend(["without P_o", "with P_o"])
 style.letter(axes, "A recording of the simulated rig")

@@ -27,10 +27,13 @@ def _run(arguments: Sequence[str] | None) -> int:
 
     from fprc.commands.parser import parser
     from fprc.errors import FprcError
+    from fprc.escape import TerminalFormatter
 
     # the messages of this package, not those of other libraries
+    handler = logging.StreamHandler()
+    handler.setFormatter(TerminalFormatter())
     messages = logging.getLogger("fprc")
-    messages.handlers = [logging.StreamHandler()]
+    messages.handlers = [handler]
     messages.setLevel(logging.INFO)
     try:
         try:

@@ -56,6 +56,9 @@ MODELS = {
 }
 
 _BANK = {"epsilons": [0.03, 0.01, 0.003]}
+# P_o itself, and its low-passes
+_OF_P_O = {**_BANK, "epsilons_p_o": [1.0, *_BANK["epsilons"]]}
+_PRODUCTS = {"n_taps": 5, "spacing": 25, "degree": 2, "alpha": 0.1}
 _RIDGE = ("n_y", "alpha")
 _FUZZY = MODELS["fuzzy_linear"].settings
 _BOTH = (ANGLE, "p_o_kpa")
@@ -88,19 +91,22 @@ COMPETITORS = MODELS | {
         ("n_y", "fprc.n_u", "fprc.epsilon", "alpha"),
         "Ridge on FPRC's features",
     ),
-    "bank_p_o": _competitor(
-        "on_bank",
-        _BOTH,
-        _RIDGE,
-        "Ridge on low-passes of P_o",
-        epsilons=[1.0, *_BANK["epsilons"]],
-        column=1,
-    ),
+    "linear": _competitor("on_taps", (ANGLE,), _RIDGE, "Ridge on taps"),
+    "linear_p_o": _competitor("on_taps", _BOTH, _RIDGE, "Ridge on taps + P_o"),
     "bank": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on low-passes", **_BANK),
+    "bank_p_o": _competitor("on_bank", _BOTH, _RIDGE, "Ridge on low-passes + P_o", **_OF_P_O),
     "bank_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on low-passes", **_BANK),
     "plays": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on plays", n_plays=10, **_BANK),
+    "plays_p_o": _competitor(
+        "on_bank", _BOTH, _RIDGE, "Ridge on plays + P_o", n_plays=10, **_OF_P_O
+    ),
     "plays_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on plays", n_plays=10, **_BANK),
-    "nvar": _competitor("nvar", (ANGLE,), (), "NVAR", n_taps=5, spacing=25, degree=2, alpha=0.1),
+    "nvar": _competitor("nvar", (ANGLE,), (), "NVAR", **_PRODUCTS),
+    "nvar_p_o": _competitor("nvar", _BOTH, (), "NVAR + P_o", **_PRODUCTS),
+    # the same network of theta_d
+    "esn_p_o": _competitor(
+        "echo_p_o", _BOTH, MODELS["esn"].settings, "ESN + P_o", epsilons_p_o=_OF_P_O["epsilons_p_o"]
+    ),
     "trees": _competitor(
         "trees",
         (ANGLE,),
@@ -115,13 +121,11 @@ COMPETITORS = MODELS | {
 }
 
 #: What was chosen for a competitor in a comparison, by the suffix of its name: its settings, by
-#: cross-validation in training logs, to match FPRC's training error, or by test errors; or a P_o of
-#: another time.
+#: cross-validation in training logs, to match FPRC's training error, or by test errors.
 CHOICES = {
     "tuned": "tuned",
     "matched": "matched in training",
     "oracle": "oracle",
-    "shifted": "P_o shifted in time",
 }
 
 

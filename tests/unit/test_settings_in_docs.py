@@ -8,13 +8,13 @@ from fprc import given
 from fprc.apparatus import check as rig_check
 from fprc.apparatus import guardian, pneumatics, recovery
 from fprc.config import Settings
-from fprc.evaluation import paired
+from fprc.evaluation import paired, sides
 from fprc.logs import sealed_chamber
-from fprc.recordings import clock, competitors, delimited, diagnosis, resample
+from fprc.recordings import clock, delimited, diagnosis, paper_models, resample, stops
 from fprc.studies.stages import check as checked
 
 ROOT = Path(__file__).parents[2]
-WORDS = {8: "eight", 10: "ten"}
+WORDS = {8: "eight"}
 
 
 def quoted():
@@ -23,9 +23,7 @@ def quoted():
     seeds, valves = settings.beyond, settings.hardware.valves
     times = f"{settings.control.sample_rate_hz:g} Hz"
     filter_s = 1 / settings.models.fprc.epsilon / settings.control.sample_rate_hz
-    block_s = competitors.PURGES * settings.evaluation.purge_s
-    columns = settings.models.esn.r + settings.models.n_y
-    states = competitors._MOST_BYTES // (8 * columns)
+    states = paper_models.MOST_BYTES // (8 * (settings.models.esn.r + settings.models.n_y))
     return {
         "docs/benchmark.md": [
             f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.units - 1}, "
@@ -47,13 +45,15 @@ def quoted():
             f"The loop runs at {times}",
         ],
         "docs/chamber.md": [
-            f"cut into {WORDS[competitors.BLOCKS]} blocks",
-            f"`evaluation.purge_s` ({settings.evaluation.purge_s:g} s)",
-            f"({competitors.TIME_CONSTANTS * filter_s:g} s), less",
-            f"{WORDS[competitors.BLOCKS]} need {competitors.BLOCKS * block_s:g} s of training",
-            f"fewer than {WORDS[paired.LEAST_UNITS]} decide nothing",
-            f"An ESN with {settings.models.esn.r} states is left out of logs of more than "
-            f"{states:,} samples",
+            f"cut into {sides.BLOCKS} blocks",
+            f"{sides.PURGES * sides.PURGE_S:g} s at least; the first {sides.WARM_UP_S:g} s",
+            f"to it than {sides.PURGE_S:g} s",
+            f"by {sides.SHIFTS} amounts, none within {sides.MEMORY_S:g} s",
+            f"Fewer than {WORDS[paired.LEAST_UNITS]} blocks decide nothing",
+            f"P_exp spans less than {stops.LEAST_SPAN['kPa']:g} kPa",
+            f"{stops.LEAST_SPAN['deg']:g} deg, which is another unit",
+            f"An ESN of {settings.models.esn.r} states is left out of logs of more than "
+            f"{states // 1000 * 1000:,} samples",
         ],
         "docs/own-data.md": [
             f"| text | {delimited.LARGEST_TEXT_BYTES >> 20} MB |",

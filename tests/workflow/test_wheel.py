@@ -44,7 +44,7 @@ print(json.dumps({
 }))
 """
 IMPORT = "import log.csv --map one.yaml --out sweep.h5"
-READOUT = "readout log.csv --map two.yaml --config few.yaml --workers 1"
+READOUT = "readout log.csv --map two.yaml --config few.yaml"
 LIST = "rig run list"
 #: What each command leaves in the folder.
 WRITTEN = {IMPORT: "sweep.h5", READOUT: "results/log/report.md", LIST: None}
@@ -137,14 +137,14 @@ def other_python(wheel, folder):
 def place(folder):
     """Make a folder with a recording and its maps, outside the checkout."""
     place = Path(tempfile.mkdtemp(dir=folder))
-    time_s = np.arange(2400) / 200.0
+    time_s = np.arange(6000) / 200.0
     angle = 20.0 + 10.0 * np.sin(2.0 * time_s) + 8.0 * np.sin(3.3 * time_s)
-    past = np.cumsum(np.random.default_rng(5).standard_normal(len(time_s)))
+    past = 0.2 * np.cumsum(np.random.default_rng(5).standard_normal(len(time_s)))
     table = np.column_stack([time_s, angle, past, 100.0 + 3.0 * angle + past])
     np.savetxt(place / "log.csv", table, delimiter=",", header="t,angle,memory,force", comments="")
     given = {"time": {"column": "t"}, "channels": COLUMNS}
     (place / "one.yaml").write_text(yaml.safe_dump({"experiment": "sweep"} | given))
-    (place / "two.yaml").write_text(yaml.safe_dump({"test_from_s": 7} | given))
+    (place / "two.yaml").write_text(yaml.safe_dump({"test_from_s": 20} | given))
     (place / "few.yaml").write_text(FEW)
     return place
 

@@ -193,30 +193,29 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         _arg("--out", "COPY.h5", "raw log to write", **_OUT),
     ]),
     ("readout", "recordings.readout:report_readout", """
-        Measure how much the readout P_o of a recording improves FPRC.
+        Say whether P_o of a recording is worth a second sensor.
 
-        Imports a recording, trains FPRC, with P_o, without it and with substitutes for
-        it, and other models on its first part, tests them on its second, and writes a
-        report with verdicts. The map, which docs/own-data.md describes, gives
-        test_from_s, where the second part begins, by default the last third of what it
-        selects. Without a rate in the map, the models work at the recording's own
-        rate, at most 200 Hz; settings in samples are scaled to the same time. Repeat
-        the command to continue a run that was stopped.
+        Compares the best model of theta alone with the best one that also has P_o, on
+        parts of the recording that did not train them, and P_o with itself at other
+        times; then the paper's models. docs/own-data.md describes the map, and
+        docs/chamber.md the answer. Without a rate in the map, the models work at the
+        recording's own rate, at most 200 Hz; settings in samples are scaled to the
+        same time. A recording that can give no right answer stops the command before
+        any training.
 
-        Writes `report.md`, `readout/` (table, errors), `raw/` (the logs with their
-        diagnoses), `data/` and `quality/`, in the workflow's formats.
+        Writes `report.md`, `readout/` (tables, every number), `raw/` (the logs with
+        their diagnoses), `data/` and `quality/`, in the workflow's formats. `raw/` has
+        two logs, divided at test_from_s of the map, by default at two thirds; both are
+        judged.
 
         examples:
           fprc readout recording.csv --map map.yaml --out results/mine
     """, [
         _SOURCE,
         _arg("--map", "MAP.yaml", "columns, units and parts", dest="map_", **_OUT),
-        _arg("--train", "FILE", "further recordings with the same columns, used for training "
-             "only; if the map has `experiment: complex` and no test_from_s, all of SOURCE is "
-             "test data", **_MANY),
+        _arg("--train", "FILE", "further recordings with the same columns", **_MANY),
         _arg("--out", "FOLDER", "folder to write; by default results/ and SOURCE's name"),
         _arg("--config", "FILE", f"configuration that overrides the defaults; {_LATER}", **_MANY),
-        _WORKERS,
     ]),
     ("config check", "commands.configuration:check", """
         Check configuration files, merged in this order.

@@ -9,6 +9,7 @@ from sklearn.neural_network import MLPRegressor
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
+from fprc.models.echo_features import EchoStates
 from fprc.models.feature_model import FeatureModel
 from fprc.models.features import LowpassBank, TapFeatures
 from fprc.models.nvar import NVAR
@@ -23,23 +24,45 @@ def ridge_p_o(n_y: int, n_u: int, epsilon: float, alpha: float) -> FeatureModel:
     return FeatureModel(TapFeatures(n_y=n_y, n_u=n_u, epsilon=epsilon), RidgeReadout(alpha))
 
 
-def on_bank(
-    n_y: int, epsilons: Sequence[float], *, column: int = 0, n_plays: int = 0, **readout: Any
-) -> FeatureModel:
-    """Return a ridge, or with rules a fuzzy readout, on low-passes of ``column`` and taps.
+def on_taps(n_y: int, alpha: float) -> FeatureModel:
+    """Return a ridge on taps of every column."""
+    return FeatureModel(TapFeatures(n_y, n_references=None), RidgeReadout(alpha))
 
-    The taps, and the plays if there are any, are of theta_d, column 0.
+
+def on_bank(
+    n_y: int,
+    epsilons: Sequence[float],
+    *,
+    n_plays: int = 0,
+    epsilons_p_o: Sequence[float] = (),
+    **readout: Any,
+) -> FeatureModel:
+    """Return a ridge, or with rules a fuzzy readout, on taps and low-passes of theta_d.
+
+    Further features are plays of theta_d, and low-passes of P_o, column 1.
     """
-    maps = _bank(n_y, epsilons, column)
+    maps = _bank(n_y, epsilons)
     if n_plays:
         maps.append((PlayOperators(n_plays), [0]))
+    if epsilons_p_o:
+        maps.append((LowpassBank(epsilons_p_o), [1]))
     regressor = TakagiSugenoReadout if "n_c" in readout else RidgeReadout
     return FeatureModel(SideBySide(maps), regressor(**readout))
 
 
 def nvar(n_taps: int, spacing: int, degree: int, alpha: float) -> FeatureModel:
-    """Return a ridge on products of delayed theta_d."""
+    """Return a ridge on products of delayed inputs."""
     return FeatureModel(NVAR(n_taps, spacing, degree), RidgeReadout(alpha))
+
+
+def echo_p_o(
+    alpha: float, epsilons_p_o: Sequence[float], random_state: int = 1, **network: Any
+) -> FeatureModel:
+    """Return a ridge on the states of an ESN of theta_d, column 0, and on low-passes of P_o."""
+    echo = EchoStates(**network, random_state=random_state)
+    return FeatureModel(
+        SideBySide([(echo, [0]), (LowpassBank(epsilons_p_o), [1])]), RidgeReadout(alpha)
+    )
 
 
 def trees(n_y: int, epsilons: Sequence[float], **settings: Any) -> FeatureModel:
@@ -65,9 +88,6 @@ def mlp(
     return FeatureModel(SideBySide(_bank(n_y, epsilons)), regressor)
 
 
-def _bank(n_y: int, epsilons: Sequence[float], column: int = 0) -> list[Part]:
-    """Return taps of the first column beside low-passes of ``column``."""
-    return [
-        (TapFeatures(n_y, n_references=None), [0]),
-        (LowpassBank(epsilons), [column]),
-    ]
+def _bank(n_y: int, epsilons: Sequence[float]) -> list[Part]:
+    """Return taps of theta_d, column 0, beside its low-passes."""
+    return [(TapFeatures(n_y, n_references=None), [0]), (LowpassBank(epsilons), [0])]

@@ -1,41 +1,41 @@
-"""`fprc readout`: report how much P_o of a recording improves FPRC, and how others compare."""
+"""`fprc readout`: say whether P_o of a recording is worth a second sensor."""
 
 import logging
+import sys
 from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from joblib import effective_n_jobs
+import numpy as np
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import exclusive, refuse_unwritable, write_text
+from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, write_text
 from fprc.config import from_files
 from fprc.errors import ConfigError, FprcError, LogError
-from fprc.fingerprint import fingerprint
+from fprc.escape import terminal
+from fprc.evaluation.rates import settings_at
+from fprc.evaluation.sides import FAMILIES, SHIFTS, Recordings, progress
+from fprc.experiments.data import Data, read_data
 from fprc.given import refuse_repeats
 from fprc.logs import read_columns
 from fprc.paper import EXPERIMENTS
-from fprc.plan.arguments import judgement, paper_models
+from fprc.plan.arguments import paper_models, pick
 from fprc.provenance import sha256
-from fprc.recordings.claims import answer, sentences
-from fprc.recordings.compare import compare_competitors
-from fprc.recordings.competitors import ON_RECORDINGS
+from fprc.recordings.answer import answer_recordings
 from fprc.recordings.import_recording import import_mapped, own_rate
 from fprc.recordings.importing import ImportMap, read_map
-from fprc.recordings.rates import settings_at
-from fprc.recordings.readout_page import (
-    Parts,
-    cautions,
-    rates_in_words,
-    report_page,
-)
-from fprc.registry import class_module
+from fprc.recordings.paper_models import MODELS, judge_claims, judge_models, sentences
+from fprc.recordings.readout_page import Parts, cautions, rates_in_words, report_page, write_tables
+from fprc.recordings.stops import refuse_channels, refuse_units
 from fprc.stages.preprocess import preprocess
 
 log = logging.getLogger(__name__)
 
-#: Share of a recording that trains unless the map gives test_from_s.
+_INPUTS = ("theta_deg", "p_o_kpa")
+#: Share of a recording that becomes the training log of the workflow unless the map gives
+#: test_from_s.
 _TRAINED = 2.0 / 3.0
 
 
@@ -46,20 +46,19 @@ def report_readout(
     train: Sequence[str] = (),
     out: str | None = None,
     config: Sequence[str] = (),
-    workers: int | None = None,
 ) -> None:
-    """Measure how much the readout P_o of a recording improves FPRC."""
+    """Say whether P_o of a recording is worth a second sensor."""
     if find_spec("tabulate") is None:  # which pandas imports only when it writes a table
         raise FprcError(
             "fprc readout needs tabulate to write its tables; install with: "
             "pip install 'fprc[readout]'"
         )
     settings = from_files(config).model_dump(mode="json")
-    refuse_repeats([source, *train], "a test on training samples proves nothing")
+    refuse_repeats([source, *train], "what is judged on its training samples proves nothing")
     mapping = read_map(map_)
     if problems := _problems_of_map(map_, mapping, more=bool(train)):
         raise ConfigError("\n".join(problems))
-    count = effective_n_jobs(workers or -1)
+    refuse_units(mapping)
     folder = Path(out or Path("results", Path(source).stem))
     refuse_unwritable([folder])
     rate_hz, duration_s = own_rate(mapping, source)
@@ -86,23 +85,64 @@ def report_readout(
     with exclusive(lock), threadpool_limits(1):
         for name, (path, part) in parts.items():
             log.info("importing %s as %s.h5", path, name)
-            import_mapped(part, path, str(folder / f"raw/{name}.h5"))
+            with redirect_stdout(sys.stderr):  # the answer is what is printed
+                import_mapped(part, path, str(folder / f"raw/{name}.h5"))
         data = {
             experiment: _prepare(experiment, parts, settings, folder, rate_hz)
             for experiment in EXPERIMENTS
         }
-        report = _compete(data, folder / "readout", scaled, count)
+        recordings, read = _gathered(data, source == parts["sweep"][0], rate_hz)
+        records = [read_json(folder / f"quality/{name}.json") for name in EXPERIMENTS]
+        quality = [one for record in records for one in record.get("recordings", [record])]
+        units = dict(zip(("P_exp", "theta", "P_o"), read.units(_INPUTS), strict=True))
+        refuse_channels(recordings.thinned(), units, quality)
+        described = {"unit": read.unit, **pick(read.attributes, "source", "target")}
+        report = described | _judge(recordings, scaled, read.unit)
+        write_json(folder / "readout/answer.json", report)
+        write_tables(report, folder / "readout")
         page = folder / "report.md"
-        write_text(page, report_page(parts, map_, mapping, settings, folder, report, rates))
-        verdicts = report["verdicts"]
-        doubts = [f"Doubtful: {line}" for line in cautions(folder, settings)]
-        lines = [answer(verdicts).replace("**", ""), *doubts, *sentences(verdicts), str(page)]
-        print("\n".join(lines))
+        doubts = cautions(folder)
+        write_text(page, report_page(parts, map_, settings, folder, report, rates, doubts))
+        lines = [report["answer"]["words"], *(f"Doubtful: {line}" for line in doubts)]
+        print(terminal("\n".join([*lines, *sentences(report["claims"]), str(page)])))
         lock.unlink()
 
 
+def _gathered(data: Mapping[str, str], one_file: bool, rate_hz: float) -> tuple[Recordings, Data]:
+    """Return all recordings, the one of the two parts first and whole, and one of their logs."""
+    train, test = (read_data(data[name]) for name in EXPERIMENTS)
+    first = train.lengths[0]
+
+    def joined(channel: str) -> np.ndarray:
+        values = train.channels[channel]
+        return np.concatenate([values[:first], test.channels[channel], values[first:]])
+
+    theta, p_o, target = map(joined, (*_INPUTS, "p_target_kpa"))
+    lengths = [first, *test.lengths, *train.lengths[1:]]
+    if one_file:
+        lengths[:2] = [sum(lengths[:2])]
+    return Recordings(theta, p_o, target, lengths, rate_hz), train
+
+
+def _judge(recordings: Recordings, settings: Mapping[str, Any], unit: str) -> dict[str, Any]:
+    """Return the answer, the errors of the paper's models and the claims on them."""
+    models, seed = paper_models(settings), settings["seed"]
+    total = 2 * len(FAMILIES) + SHIFTS + len(MODELS)
+
+    def show(line: str) -> None:
+        print(f"\r{line:<78}", end="", file=sys.stderr, flush=True)
+
+    step = progress(total, show)
+    answer = answer_recordings(recordings, models, seed, step, unit)
+    cells = judge_models(recordings, models, seed, step)
+    print(file=sys.stderr)
+    folds = recordings.folds()
+    overlap = float(np.mean([len(block) / len(rows) for rows, block in folds]))
+    return {"answer": answer, "cells": cells, "claims": judge_claims(cells, overlap)}
+
+
 def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> Parts:
-    """Return the logs that train, ``sweep``, ``sweep_2``, ..., and the one that tests."""
+    """Return the workflow's logs: ``sweep``, ``sweep_2``, ..., which train, and ``complex``."""
     training = [(path, mapping.of_whole("sweep")) for path in train]
     if mapping.test_from_s is not None:
         training.insert(0, (source, mapping.part("sweep")))
@@ -160,17 +200,3 @@ def _problems_of_map(path: str, mapping: ImportMap, *, more: bool) -> list[str]:
             f"{path}: channels.p_o_kpa is missing: it is the readout to evaluate; add it"
         )
     return problems
-
-
-def _compete(
-    data: Mapping[str, str], folder: Path, settings: Mapping[str, Any], workers: int
-) -> dict[str, Any]:
-    """Compare FPRC with its competitors, write their table, and return errors and verdicts."""
-    return compare_competitors(
-        data["sweep"],
-        data["complex"],
-        folder,
-        judgement=judgement({**settings, "models": paper_models(settings)}),
-        workers=workers,
-        version=fingerprint("fprc.recordings.compare", *map(class_module, ON_RECORDINGS)),
-    )

@@ -1,85 +1,162 @@
-"""Page of `fprc readout`: what P_o and the other models contribute on a recording, in words."""
+"""Page of `fprc readout`: the answer, what it rests on, and the paper's models, in words."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from fprc.artifacts import read_json
 from fprc.config import from_files
 from fprc.escape import code
-from fprc.logs import read_columns
+from fprc.evaluation.sides import SHIFTS
 from fprc.paper import SOURCES
 from fprc.provenance import sha256
-from fprc.recordings.claims import answer, sentences
+from fprc.recordings.answer import MARGIN, family_title
 from fprc.recordings.importing import ImportMap
+from fprc.recordings.paper_models import sentences
+from fprc.registry import title_of
 from fprc.stages.tabulate import failed_checks
+from fprc.tables.text import three_digits, write_table
 
 #: File and map of each raw log: those that train, ``sweep``, ``sweep_2``, ..., and ``complex``.
 Parts = Mapping[str, tuple[str, ImportMap]]
 _TARGETS = {"command": "commanded", "measured": "measured"}
 
-#: Share of the variance of another channel that P_o explains only if it is a copy. A pressure loop
-#: follows its command to 0.999.
-_COPIES = {"p_target_kpa": ("P_exp, the target", 0.99), "theta_deg": ("theta", 0.9999)}
-
 
 def report_page(
     parts: Parts,
     map_file: str,
-    mapping: ImportMap,
     settings: Mapping[str, Any],
     folder: Path,
     report: Mapping[str, Any],
     rates: str,
+    doubts: Sequence[str],
 ) -> str:
     """Return the report as Markdown, with links to the pictures of the recording."""
-    source = parts["complex"][0]
-    further = [path for path, _ in parts.values() if path != source]
+    source, found = parts["complex"][0], report["answer"]
+    further = list(dict.fromkeys(path for path, _ in parts.values() if path != source))
     default = from_files([]).model_dump(mode="json")["models"]
+    verdict, _, rest = found["words"].partition(":")
     lines = [
-        f"# Value of the readout in {code(Path(source).name)}",
+        f"# Is P_o worth a second sensor in {code(Path(source).name)}?",
         "",
-        f"Does P_o help the model on this recording? {answer(report['verdicts'])}",
-        *(f"\n- Doubtful: {line}" for line in cautions(folder, settings)),
+        f"**{verdict}**:{rest}",
+        *(f"\n- Doubtful: {line}" for line in doubts),
         "",
         f"Recording: {_with_hash(source)}; map: {code(map_file)}.",
-        *([f"Training logs: {', '.join(map(_with_hash, further))}."] if further else []),
-        f"Data: {SOURCES[report['source']]}.",
-        rates,
-        f"{what_trained(mapping, further)}; models as in the paper"
-        f"{'' if settings['models'] == default else ', except for the settings given'}. "
-        f"The models predict the {_TARGETS[report['target']]} P_exp.",
+        *([f"Further recordings: {', '.join(map(_with_hash, further))}."] if further else []),
+        f"Data: {SOURCES[report['source']]}. Predicted is the {_TARGETS[report['target']]} P_exp.",
         "",
-        "## The models",
+        "## What the answer rests on",
         "",
-        *(f"- {line}" for line in sentences(report["verdicts"])),
+        *(f"- {line}" for line in _grounds(found)),
+        "",
+        _read(folder / "readout/sides.md"),
+        "## The paper's models",
+        "",
+        f"{rates} Settings as in the paper"
+        f"{'' if settings['models'] == default else ', except for the settings given'}; no model "
+        "is tuned to this recording.",
+        "",
+        *(f"- {line}" for line in sentences(report["claims"])),
         "",
         "Each ratio is the geometric mean over blocks; below 1 it favours FPRC. The chance that "
-        "any verdict is wrong is kept at 5 % (Holm), so an interval is wider than a 95 % interval. "
-        "It is wider still because the models of all blocks share training data; this correction "
-        "(Nadeau and Bengio 2003) is an approximation. A verdict holds for this recording and "
-        "these settings, not for the rig on another day. Test errors have no interval and enter no "
-        "verdict.",
+        "any of these verdicts is wrong is kept at 5 % (Holm).",
         "",
-        "Low-passed theta and P_o shifted in time are controls: P_o helps as a memory only if it "
-        "beats both. Fuzzy-linear has no P_o.",
-        "",
-        (folder / "readout/competitors.md").read_text(encoding="utf-8"),
-        "Every number: [readout/competitors.csv](readout/competitors.csv), errors of each block: "
-        "[readout/competitors.json](readout/competitors.json).",
+        _read(folder / "readout/paper.md"),
+        "Every number: [readout/answer.json](readout/answer.json).",
         "",
         "## The recording",
     ]
     for log, (path, _) in parts.items():
-        part = "test part" if log == "complex" else "training part"
-        if path != source:
-            part = f"training log {code(Path(path).name)}"
+        part = "last part" if log == "complex" else "first part"
+        if path != source or len(parts) - len(further) == 1:
+            part = code(Path(path).name)
         words = read_json(folder / f"raw/{log}.diagnosis.json")["words"]
         lines += ["", f"### {part[0].upper()}{part[1:]}", "", *(f"- {word}" for word in words)]
         lines += ["", f"![{part}](raw/{log}.diagnosis.png)"]
     return "\n".join(lines) + "\n"
+
+
+def _read(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+def _grounds(found: Mapping[str, Any]) -> list[str]:
+    """Return what was compared, and how it came out, in sentences."""
+    beaten = sum(found["with"]["error"] < error for error in found["shifts"])
+    shifted = (
+        f"P_o of another time, in {len(found['shifts'])} trials: the error is "
+        f"{three_digits(min(found['shifts']))} to {three_digits(max(found['shifts']))}; P_o beats "
+        f"{beaten} of them."
+        if found["shifts"]
+        else f"The motion repeats so often that fewer than {SHIFTS} shifts of P_o are controls."
+    )
+    period = found["period_s"]
+    return [
+        f"Ratio of the errors, with P_o over without: {found['ratio']:.3f} "
+        f"({found['low']:.3f} to {found['high']:.3f}, 95 %). Worth a second sensor is what lies "
+        f"below {1.0 / MARGIN:.3f}.",
+        shifted,
+        f"The motion repeats every {period:.3g} s." if period else "The motion does not repeat.",
+        f"Without P_o, {100.0 * found['explained']:.3g} % of the variance of P_exp are explained.",
+    ]
+
+
+def write_tables(report: Mapping[str, Any], folder: Path) -> None:
+    """Write the errors of both sides, and those of the paper's models, as CSV and Markdown."""
+    found, unit = report["answer"], report["unit"]
+    blocks = len(found["block_s"])
+    length = three_digits(float(np.mean(found["block_s"])))
+    note = (
+        f"Geometric mean of the RMSE over {blocks} blocks of {length} s. Each block is predicted "
+        "by models that the other blocks trained, without 2 s on each side of it; families and "
+        "settings are chosen by these other blocks alone."
+    )
+    sides = pd.DataFrame(
+        {
+            "family": family,
+            "without": found["without"]["families"][family],
+            "with": found["with"]["families"][family],
+            "chosen_without": found["without"]["chosen"].count(family),
+            "chosen_with": found["with"]["chosen"].count(family),
+            "unit": unit,
+        }
+        for family in found["with"]["families"]
+    )
+    page = pd.DataFrame(
+        {
+            "Family": f"{family_title(row.family, False)}; {family_title(row.family, True)}"
+            if row.family == "fuzzy"
+            else row.family,
+            f"Without P_o [{unit}]": three_digits(row.without),
+            f"With P_o [{unit}]": three_digits(row.with_p_o),
+            "Chosen without": f"{row.chosen_without} of {blocks}",
+            "Chosen with": f"{row.chosen_with} of {blocks}",
+        }
+        for row in sides.rename(columns={"with": "with_p_o"}).itertuples()
+    )
+    write_table(sides, page, note, str(folder / "sides.csv"), str(folder / "sides.md"))
+    paper = pd.DataFrame(
+        {
+            "model": cell["model"],
+            "rmse": float(np.exp(np.log(cell["blocks"]).mean())) if "blocks" in cell else np.nan,
+            "unit": unit,
+            "reason": cell.get("reason", ""),
+        }
+        for cell in report["cells"]
+    )
+    page = pd.DataFrame(
+        {
+            "Model": title_of(row.model),
+            f"Blocks [{unit}]": row.reason or three_digits(row.rmse),
+        }
+        for row in paper.itertuples()
+    )
+    note = f"Geometric mean of the RMSE over {blocks} blocks."
+    write_table(paper, page, note, str(folder / "paper.csv"), str(folder / "paper.md"))
 
 
 def _with_hash(path: str) -> str:
@@ -114,36 +191,6 @@ def rates_in_words(
     )
 
 
-def what_trained(mapping: ImportMap, further: Sequence[str]) -> str:
-    """Return in words which part of which recordings trains, and which tests."""
-    logs = f"{len(further)} training log{'s' if len(further) > 1 else ''}"
-    if mapping.test_from_s is None:
-        return f"Trained on {logs}, tested on the whole recording"
-    also = f" and on {logs}" if further else ""
-    return f"Trained before {mapping.test_from_s:g} s{also}, tested after"
-
-
-def cautions(folder: Path, settings: Mapping[str, Any]) -> list[str]:
-    """Return what makes the answer doubtful: failed checks, a narrow theta, P_o as a copy."""
-    quality = [str(folder / f"quality/{part}.json") for part in ("sweep", "complex")]
-    lines = failed_checks(quality)
-    channels = read_columns(
-        folder / "data/sweep.h5", ("theta_deg", "p_target_kpa"), optional=("p_o_kpa",)
-    ).channels
-    theta, p_o = channels["theta_deg"], channels.get("p_o_kpa")
-    for other, (name, most) in _COPIES.items():
-        if p_o is not None and np.ptp(p_o) > 0.0 and np.ptp(channels[other]) > 0.0:
-            explained = np.corrcoef(p_o, channels[other])[0, 1] ** 2
-            if explained > most:
-                lines.append(
-                    f"a straight line of P_o explains {100.0 * explained:.4g} % of {name}: is its "
-                    "column that of another signal, such as the actuator's own pressure?"
-                )
-    sigma = settings["models"]["fprc"]["sigma"]
-    if (spread := np.std(theta)) < sigma:
-        lines.append(
-            f"theta_deg has a standard deviation of {spread:.2g}, and the rules' memberships a "
-            f"width of sigma = {sigma:g}: they hardly depend on theta. If it is in rad, say so in "
-            "the map; else scale it, or change models.fprc.sigma"
-        )
-    return lines
+def cautions(folder: Path) -> list[str]:
+    """Return what makes the answer doubtful: checks of the recording that failed."""
+    return failed_checks([str(folder / f"quality/{part}.json") for part in ("sweep", "complex")])

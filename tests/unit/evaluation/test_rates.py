@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.config import Settings
+from fprc.evaluation.rates import scaled, settings_at
 from fprc.models.features import lowpass
-from fprc.recordings.rates import scaled, settings_at
 
 SETTINGS = Settings().model_dump(mode="json")
 

@@ -57,6 +57,7 @@ def _count(samples: int, ratio: float) -> int:
 _SCALES: dict[str, Callable[[Any, float], Any]] = {
     "epsilon": _lowpass_factor,
     "epsilons": _lowpass_factor,
+    "epsilons_p_o": _lowpass_factor,
     "gamma": lambda gamma, ratio: float(gamma ** (1.0 / ratio)),
     "washout": _count,
     "spacing": _count,

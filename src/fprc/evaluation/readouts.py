@@ -1,0 +1,124 @@
+"""Readouts of one model, fitted to any blocks of a log by sums of their moments."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fprc.evaluation.crossval import refusals_of
+from fprc.evaluation.folds import Fold
+from fprc.models import SequenceModel, TakagiSugenoReadout
+from fprc.models.fcm import fuzzy_c_means
+from fprc.models.takagi_sugeno import gaussian_memberships
+
+#: An error below this share of the target's standard deviation counts as this share.
+FLOOR = 1e-6
+#: Keeps the equations of collinear features solvable; a share of the weight of all samples.
+_TINY = 1e-11
+
+
+class BlockReadouts:
+    """Ridge or Takagi-Sugeno readouts of a model, each fitted without some blocks of a log.
+
+    The blocks and their purged neighbours cut the log into cells. The moments of each cell are
+    computed once, so a fit without any blocks costs one sum and one solution, however long the log
+    is. The features of all samples are computed in the order of time. The rules of a Takagi-Sugeno
+    readout are placed once, by the inputs of the whole log; no target takes part in that.
+    Predictions are clipped to the range of the training targets.
+
+    Parameters
+    ----------
+    model : SequenceModel
+        Its readout is a ridge or a Takagi-Sugeno readout.
+    X : ndarray of shape (n_samples, n_inputs)
+    y : ndarray of shape (n_samples,)
+    lengths : sequence of int
+        Samples of each recording.
+    folds : sequence of (ndarray, ndarray)
+        Training rows and rows of each block, see ``folds.split_blocks``.
+    alphas : sequence of float
+        Ridge parameters: shares of the weight of the training samples, on standardised features,
+        without a penalty on the bias. None is the model's own, as it fits: features as they are,
+        and the bias penalised too.
+    """
+
+    def __init__(
+        self,
+        model: SequenceModel,
+        X: np.ndarray,
+        y: np.ndarray,
+        lengths: Sequence[int],
+        folds: Sequence[Fold],
+        alphas: Sequence[float] | None = None,
+    ):
+        with refusals_of(model):
+            features = model.make_features().fit(X).transform(X, lengths)
+        readout: Any = model.make_readout()
+        self._alphas = alphas
+        self._own = readout.alpha
+        self._y, self._spread = y, float(y.std()) or 1.0
+        self._fit = self._blend = np.ones((len(y), 1))
+        if isinstance(readout, TakagiSugenoReadout):
+            with refusals_of(model):
+                clusters = fuzzy_c_means(
+                    features,
+                    readout.n_c,
+                    random_state=readout.random_state,
+                    restarts=readout.restarts,
+                )
+            self._fit = clusters.memberships**2
+            self._blend = gaussian_memberships(features, clusters.centers, readout.sigma)
+        if alphas is not None:
+            spread = features.std(axis=0)
+            moving = spread > 1e-9 * np.maximum(np.abs(features).max(axis=0), 1e-30)
+            features = (features - features.mean(axis=0)) / np.where(moving, spread, 1.0)
+        self._rows = np.column_stack([np.ones(len(y)), features])
+        self.blocks = [block for _, block in folds]
+        self._sum_cells(folds)
+
+    def _sum_cells(self, folds: Sequence[Fold]) -> None:
+        out = np.array([~np.isin(np.arange(len(self._y)), train) for train, _ in folds])
+        begins = np.flatnonzero(np.any(out[:, 1:] != out[:, :-1], axis=0)) + 1
+        cells = np.split(np.arange(len(self._y)), begins)
+        self._without = out[:, [cell[0] for cell in cells]]
+        self._ends = np.array([[self._y[cell].min(), self._y[cell].max()] for cell in cells])
+        both = np.column_stack([self._rows, self._y])
+        self._moments = np.array(
+            [
+                [(self._rows[cell] * weight[cell, None]).T @ both[cell] for weight in self._fit.T]
+                for cell in cells
+            ]
+        )
+        self._all = self._moments.sum(axis=0)
+
+    def predictions(self, block: int, without: Sequence[int] = ()) -> np.ndarray:
+        """Return the outputs on a block for each alpha, fitted without it and further blocks.
+
+        The samples that are purged around all these blocks do not train either.
+
+        Returns
+        -------
+        ndarray of shape (n_alphas, samples of the block)
+        """
+        gone = self._without[[block, *without]].any(axis=0)
+        moments = self._all - self._moments[gone].sum(axis=0)
+        gram, target = moments[..., :-1], moments[..., -1:]
+        if self._alphas is None:
+            penalties = [self._own * np.eye(gram.shape[-1])]
+        else:
+            slopes = np.diag(np.arange(gram.shape[-1]) > 0).astype(float)
+            weight = gram[:, :1, :1]
+            penalties = [
+                weight * (alpha * slopes + _TINY * np.eye(len(slopes))) for alpha in self._alphas
+            ]
+        rows = self.blocks[block]
+        outputs = []
+        for penalty in penalties:
+            weights = np.linalg.solve(gram + penalty, target)[..., 0]
+            outputs.append((self._blend[rows] * (self._rows[rows] @ weights.T)).sum(axis=1))
+        return np.clip(outputs, self._ends[~gone, 0].min(), self._ends[~gone, 1].max())
+
+    def errors(self, block: int, without: Sequence[int] = ()) -> np.ndarray:
+        """Return the RMSE of the predictions on a block for each alpha."""
+        misses = self.predictions(block, without) - self._y[self.blocks[block]]
+        return np.maximum(np.sqrt(np.mean(misses**2, axis=1)), FLOOR * self._spread)

@@ -1,0 +1,270 @@
+"""What a second sensor is worth: the best model without P_o against the best with it.
+
+The limits below were written down before they were run on any recording.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc.evaluation.folds import Fold, split_blocks
+from fprc.evaluation.rates import PAPER_HZ, scaled
+from fprc.evaluation.readouts import BlockReadouts
+from fprc.registry import build, entry_of, title_of
+
+#: Models without P_o and with it, alike but for that, the plainest first. FPRC on low-passed theta
+#: stands on theta's side.
+FAMILIES = {
+    "taps": ("linear", "linear_p_o"),
+    "low-passes": ("bank", "bank_p_o"),
+    "plays": ("plays", "plays_p_o"),
+    "fuzzy": ("fprc_lowpass", "fprc"),
+    "NVAR": ("nvar", "nvar_p_o"),
+    "ESN": ("esn", "esn_p_o"),
+}
+#: Settings on either side: ridge parameters, shares of the weight of the training samples.
+ALPHAS = (1e-6, 1e-4, 1e-2)
+#: Errors inside that differ by less than this factor count as equal.
+EQUAL = 1.05
+#: The ESN of both sides is small, to be quick, and remembers a quarter of a second at 200 Hz.
+_ESN = {"r": 100, "gamma": 0.98, "rho": 0.8}
+#: Inputs get this mean and standard deviation, those of theta on the paper's rig in deg: widths of
+#: rules and scales of networks then mean the same on every recording.
+_MEAN, _SPREAD = 30.0, 18.0
+#: Samples are averaged in groups to a rate of this or less than twice this, Hz: the motion is
+#: slower, and the answer then hardly depends on the rate of the recording.
+RATE_HZ = 50.0
+
+#: Number of blocks, if the recordings are long enough.
+BLOCKS = 20
+#: Samples this near to a block do not train, s; a block is at least three times as long.
+PURGE_S, PURGES = 2.0, 3
+#: Samples of this time at the beginning of a recording, s, neither train nor judge: low-passes and
+#: networks do not know yet what was before. Three time constants of the slowest low-pass.
+WARM_UP_S = 5.0
+#: A block may be shorter by this share: the last sample of a part lies up to one period before its
+#: end, and clocks have errors.
+_ROUNDING = 0.01
+
+#: Number of shifts of P_o in time; P_o must beat 95 % of them, so each of 19.
+SHIFTS = 19
+#: No shift is within this time of none, s, at most a quarter of the shortest recording; nor within
+#: as much, at most a quarter of a period, of a multiple of the period of a motion that repeats.
+MEMORY_S, MEMORY_SHARE = 10.0, 0.25
+
+#: A motion repeats if theta comes back to itself within this share of its variance (mean square
+#: distance over twice the variance), after it went away by at least the other share. P_o repeats
+#: with it if it comes back within the other share: then it can only tell where in the motion it is.
+REPEATS, AWAY = 0.05, 0.5
+
+
+class Recordings(NamedTuple):
+    """Recordings one after the other, at one rate."""
+
+    theta: np.ndarray
+    p_o: np.ndarray
+    target: np.ndarray  #: P_exp, in its unit
+    lengths: Sequence[int]  #: samples of each recording
+    rate_hz: float
+
+    def thinned(self) -> "Recordings":
+        """Return the means of groups of samples, at least ``RATE_HZ`` of them a second."""
+        size = max(1, int(self.rate_hz / RATE_HZ * (1.0 + _ROUNDING)))
+        ends = np.cumsum(self.lengths)[:-1]
+        lengths = [length // size for length in self.lengths]
+
+        def means(values: np.ndarray) -> np.ndarray:
+            parts = zip(np.split(values, ends), lengths, strict=True)
+            groups = [part[: count * size].reshape(count, size) for part, count in parts]
+            return np.concatenate(groups).mean(axis=1)
+
+        return Recordings(
+            means(self.theta), means(self.p_o), means(self.target), lengths, self.rate_hz / size
+        )
+
+    def shifted(self, shares: float) -> "Recordings":
+        """Return them with P_o of each recording rotated by a share of its length."""
+        parts = np.split(self.p_o, np.cumsum(self.lengths)[:-1])
+        rotated = [np.roll(part, round(shares * len(part))) for part in parts]
+        return self._replace(p_o=np.concatenate(rotated))
+
+    def folds(self) -> list[Fold]:
+        """Return training rows and rows of each block; the first seconds are in none of them."""
+        purge, warm = (round(seconds * self.rate_hz) for seconds in (PURGE_S, WARM_UP_S))
+        shortest = math.ceil((1.0 - _ROUNDING) * PURGES * purge)
+        begins = np.cumsum(self.lengths) - self.lengths
+        kept = [
+            np.arange(begin + min(warm, length // 2), begin + length)
+            for begin, length in zip(begins, self.lengths, strict=True)
+        ]
+        rows = np.concatenate(kept)
+        folds = split_blocks(list(map(len, kept)), BLOCKS, shortest, purge)
+        return [(rows[train], rows[block]) for train, block in folds]
+
+
+class Side(NamedTuple):
+    """The best of one side, chosen inside the training part of each block."""
+
+    errors: np.ndarray  #: RMSE on each block
+    chosen: Sequence[tuple[str, int]]  #: family and number of the setting, of each block
+    each: Mapping[str, np.ndarray]  #: RMSE on each block of every family, its setting chosen inside
+
+    @property
+    def family(self) -> str:
+        """Family that is chosen most often."""
+        names = [name for name, _ in self.chosen]
+        return max(FAMILIES, key=names.count)
+
+    @property
+    def error(self) -> float:
+        """Geometric mean of the errors."""
+        return float(np.exp(np.log(self.errors).mean()))
+
+
+def judge_side(
+    recordings: Recordings,
+    with_p_o: bool,
+    models: Mapping[str, Any],
+    seed: int,
+    step: Callable[[str], None] = lambda what: None,
+) -> Side:
+    """Choose the best family inside, and judge it on every block.
+
+    For each block, every family and setting is judged on the other blocks, each predicted without
+    itself and without the block, by the mean logarithm of the errors. Of those within ``EQUAL`` of
+    the lowest, the plainest family with its largest ridge is chosen: what hardly differs should not
+    differ between the sides by chance.
+
+    Parameters
+    ----------
+    models : Mapping
+        Section ``models`` of the configuration.
+    step : callable
+        Gets a line after each family.
+    """
+    outer, inner = {}, {}
+    for family in FAMILIES:
+        fits = readouts_of(recordings, family, with_p_o, models, seed)
+        blocks = range(len(fits.blocks))
+        inner[family] = np.array(
+            [
+                np.mean([np.log(fits.errors(i, [out])) for i in blocks if i != out], axis=0)
+                for out in blocks
+            ]
+        )
+        outer[family] = np.array([fits.errors(out) for out in blocks])
+        step(title_of(FAMILIES[family][with_p_o]))
+    chosen, alone = [], []
+    for block in blocks:
+        found = {family: _plainest(inner[family][block]) for family in FAMILIES}
+        errors = [inner[family][block, k] for family, k in found.items()]
+        best = list(FAMILIES)[int(np.flatnonzero(errors <= min(errors) + math.log(EQUAL))[0])]
+        chosen.append((best, found[best]))
+        alone.append([outer[family][block, k] for family, k in found.items()])
+    each = dict(zip(FAMILIES, np.transpose(alone), strict=True))
+    return Side(
+        np.array([each[name][block] for block, (name, _) in enumerate(chosen)]), chosen, each
+    )
+
+
+def _plainest(errors: np.ndarray) -> int:
+    """Return the number of the largest ridge whose error is nearly the lowest."""
+    return int(np.flatnonzero(errors <= errors.min() + math.log(EQUAL))[-1])
+
+
+def judge_shift(
+    recordings: Recordings, chosen: Side, models: Mapping[str, Any], seed: int
+) -> float:
+    """Return the geometric mean of the errors of what was chosen with P_o, refitted."""
+    names = {name for name, _ in chosen.chosen}
+    fits = {name: readouts_of(recordings, name, True, models, seed) for name in sorted(names)}
+    errors = [fits[name].errors(block)[k] for block, (name, k) in enumerate(chosen.chosen)]
+    return float(np.exp(np.log(errors).mean()))
+
+
+def readouts_of(
+    recordings: Recordings, family: str, with_p_o: bool, models: Mapping[str, Any], seed: int
+) -> BlockReadouts:
+    """Return the readouts of a family of one side on the blocks of recordings."""
+    name = FAMILIES[family][with_p_o]
+    inputs = {"theta_deg": recordings.theta, "p_o_kpa": recordings.p_o}
+    X = np.column_stack([_scaled(inputs[channel]) for channel in entry_of(name).inputs])
+    settings = {key: models[key] for key in ("n_y", "alpha", "fprc", "esn")}
+    settings["esn"] = settings["esn"] | _ESN
+    ratio = recordings.rate_hz / PAPER_HZ
+    settings |= {key: settings[key] | scaled(settings[key], ratio) for key in ("fprc", "esn")}
+    changed = scaled(entry_of(name).fixed, ratio)
+    if family == "ESN":  # one network on both sides
+        changed["random_state"] = seed
+    model = build(name, settings, seed, **changed)
+    lengths = recordings.lengths
+    return BlockReadouts(model, X, recordings.target, lengths, recordings.folds(), ALPHAS)
+
+
+def _scaled(values: np.ndarray) -> np.ndarray:
+    spread = float(values.std())
+    return _MEAN + _SPREAD * (values - values.mean()) / (spread or 1.0)
+
+
+def shifts_of(recordings: Recordings, period_s: float | None) -> list[float]:
+    """Return the shifts of P_o, as shares of each recording; none if a period leaves too few."""
+    shortest_s = min(recordings.lengths) / recordings.rate_hz
+    memory_s = min(MEMORY_S, MEMORY_SHARE * shortest_s)
+    shares = np.linspace(memory_s / shortest_s, 1.0 - memory_s / shortest_s, 2000)
+    if period_s:
+        away = min(memory_s, MEMORY_SHARE * period_s)
+        for length in recordings.lengths:
+            past = shares * length / recordings.rate_hz % period_s
+            shares = shares[(past >= away) & (past <= period_s - away)]
+    if len(shares) < SHIFTS:
+        return []
+    return shares[np.linspace(0, len(shares) - 1, SHIFTS).round().astype(int)].tolist()
+
+
+def period_of(recordings: Recordings) -> float | None:
+    """Return after which time theta repeats itself, s; None if it does not in any recording."""
+    ends = np.cumsum(recordings.lengths)[:-1]
+    periods = []
+    for theta in np.split(recordings.theta, ends):
+        away = distances(theta)
+        left = np.flatnonzero(away > AWAY)
+        back = left[0] + np.flatnonzero(away[left[0] :] < REPEATS) if left.size else left
+        if back.size:
+            dip = back[: np.flatnonzero(np.diff(np.append(back, len(theta))) > 1)[0] + 1]
+            periods.append(int(dip[away[dip].argmin()]))
+    return max(periods) / recordings.rate_hz if periods else None
+
+
+def p_o_repeats(recordings: Recordings, period_s: float) -> bool:
+    """Return whether P_o of any recording comes back to itself with the motion."""
+    lag = round(period_s * recordings.rate_hz)
+    parts = np.split(recordings.p_o, np.cumsum(recordings.lengths)[:-1])
+    return any(distances(part)[lag] < AWAY for part in parts if lag <= len(part) // 2)
+
+
+def distances(signal: np.ndarray) -> np.ndarray:
+    """Return how far a signal is from itself some samples later, for lags up to half its length.
+
+    It is the mean square distance over twice the variance of the samples that have a partner: 0 for
+    a signal that repeats, about 1 for one that does not.
+    """
+    size, lags = len(signal), np.arange(len(signal) // 2 + 1)
+    centred = signal - signal.mean()
+    products = np.fft.irfft(np.abs(np.fft.rfft(centred, 2 * size)) ** 2)[: len(lags)]
+    sums = np.append(0.0, np.cumsum(centred**2))
+    both = sums[size - lags] + sums[-1] - sums[lags]
+    return 1.0 - 2.0 * products / np.maximum(both, 1e-300)
+
+
+def progress(total: int, show: Callable[[str], None]) -> Callable[[str], None]:
+    """Return what shows a bar after each of ``total`` steps, with the last one's name."""
+    steps: Iterator[int] = iter(range(1, total + 1))
+
+    def step(what: str) -> None:
+        done = next(steps)
+        length = 30 * done // total
+        show(f"[{'#' * length:<30}] {done} of {total}: {what}")
+
+    return step

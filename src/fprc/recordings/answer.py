@@ -1,0 +1,178 @@
+"""The answer of `fprc readout`: whether P_o of a recording is worth a second sensor.
+
+The limits below were written down before they were run on any recording.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fprc.evaluation.paired import EQUIVALENT_WITHIN, LEAST_UNITS, Part
+from fprc.evaluation.sides import (
+    PURGE_S,
+    PURGES,
+    WARM_UP_S,
+    Recordings,
+    Side,
+    judge_shift,
+    judge_side,
+    p_o_repeats,
+    period_of,
+    shifts_of,
+)
+from fprc.tables.text import three_digits
+
+YES, NO, UNDECIDED = "Yes", "No", "Not decided"
+#: P_o is worth a second sensor if it lowers the error by more than this factor.
+MARGIN = EQUIVALENT_WITHIN
+#: Chance that the interval of the ratio errs.
+LEVEL = 0.05
+#: The theta side explains little if it leaves more than this share of the target's variance.
+LITTLE = 0.5
+#: A recording is called too short if one of at most this many times its length would decide;
+#: beyond that its parts disagree.
+MOST_TIMES = 10.0
+#: Share of the blocks at either end that show how far the parts disagree.
+_ENDS = 0.25
+
+
+def answer_recordings(
+    recordings: Recordings,
+    models: Mapping[str, Any],
+    seed: int,
+    step: Callable[[str], None] = lambda what: None,
+    unit: str = "kPa",
+) -> dict[str, Any]:
+    """Compare the best models with and without P_o, and P_o with itself at other times.
+
+    Returns
+    -------
+    dict
+        ``verdict``, ``reason`` (why it is not decided, else empty), ``words`` (the first line);
+        ``ratio`` with P_o over without, ``low`` and ``high``; of ``without`` and ``with``:
+        ``error`` (geometric mean over blocks, unit of the target), ``family``, ``families`` (error
+        of each) and ``blocks``; ``shifts``, the errors with P_o of other times; ``period_s`` of
+        the motion or None; ``needed_s``, which length would decide, or None; ``explained``, share
+        of the target's variance that the side without P_o explains; ``block_s``, ``duration_s``.
+    """
+    thin = recordings.thinned()
+    folds, period_s = thin.folds(), period_of(thin)
+    without, with_ = (judge_side(thin, side, models, seed, step) for side in (False, True))
+    ratios = dict(enumerate(np.log(with_.errors / without.errors)))
+    overlap = float(np.mean([len(block) / len(rows) for rows, block in folds]))
+    mean, low, high = Part("", ratios, overlap=overlap).interval(LEVEL)
+    shifts = []
+    for number, share in enumerate(shifts_of(thin, period_s), 1):
+        shifts.append(judge_shift(thin.shifted(share), with_, models, seed))
+        step(f"P_o of another time, {number}")
+    left = float(np.mean(without.errors**2)) / float(np.var(thin.target))
+    found = {
+        "ratio": math.exp(mean),
+        "low": math.exp(low),
+        "high": math.exp(high),
+        "without": _side(without),
+        "with": _side(with_),
+        "shifts": shifts,
+        "period_s": period_s,
+        "p_o_repeats": bool(period_s and p_o_repeats(thin, period_s)),
+        "explained": max(0.0, 1.0 - left),
+        "block_s": [len(block) / thin.rate_hz for _, block in folds],
+        "duration_s": len(thin.theta) / thin.rate_hz,
+    }
+    verdict, reason, needed_s = decide(found, list(ratios.values()))
+    found |= {"verdict": verdict, "reason": reason, "needed_s": needed_s}
+    return found | {"words": first_line(found, unit)}
+
+
+def _side(side: Side) -> dict[str, Any]:
+    families = {name: float(np.exp(np.log(errors).mean())) for name, errors in side.each.items()}
+    return {
+        "error": side.error,
+        "family": side.family,
+        "families": families,
+        "blocks": side.errors.tolist(),
+        "chosen": [name for name, _ in side.chosen],
+    }
+
+
+def decide(found: Mapping[str, Any], ratios: Sequence[float]) -> tuple[str, str, float | None]:
+    """Return the verdict, why it is not decided, and which length would decide, s.
+
+    Yes: the whole interval of the ratio lies below 1/1.05, P_o beats all its shifts, and does not
+    repeat with the motion. No: the
+    whole interval lies above 1/1.05. Otherwise it is not decided, for the one reason that matters
+    most.
+    """
+    margin, mean, high = math.log(MARGIN), math.log(found["ratio"]), math.log(found["high"])
+    beaten = sum(found["with"]["error"] < error for error in found["shifts"])
+    repeats = (
+        f"The motion repeats every {found['period_s']:.3g} s, so each part has a twin in the rest: "
+        "record one that does not repeat."
+        if found["period_s"]
+        else ""
+    )
+    if len(ratios) < LEAST_UNITS:
+        needed_s = WARM_UP_S + LEAST_UNITS * PURGES * PURGE_S
+        return UNDECIDED, f"The recording is too short: it takes {_time(needed_s)}.", needed_s
+    if math.log(found["low"]) > -margin:
+        return NO, "", None
+    if high < -margin:
+        if not found["p_o_repeats"] and found["shifts"] and beaten == len(found["shifts"]):
+            return YES, "", None
+        as_well = (
+            f"P_o of another time does as well in {len(found['shifts']) - beaten} of "
+            f"{len(found['shifts'])} trials: it tells the time, not what the chamber remembers."
+        )
+        return UNDECIDED, repeats or as_well, None
+    if repeats:
+        return UNDECIDED, repeats, None
+    if found["explained"] < LITTLE:
+        return (
+            UNDECIDED,
+            f"theta explains only {100 * found['explained']:.0f} % of P_exp: check the columns.",
+            None,
+        )
+    needed_s = found["duration_s"] * ((high - mean) / abs(mean + margin)) ** 2
+    if needed_s <= MOST_TIMES * found["duration_s"]:
+        reason = (
+            f"The recording is too short: if its ratio, {found['ratio']:.2f}, stays, it takes "
+            f"{_time(needed_s)} of this motion."
+        )
+        return UNDECIDED, reason, needed_s
+    best, worst = np.exp(np.quantile(ratios, (_ENDS, 1.0 - _ENDS)))
+    reason = (
+        f"Its parts disagree: the ratio is below {best:.2f} in a quarter of them and above "
+        f"{worst:.2f} in another."
+    )
+    return UNDECIDED, reason, needed_s
+
+
+def _time(seconds: float) -> str:
+    if seconds < 100.0:
+        return f"{math.ceil(seconds)} s"
+    minutes = math.ceil(seconds / 60.0)
+    return f"{minutes} minutes"
+
+
+def family_title(family: str, with_p_o: bool) -> str:
+    """Return the name of a family of one side for readers."""
+    if family == "fuzzy":
+        return "FPRC" if with_p_o else "FPRC on low-passed theta"
+    return f"{family} + P_o" if with_p_o else family
+
+
+def first_line(found: Mapping[str, Any], unit: str) -> str:
+    """Return verdict, both errors and families, and the reason."""
+    sides = [
+        f"{three_digits(found[side]['error'])}{f' {unit}' if side == 'with' else ''} "
+        f"({family_title(found[side]['family'], side == 'with')})"
+        for side in ("with", "without")
+    ]
+    line = f"{found['verdict']}: with P_o {sides[0]}, without {sides[1]}."
+    if found["verdict"] == NO and found["period_s"]:
+        line += (
+            f" The motion repeats every {found['period_s']:.3g} s; on another one it may differ."
+        )
+    return f"{line} {found['reason']}".rstrip()

@@ -1,0 +1,79 @@
+"""Readouts by sums of moments, against fits of the selected rows."""
+
+import numpy as np
+import pytest
+from sklearn.linear_model import Ridge
+
+from fprc.config import Settings
+from fprc.evaluation.folds import split_blocks
+from fprc.evaluation.readouts import BlockReadouts
+from fprc.models import RidgeReadout
+from fprc.models.fcm import fuzzy_c_means
+from fprc.models.takagi_sugeno import gaussian_memberships
+from fprc.registry import build
+
+MODELS = Settings().model_dump(mode="json")["models"]
+LENGTHS = [2400, 1600]
+FOLDS = split_blocks(LENGTHS, 10, 300, 100)
+
+
+@pytest.fixture
+def log(seen):
+    channels = seen["sweep"]
+    X = np.column_stack([channels["theta_deg"], channels["p_o_kpa"]])
+    return X, channels["p_target_kpa"]
+
+
+def training(*blocks):
+    """Return the rows that train if some blocks are out."""
+    rows = set(FOLDS[blocks[0]][0])
+    return np.array(sorted(rows.intersection(*(FOLDS[block][0] for block in blocks))))
+
+
+def rmse(output, wanted, low, high):
+    return float(np.sqrt(np.mean((np.clip(output, low, high) - wanted) ** 2)))
+
+
+@pytest.mark.parametrize("out", [(3,), (3, 4), (5, 0), (6, 5, 9)])
+def test_errors_are_those_of_fits_without_the_blocks(log, out):
+    X, y = log
+    model = build("ridge_p_o", MODELS, 1)
+    rows = model.make_features().fit(X).transform(X, LENGTHS)
+    train, block = training(*out), FOLDS[out[0]][1]
+    ends = y[train].min(), y[train].max()
+
+    own = BlockReadouts(model, X, y, LENGTHS, FOLDS).errors(out[0], out[1:])
+    fitted = RidgeReadout(MODELS["alpha"]).fit(rows[train], y[train])
+    expected = rmse(fitted.predict(rows[block]), y[block], *ends)
+    assert own == pytest.approx([expected], rel=1e-6)
+
+    alphas = (1e-4, 1e-1)
+    scaled = (rows - rows.mean(axis=0)) / rows.std(axis=0)
+    found = BlockReadouts(model, X, y, LENGTHS, FOLDS, alphas).errors(out[0], out[1:])
+    for alpha, error in zip(alphas, found, strict=True):
+        ridge = Ridge(alpha * len(train)).fit(scaled[train], y[train])
+        expected = rmse(ridge.predict(scaled[block]), y[block], *ends)
+        assert error == pytest.approx(expected, rel=1e-4)
+
+
+def test_fuzzy_readout_is_fitted_rule_by_rule_around_common_centres(log):
+    X, y = log
+    model = build("fprc", MODELS, 1)
+    rows = model.make_features().fit(X).transform(X, LENGTHS)
+    readout = model.make_readout()
+    clusters = fuzzy_c_means(rows, readout.n_c, random_state=1, restarts=readout.restarts)
+    train, block = training(2), FOLDS[2][1]
+    extended = np.column_stack([np.ones(len(rows)), rows])
+    output = np.zeros(len(block))
+    beta = gaussian_memberships(rows[block], clusters.centers, readout.sigma)
+    for i, u in enumerate(clusters.memberships[train].T):
+        weighted = extended[train] * u[:, None]
+        penalty = np.sqrt(readout.alpha) * np.eye(weighted.shape[1])
+        fitted = np.linalg.lstsq(
+            np.vstack([weighted, penalty]), np.append(y[train] * u, np.zeros(len(penalty)))
+        )[0]
+        output += beta[:, i] * (extended[block] @ fitted)
+    expected = rmse(output, y[block], y[train].min(), y[train].max())
+    assert BlockReadouts(model, X, y, LENGTHS, FOLDS).errors(2) == pytest.approx(
+        [expected], rel=1e-5
+    )

@@ -1,0 +1,128 @@
+import numpy as np
+import pytest
+
+from fprc.config import Settings
+from fprc.evaluation import sides
+from fprc.evaluation.sides import (
+    FAMILIES,
+    SHIFTS,
+    Recordings,
+    judge_shift,
+    judge_side,
+    p_o_repeats,
+    period_of,
+    shifts_of,
+)
+
+MODELS = Settings().model_dump(mode="json")["models"]
+
+
+def recordings(*lengths, rate_hz=50.0, period_s=None, seed=0):
+    """Return a slow angle, which may repeat, a target that follows it, and an unrelated P_o."""
+    rng, size = np.random.default_rng(seed), sum(lengths)
+    t = np.arange(size) / rate_hz
+    angle = np.cumsum(rng.standard_normal(size)) / np.sqrt(rate_hz)
+    if period_s:
+        angle = np.sin(2 * np.pi * t / period_s) + np.sin(6 * np.pi * t / period_s)
+    return Recordings(angle, np.cos(t), 3.0 * angle + rng.standard_normal(size), lengths, rate_hz)
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "size"), [(200, 4), (199.5, 4), (100, 2), (133.8, 2), (99, 1), (20, 1), (1000, 20)]
+)
+def test_samples_are_averaged_to_at_least_50_hz(rate_hz, size):
+    given = recordings(1003, 410, rate_hz=rate_hz)
+    thin = given.thinned()
+    assert thin.rate_hz == pytest.approx(rate_hz / size)
+    assert list(thin.lengths) == [1003 // size, 410 // size]
+    assert thin.theta[1] == pytest.approx(given.theta[size : 2 * size].mean())
+    assert thin.target[1003 // size] == pytest.approx(given.target[1003 : 1003 + size].mean())
+
+
+def test_blocks_leave_out_the_first_seconds_of_each_recording():
+    folds = recordings(3000, 1500).folds()
+    judged = np.sort(np.concatenate([block for _, block in folds]))
+    np.testing.assert_array_equal(judged, np.append(np.arange(250, 3000), np.arange(3250, 4500)))
+    for train, block in folds:
+        assert np.isin(train, judged).all()
+        near = np.abs(train[:, None] - block[[0, -1]]).min(axis=1) <= 100
+        same = (train < 3000) == (block[0] < 3000)
+        assert not (near & same).any()
+
+
+@pytest.mark.parametrize("period_s", [None, 7.0, 24.0])
+@pytest.mark.parametrize("lengths", [(6000,), (4500, 9000)])
+def test_shifts_stay_away_from_none_and_from_periods(lengths, period_s):
+    found = shifts_of(recordings(*lengths), period_s)
+    assert len(set(found)) == SHIFTS
+    for length in lengths:
+        seconds = np.array(found) * length / 50.0
+        assert seconds.min() >= 9.99
+        assert length / 50.0 - seconds.max() >= 9.99
+        if period_s:
+            past = seconds % period_s
+            away = min(10.0, period_s / 4) - 0.01
+            assert np.minimum(past, period_s - past).min() >= away
+
+
+def test_shifted_p_o_is_that_of_another_time_of_the_same_recording():
+    given = recordings(100, 200)
+    moved = given.shifted(0.25)
+    np.testing.assert_array_equal(moved.p_o[:100], np.roll(given.p_o[:100], 25))
+    np.testing.assert_array_equal(moved.p_o[100:], np.roll(given.p_o[100:], 50))
+    assert moved.theta is given.theta
+
+
+@pytest.mark.parametrize("period_s", [3.0, 15.0, 24.0])
+def test_period_is_that_of_the_motion(period_s):
+    given = recordings(5000, period_s=period_s)
+    noisy = given._replace(theta=given.theta + 0.05 * np.random.default_rng(1).normal(size=5000))
+    assert period_of(noisy) == pytest.approx(period_s, abs=0.05)
+    clock = given._replace(p_o=np.cos(2 * np.pi * np.arange(5000) / 50.0 / period_s))
+    assert p_o_repeats(clock, period_s)
+    other = given._replace(p_o=np.random.default_rng(2).standard_normal(5000))
+    assert not p_o_repeats(other, period_s)
+
+
+def test_motions_that_do_not_repeat_have_no_period():
+    chirp = np.sin(np.arange(5000) ** 2 / 4e5)
+    for theta in (chirp, recordings(5000).theta, np.linspace(0.0, 1.0, 5000), np.zeros(5000)):
+        assert period_of(recordings(5000)._replace(theta=theta)) is None
+
+
+@pytest.fixture
+def two_families(monkeypatch):
+    """Compare two quick families only."""
+    chosen = {name: FAMILIES[name] for name in ("taps", "low-passes")}
+    monkeypatch.setattr(sides, "FAMILIES", chosen)
+
+
+@pytest.mark.usefixtures("two_families")
+def test_best_of_a_side_is_chosen_by_the_other_blocks_alone():
+    given = recordings(3000)
+    block = given.folds()[4][1]
+    side = judge_side(given, True, MODELS, 1)
+    target = given.target.copy()
+    target[block] += 100.0 * np.sin(np.arange(len(block)))
+    other = judge_side(given._replace(target=target), True, MODELS, 1)
+    assert other.chosen[4] == side.chosen[4]
+    assert other.errors[4] > 5.0 * side.errors[4]
+
+
+@pytest.mark.usefixtures("two_families")
+def test_equal_errors_take_the_plainest_family_and_the_largest_ridge():
+    given = recordings(3000)  # the target is a straight line of theta
+    side = judge_side(given, False, MODELS, 1)
+    assert {name for name, _ in side.chosen} == {"taps"}
+    assert side.family == "taps"
+    assert side.error == pytest.approx(1.0, rel=0.3)
+
+
+@pytest.mark.usefixtures("two_families")
+def test_shift_takes_away_what_p_o_tells():
+    given = recordings(3000)
+    load = 5.0 * recordings(3000, seed=1).theta
+    told = given._replace(target=given.target + load, p_o=load)
+    side = judge_side(told, True, MODELS, 1)
+    assert side.error < 0.5 * judge_shift(told.shifted(0.4), side, MODELS, 1)
+    assert side.error == pytest.approx(judge_shift(told, side, MODELS, 1))
