@@ -63,7 +63,7 @@ NOTHING = [
 OF_THE_ESN = [
     ("models/esn.py", "_part(RidgeReadout)", "_part(RidgeReadout, **{})"),
     ("models/echo_features.py", "self.w_in_ = ", "self.w_in_ = 1.0 * "),
-    ("models/echo.py", "LANES = ", "LANES = 1 * "),
+    ("models/echo.py", "SHORTEST = ", "SHORTEST = 1 * "),
     ("models/ridge_readout.py", "return X @ self", "return 1.0 * X @ self"),
 ]
 

@@ -27,7 +27,6 @@ from fprc.artifacts import write_text
 from fprc.datasets import load_hysteresis
 from fprc.evaluation.timing import machine
 from fprc.models import FPRC, EchoStates
-from fprc.models.echo import echo_states
 from fprc.models.fcm import fuzzy_c_means
 from fprc.studies.blocks import replace_block
 from fprc.tables.text import three_digits, within
@@ -55,11 +54,10 @@ def interleaved(work: Mapping[str, Callable[[], object]]) -> dict[str, list[floa
 
 def ours(features: EchoStates) -> Peer:
     """Return our network in the form of the others."""
-    w_in, W_r, gamma = features.w_in_, features.W_r_, features.gamma
 
     def states(X: np.ndarray) -> np.ndarray:
-        # our rows have x(k), those of the others x(k+1)
-        return echo_states(np.vstack([X, X[-1:]]), w_in, W_r, gamma)[1:]
+        # our rows have x(k) after the taps, those of the others x(k+1)
+        return features.transform(np.vstack([X, X[-1:]]))[1:, -features.r :]
 
     return Peer(states, features.advance)
 

@@ -11,14 +11,19 @@ import numpy as np
 from threadpoolctl import threadpool_info
 
 from fprc.models import SequenceModel
+from fprc.models.features import FeatureMap
 
 log = logging.getLogger(__name__)
 
 #: Samples of the untimed run before each timed one: it compiles, and it brings code and weights
 #: back into the processor's caches, which the other models have flushed in their turns.
-WARM_UP = 1000
+WARM_UP = 500
+
+#: Samples that are timed of a log that runs sample by sample. Each costs the same.
+EXCERPT = 4000
 
 Name = TypeVar("Name", bound=Hashable)
+Result = TypeVar("Result")
 #: A log: inputs and P_exp.
 Log = tuple[np.ndarray, np.ndarray]
 
@@ -29,10 +34,11 @@ def time_models(
     """Time fitted models, ``repeats`` times in each mode, each time after a short untimed run.
 
     Sequential mode is the cost in a controller: the features sample by sample, then,
-    in training, the fit of the readout. Batch mode computes whole logs at once. The
-    training of the ESN excludes drawing its weights. The models take turns, so that
-    a slow phase of the machine affects all of them. The weights of the models do not
-    change, but their states do: reset a model before another use of ``step``.
+    in training, the fit of the readout. Its samples are those of an excerpt, in proportion to
+    the whole log. Batch mode computes whole logs at once. The training of the ESN excludes drawing
+    its weights. The models take turns, so that a slow phase of the machine affects all of them. The
+    weights of the models do not change, but their states do: reset a model before another use of
+    ``step``.
 
     Parameters
     ----------
@@ -45,23 +51,55 @@ def time_models(
         By the same names: ``phase`` (train or test), ``mode`` (sequential or batch),
         ``samples``, ``seconds`` (one per repeat).
     """
-    results: dict[Name, list[dict[str, Any]]] = {name: [] for name in fitted}
-    for (phase, mode), run in _WORK.items():
-        log.info("%s, %s, %d repeats in turn", phase, mode, repeats)
-        logs = {
-            name: train if phase == "train" else test for name, (_, train, test) in fitted.items()
-        }
-        for name, (X, _) in logs.items():
-            described = {"phase": phase, "mode": mode, "samples": len(X)}
-            results[name].append({**described, "seconds": []})
-        for _ in range(repeats):
-            for name, (X, y) in logs.items():
-                model = fitted[name][0]
-                run(model, X[:WARM_UP], y[:WARM_UP])
-                start = time.perf_counter()
-                run(model, X, y)
-                results[name][-1]["seconds"].append(time.perf_counter() - start)
+    turns: dict[Name, list[dict[tuple[str, str], float]]] = {name: [] for name in fitted}
+    for repeat in range(repeats):
+        log.info("repeat %d of %d, all models in turn", repeat + 1, repeats)
+        for name, (model, train, test) in fitted.items():
+            turns[name].append(_turn(model, train, test))
+    results = {}
+    for name, (_, train, test) in fitted.items():
+        samples = {"train": len(train[0]), "test": len(test[0])}
+        results[name] = [
+            {
+                "phase": phase,
+                "mode": mode,
+                "samples": samples[phase],
+                "seconds": [turn[phase, mode] for turn in turns[name]],
+            }
+            for phase, mode in turns[name][0]
+        ]
     return results
+
+
+def _turn(model: SequenceModel, train: Log, test: Log) -> dict[tuple[str, str], float]:
+    """Return the seconds of training and of test in each mode."""
+    features, readout = model.features_, model.make_readout()
+    rows, mapped = _timed(features.transform, train[0])
+    _, fit = _timed(readout.fit, rows, train[1])
+    return {
+        ("train", "sequential"): _stepped(features, train[0]) + fit,
+        ("train", "batch"): mapped + fit,
+        ("test", "sequential"): _stepped(model, test[0]),
+        ("test", "batch"): _timed(model.predict, test[0])[1],
+    }
+
+
+def _timed(work: Callable[..., Result], *log: np.ndarray) -> tuple[Result, float]:
+    work(*(part[:WARM_UP] for part in log))
+    begin = time.perf_counter()
+    result = work(*log)
+    return result, time.perf_counter() - begin
+
+
+def _stepped(stream: SequenceModel | FeatureMap, X: np.ndarray) -> float:
+    stream.reset()
+    first = min(WARM_UP, len(X) // 2)
+    excerpt = X[first : first + EXCERPT]
+    for x in X[:first]:
+        stream.step(x)
+    begin = time.perf_counter()
+    kept = [stream.step(x) for x in excerpt]
+    return (time.perf_counter() - begin) / len(kept) * len(X)
 
 
 def machine() -> dict[str, Any]:
@@ -74,30 +112,6 @@ def machine() -> dict[str, Any]:
         if pool["user_api"] == "blas"
     }
     return {"cpu": _cpu_name(), "threads": threads, "blas": ", ".join(sorted(blas))}
-
-
-def _train_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object:
-    features = model.features_
-    features.reset()
-    rows = np.empty((len(X), model.readout_.n_features_in_))
-    for row, x in zip(rows, X, strict=True):
-        row[:] = features.advance(x)  # `step` would copy it first
-    return model.make_readout().fit(rows, y)
-
-
-def _test_by_step(model: SequenceModel, X: np.ndarray, y: np.ndarray) -> object:
-    model.reset()
-    return np.array([model.step(x) for x in X])
-
-
-_WORK: dict[tuple[str, str], Callable[[SequenceModel, np.ndarray, np.ndarray], object]] = {
-    ("train", "sequential"): _train_by_step,
-    ("train", "batch"): lambda model, X, y: model.make_readout().fit(
-        model.features_.transform(X), y
-    ),
-    ("test", "sequential"): _test_by_step,
-    ("test", "batch"): lambda model, X, y: model.predict(X),
-}
 
 
 def _cpu_name() -> str:

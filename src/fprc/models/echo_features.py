@@ -12,6 +12,9 @@ from fprc.models.kernels import advance
 from fprc.models.learned import Learned
 from fprc.models.limits import SEED, Array, Limit, Whole
 
+#: Samples of a block: with 800 states its features take 77 MB.
+BLOCK = 12_000
+
 
 @dataclass(eq=False, repr=False)
 class EchoStates(FeatureMap):
@@ -82,30 +85,38 @@ class EchoStates(FeatureMap):
         yield "W_r_", Array((self.r, self.r))
 
     def _transform(self, X: np.ndarray) -> np.ndarray:
-        refuse_shorter(X, self.n_y)
-        references = np.hstack([taps(column, self.n_y) for column in X.T])
-        free = references.shape[1]
-        padded = np.concatenate([np.repeat(X[:1], self.washout, axis=0), X])
-        rows = echo_states(padded, self.w_in_, self.W_r_, self.gamma, free)[self.washout :]
-        rows[:, :free] = references
+        (rows,) = self._blocks(X, len(X))
         return rows
 
-    def _start(self, x: np.ndarray) -> None:
-        self._W_r = narrowed(self.W_r_)
-        self._state, self._target = np.zeros((2, len(self.W_r_)))
-        self._downwards = True
+    def _blocks(self, X: np.ndarray, size: int = BLOCK) -> Iterator[np.ndarray]:
+        refuse_shorter(X, self.n_y)
+        X = np.array(X, order="C")  # a copy, as in FeatureMap
+        references = np.hstack([taps(column, self.n_y) for column in X.T])
+        free = references.shape[1]
+        state, W_r = self._settled(X[0])
+        rows = np.empty((min(size, len(X)), free + self.r))
+        for start in range(0, len(X), size):
+            inputs = X[start : start + size]
+            block = rows[: len(inputs)]
+            echo_states(inputs, state, self.w_in_, W_r, self.gamma, block[:, free:])
+            block[:, :free] = references[start : start + size]
+            yield block
+
+    def _settled(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the state after the washout, see ``echo_states``, and W_r in a narrower type."""
+        state, W_r = np.zeros((2, self.r)), narrowed(self.W_r_)
         for _ in range(self.washout):
-            self._update(x)
+            update(state[0], state[1], x, self.w_in_, W_r, self.gamma)
+        return state, W_r
+
+    def _start(self, x: np.ndarray) -> None:
+        (self._state, self._target), self._W_r = self._settled(x)
         self._row = np.concatenate([np.repeat(x, self.n_y), self._state])
         self._table = table([row for i in range(len(x)) for row in tap_rows(i, self.n_y)])
 
     def _step(self, x: np.ndarray) -> np.ndarray:
         free = len(self._row) - len(self._state)
         advance(self._row[:free], x, *self._table)
-        self._update(x)
+        update(self._state, self._target, x, self.w_in_, self._W_r, self.gamma)
         self._row[free:] = self._state
         return self._row
-
-    def _update(self, u: np.ndarray) -> None:
-        update(self._state, self._target, u, self.w_in_, self._W_r, self.gamma, self._downwards)
-        self._downwards = not self._downwards

@@ -120,6 +120,11 @@ class FeatureMap(TransformerMixin, BaseEstimator):
                 raise ValueError(f"recording {number} of {len(lengths)}: {error}") from error
         return np.concatenate(rows)
 
+    def blocks(self, X: ArrayLike) -> Iterator[np.ndarray]:
+        """Yield the features of a log in blocks of samples, each overwritten by the next."""
+        check_is_fitted(self)
+        yield from self._blocks(self._samples(X, first=False))
+
     def _samples(self, X: ArrayLike, *, first: bool) -> np.ndarray:
         samples = validate_data(self, X, reset=first, dtype=np.float64)
         if max(samples.max(), -samples.min()) > LARGEST:  # a fault that ``step`` would refuse
@@ -200,6 +205,9 @@ class FeatureMap(TransformerMixin, BaseEstimator):
     def _transform(self, X: np.ndarray) -> np.ndarray:
         # a copy: numba would compile again for another layout or a read-only array
         return advance_log(np.array(X, order="C"), *table(self.rows()))
+
+    def _blocks(self, X: np.ndarray) -> Iterator[np.ndarray]:
+        yield self._transform(X)
 
     def _start(self, x: np.ndarray) -> None:
         self._table = table(self.rows())

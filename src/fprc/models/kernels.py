@@ -92,66 +92,67 @@ def _distance2(x, center):
 
 
 @summing_kernel
-def excite(W_r, x, w_in, u, target, gamma, downwards):
+def excite(W_r, x, w_in, u, target, gamma):
     """Move ``x`` towards ``target`` in place, then set ``target`` to w_in u + W_r x.
 
-    Four rows of W_r at a time share each read of x. ``W_r`` may be float32; the
-    arithmetic has the dtype of ``x``.
+    Four rows of W_r at a time share each read of x. ``W_r`` may be float32; the arithmetic is
+    float64.
     """
-    for i in range(len(x)):
-        x[i] = gamma * x[i] + (1.0 - gamma) * target[i]
-    last, way = len(x) - 1, 1 if downwards else -1
-    first = 0 if downwards else last
-    for i in range(0, len(x), 4):
-        a = first + way * i
-        b = first + way * min(i + 1, last)
-        c = first + way * min(i + 2, last)
-        d = first + way * min(i + 3, last)
-        p = q = r = s = x.dtype.type(0.0)
+    _leak(x, target, gamma)
+    last = len(x) - 1
+    for a in range(0, len(x), 4):
+        b, c, d = min(a + 1, last), min(a + 2, last), min(a + 3, last)
+        p = q = r = s = 0.0
         for k in range(len(x)):
             p += W_r[a, k] * x[k]
             q += W_r[b, k] * x[k]
             r += W_r[c, k] * x[k]
             s += W_r[d, k] * x[k]
         target[a], target[b], target[c], target[d] = p, q, r, s
-    for k in range(u.size):
-        for i in range(len(x)):
-            target[i] += w_in[i, k] * u[k]
+    _drive(target, w_in, u)
+
+
+#: Rows of ``x`` that ``excite_lanes`` moves together.
+LANES = 4
 
 
 @summing_kernel
 def excite_lanes(W_r, x, w_in, u, target, gamma):
     """Apply ``excite`` to four lanes, each a row of ``x``, ``u`` and ``target``.
 
-    Four rows of W_r times four lanes are sixteen sums; each number read is used in four of them.
+    Three rows of W_r times four lanes are twelve sums. With the four numbers read for them they
+    fill the sixteen vector registers of AVX2, and keep the multipliers of AVX-512 busy too.
     """
-    size = x.shape[1]
-    last = size - 1
-    for lane in range(4):
-        for i in range(size):
-            x[lane, i] = gamma * x[lane, i] + (1.0 - gamma) * target[lane, i]
-    for i in range(0, size, 4):
-        a, b, c, d = i, min(i + 1, last), min(i + 2, last), min(i + 3, last)
-        a0 = a1 = a2 = a3 = b0 = b1 = b2 = b3 = x.dtype.type(0.0)
-        c0 = c1 = c2 = c3 = d0 = d1 = d2 = d3 = x.dtype.type(0.0)
-        for k in range(size):
-            p, q, r, s = W_r[a, k], W_r[b, k], W_r[c, k], W_r[d, k]
-            v = x[0, k]
-            a0, b0, c0, d0 = a0 + p * v, b0 + q * v, c0 + r * v, d0 + s * v
-            v = x[1, k]
-            a1, b1, c1, d1 = a1 + p * v, b1 + q * v, c1 + r * v, d1 + s * v
-            v = x[2, k]
-            a2, b2, c2, d2 = a2 + p * v, b2 + q * v, c2 + r * v, d2 + s * v
-            v = x[3, k]
-            a3, b3, c3, d3 = a3 + p * v, b3 + q * v, c3 + r * v, d3 + s * v
-        target[0, a], target[1, a], target[2, a], target[3, a] = a0, a1, a2, a3
-        target[0, b], target[1, b], target[2, b], target[3, b] = b0, b1, b2, b3
-        target[0, c], target[1, c], target[2, c], target[3, c] = c0, c1, c2, c3
-        target[0, d], target[1, d], target[2, d], target[3, d] = d0, d1, d2, d3
-    for lane in range(4):
-        for k in range(u.shape[1]):
-            for i in range(size):
-                target[lane, i] += w_in[i, k] * u[lane, k]
+    for lane in range(LANES):
+        _leak(x[lane], target[lane], gamma)
+    last = x.shape[1] - 1
+    for a in range(0, x.shape[1], 3):
+        b, c = min(a + 1, last), min(a + 2, last)
+        a0 = a1 = a2 = a3 = b0 = b1 = b2 = b3 = c0 = c1 = c2 = c3 = 0.0
+        for k in range(x.shape[1]):
+            p, q, r = W_r[a, k], W_r[b, k], W_r[c, k]
+            a0, b0, c0 = a0 + p * x[0, k], b0 + q * x[0, k], c0 + r * x[0, k]
+            a1, b1, c1 = a1 + p * x[1, k], b1 + q * x[1, k], c1 + r * x[1, k]
+            a2, b2, c2 = a2 + p * x[2, k], b2 + q * x[2, k], c2 + r * x[2, k]
+            a3, b3, c3 = a3 + p * x[3, k], b3 + q * x[3, k], c3 + r * x[3, k]
+        for i, sums in ((a, (a0, a1, a2, a3)), (b, (b0, b1, b2, b3)), (c, (c0, c1, c2, c3))):
+            for lane in range(LANES):
+                target[lane, i] = sums[lane]
+    for lane in range(LANES):
+        _drive(target[lane], w_in, u[lane])
+
+
+@summing_kernel
+def _leak(x, target, gamma):
+    for i in range(len(x)):
+        x[i] = gamma * x[i] + (1.0 - gamma) * target[i]
+
+
+@summing_kernel
+def _drive(target, w_in, u):
+    for k in range(u.size):
+        for i in range(len(target)):
+            target[i] += w_in[i, k] * u[k]
 
 
 @summing_kernel

@@ -1,6 +1,7 @@
 """Linear readout of the ESN."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import reduce
 from typing import ClassVar, Self
 
 import numpy as np
@@ -9,7 +10,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.limits import Array, Limit, check_limits
-from fprc.models.ridge import solve_ridge, with_bias
+from fprc.models.ridge import solve_ridge, sums_of_products, with_bias
 
 
 class RidgeReadout(RegressorMixin, BaseEstimator):
@@ -40,10 +41,15 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Solve the normal equations for one output."""
-        check_limits(self, self.LIMITS)
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
-        extended = with_bias(rows)
-        self.w_out_ = solve_ridge(extended.T @ extended, extended.T @ targets, self.alpha)
+        return self.fit_blocks([rows], targets)
+
+    def fit_blocks(self, blocks: Iterable[np.ndarray], y: np.ndarray) -> Self:
+        """Fit to rows that come in blocks, without checks, so that only one is in memory."""
+        check_limits(self, self.LIMITS)
+        gram, moments = sums_of_products(blocks, y)
+        self.n_features_in_ = len(moments) - 1
+        self.w_out_ = solve_ridge(gram, moments, self.alpha)
         return self
 
     def fit_complements(
@@ -61,14 +67,11 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         check_limits(self, self.LIMITS)
         checked = clone(self)
         rows, targets = validate_data(checked, X, y, y_numeric=True, dtype=np.float64)
-        sums = []
-        for part in parts:
-            extended = with_bias(rows[part])
-            sums.append((extended.T @ extended, extended.T @ targets[part]))
+        sums = [sums_of_products([rows[part]], targets[part]) for part in parts]
         fitted = []
         for i in range(len(parts)):
             others = sums[:i] + sums[i + 1 :]
-            gram, moments = (sum(terms) for terms in zip(*others, strict=True))
+            gram, moments = (reduce(np.add, terms) for terms in zip(*others, strict=True))
             readout = clone(self)
             readout.n_features_in_ = checked.n_features_in_
             readout.w_out_ = solve_ridge(gram, moments, self.alpha)

@@ -58,14 +58,21 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         """
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         self.features_ = self.make_features().fit(rows)
-        self.readout_ = self.make_readout().fit(self.features_.transform(rows), targets)
+        self.readout_ = self.fit_readout(rows, targets)
         return self
+
+    def fit_readout(self, X: np.ndarray, y: np.ndarray) -> BaseEstimator:
+        """Return a new readout, fitted to a log with the features that the model has."""
+        readout = self.make_readout()
+        if hasattr(readout, "fit_blocks"):
+            return readout.fit_blocks(self.features_.blocks(X), y)
+        return readout.fit(self.features_.transform(X), y)
 
     def predict(self, X: ArrayLike) -> np.ndarray:
         """Return P_ff of every sample of a log, kPa."""
         check_is_fitted(self)
         rows = validate_data(self, X, reset=False, dtype=np.float64)
-        return self.readout_.predict(self.features_.transform(rows))
+        return np.concatenate([self.readout_.predict(x) for x in self.features_.blocks(rows)])
 
     def learns_online(self) -> bool:
         """Return whether the fitted model can learn on: its readout is linear in few weights."""

@@ -179,8 +179,9 @@ def tabulate_times(
     note = (
         f"Table II, execution times: mean ± standard deviation of {table['repeats'].iloc[0]} "
         f"alternating repeats on {report['cpu']}, {report['threads']} thread.\n"
-        "Sequential is sample by sample, as in a controller; batch is a whole log at once. "
-        "The paper does not say which mode it timed, nor on which machine."
+        "Sequential is sample by sample, as in a controller: the fit of the whole log, and steps, "
+        "of which some thousand are timed, in proportion to its samples. Batch is a whole log at "
+        "once. The paper does not say which mode it timed, nor on which machine."
         f"{_without(left_out)}"
     )
     write_table(table, timing.timing_page(table), note, **files)

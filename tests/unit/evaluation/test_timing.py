@@ -2,148 +2,121 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 
 from fprc.evaluation import time_models, timing
 from fprc.models import RidgeReadout, SequenceModel, TapFeatures
 
+STEP, ROW, FIT, TRANSFORMED, TRAIN, TEST = 7.0, 3.0, 50.0, 2.0, 40, 30
+
 
 class Clock:
-    """A clock that moves on by itself at every look, and when a test says so."""
+    """A clock that moves on when a model works, and notes what each model did."""
 
-    def __init__(self):
-        self.now = 0.0
+    now = 0.0
+    turns = []
 
     def perf_counter(self):
-        self.now += 1.0
         return self.now
+
+    def spend(self, model, what, samples, seconds):
+        self.turns.append((model, what, samples))
+        self.now += seconds
 
 
 @pytest.fixture
 def clock(monkeypatch):
     clock = Clock()
+    clock.turns = []
     monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=clock.perf_counter))
+    monkeypatch.setattr(timing, "WARM_UP", 8)
+    monkeypatch.setattr(timing, "EXCERPT", 10)
     return clock
 
 
-class Features(TapFeatures):
-    calls = []
-    stepped = []
+def timed_model(clock, name, slowness=1.0):
+    """Return a fitted model whose work takes a known time on the clock."""
 
-    def transform(self, X):
-        self.calls.append(f"transform {len(X)}")
-        return super().transform(X)
+    class Features(TapFeatures):
+        def transform(self, X):
+            clock.spend(name, "transform", len(X), slowness * TRANSFORMED * len(X))
+            return super().transform(X)
 
-    def advance(self, x):
-        self.calls.append("step")
-        row = super().advance(x)
-        self.stepped.append(row.copy())
-        return row
+        def step(self, x):
+            clock.spend(name, "row", 1, slowness * ROW)
+            return super().step(x)
 
+    class Readout(RidgeReadout):
+        def fit(self, X, y):
+            clock.spend(name, "fit", len(X), slowness * FIT)
+            return super().fit(X, y)
 
-class Readout(RidgeReadout):
-    trained = []
+    class Model(SequenceModel):
+        def make_features(self):
+            return Features(n_y=2, n_u=2)
 
-    def fit(self, X, y):
-        Features.calls.append("fit")
-        self.trained.append(X)
-        return super().fit(X, y)
+        def make_readout(self):
+            return Readout()
 
+        def predict(self, X):
+            clock.spend(name, "predict", len(X), slowness * len(X))
+            return super().predict(X)
 
-class Model(SequenceModel):
-    def make_features(self):
-        return Features(n_y=2, n_u=2)
+        def step(self, x):
+            clock.spend(name, "step", 1, slowness * STEP)
+            return super().step(x)
 
-    def make_readout(self):
-        return Readout()
-
-
-def fitted():
-    return Model().fit(*log(20))
-
-
-def time_model(model, train, test, repeats, **more):
-    return time_models({"it": (model, train, test)}, repeats, **more)["it"]
-
-
-@pytest.fixture(autouse=True)
-def forget():
-    Features.calls.clear()
-    Features.stepped.clear()
-    Readout.trained.clear()
-
-
-def test_sequential_work_goes_sample_by_sample_and_batch_work_at_once(monkeypatch):
-    monkeypatch.setattr(timing, "WARM_UP", 8)
-    calls = {}
-
-    def heard(text, phase, mode, repeats):
-        calls[f"{phase}, {mode}"] = len(Features.calls)
-
-    monkeypatch.setattr(timing.log, "info", heard)
-    time_model(fitted(), log(20), log(10), repeats=2)
-    starts = [*calls.values(), len(Features.calls)]
-    work = [Features.calls[a:b] for a, b in zip(starts, starts[1:], strict=False)]
-    assert list(calls) == [
-        "train, sequential", "train, batch", "test, sequential", "test, batch"
-    ]  # fmt: skip
-    assert work == [
-        [*["step"] * 8, "fit", *["step"] * 20, "fit"] * 2,
-        ["transform 8", "fit", "transform 20", "fit"] * 2,
-        ["step"] * (8 + 10) * 2,
-        ["transform 8", "transform 10"] * 2,
-    ]
-
-
-def test_every_repeat_begins_the_log_anew_and_leaves_the_model_as_it_is_fitted():
-    model, train, test = fitted(), log(20), log(10)
-    before = model.readout_.w_out_.copy()
-    time_model(model, train, test, repeats=2)
-    whole, *trained = Readout.trained
-    assert len(trained) == 2 * 2 * 2
-    for rows in trained:
-        assert_allclose(rows, whole, rtol=1e-12)
-    whole = Features(n_y=2, n_u=2).fit(train[0]).transform(test[0])
-    assert_allclose(Features.stepped[-20:], np.vstack([whole, whole]), rtol=1e-12)
-    np.testing.assert_array_equal(model.readout_.w_out_, before)
-
-
-def test_models_take_turns_and_keep_their_own_times(clock, monkeypatch):
-    monkeypatch.setattr(timing, "WARM_UP", 5)
-    turns = []
-
-    def predict(self, X):
-        turns.append((self.slowness, len(X)))
-        clock.now += self.slowness
-        return np.zeros(len(X))
-
-    def step(self, x):
-        clock.now += 7.0
-        return 0.0
-
-    monkeypatch.setattr(Model, "predict", predict)
-    monkeypatch.setattr(Model, "step", step)
-    models = {}
-    for name, slowness, samples in (("a", 10.0, 8), (("b", 2), 20.0, 9)):
-        model = fitted()
-        model.slowness = slowness
-        models[name] = (model, log(20), log(samples))
-    found = time_models(models, repeats=2)
-    assert turns == [(10.0, 5), (10.0, 8), (20.0, 5), (20.0, 9)] * 2
-    assert list(found) == ["a", ("b", 2)]
-    tests = [
-        (entry["mode"], entry["samples"], entry["seconds"])
-        for entries in found.values()
-        for entry in entries
-        if entry["phase"] == "test"
-    ]
-    assert tests == [
-        ("sequential", 8, [57.0] * 2), ("batch", 8, [11.0] * 2),
-        ("sequential", 9, [64.0] * 2), ("batch", 9, [21.0] * 2),
-    ]  # fmt: skip
+    return Model().fit(*log(TRAIN))
 
 
 def log(size):
     time = np.arange(size) / 10.0
     X = np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.sin(time - 0.5)])
     return X, 175.0 + 120.0 * np.sin(time + 0.2)
+
+
+def test_steps_are_timed_on_an_excerpt_and_scaled_and_all_else_on_whole_logs(clock):
+    models = {
+        name: (timed_model(clock, name, slowness), log(TRAIN), log(TEST))
+        for name, slowness in (("a", 1.0), (("b", 2), 10.0))
+    }
+    found = time_models(models, repeats=2)
+    assert list(found) == ["a", ("b", 2)]
+    for entries, slowness in zip(found.values(), (1.0, 10.0), strict=True):
+        expected = {
+            ("train", "sequential"): ROW * TRAIN + FIT,
+            ("train", "batch"): TRANSFORMED * TRAIN + FIT,
+            ("test", "sequential"): STEP * TEST,
+            ("test", "batch"): TEST,
+        }
+        for (phase, mode), seconds in expected.items():
+            (entry,) = [e for e in entries if (e["phase"], e["mode"]) == (phase, mode)]
+            assert entry["samples"] == {"train": TRAIN, "test": TEST}[phase]
+            assert entry["seconds"] == pytest.approx([slowness * seconds] * 2)
+
+
+def test_models_take_turns_and_warm_up_before_each_piece_of_work(clock):
+    models = {name: (timed_model(clock, name), log(TRAIN), log(TEST)) for name in "ab"}
+    clock.turns.clear()
+    time_models(models, repeats=2)
+    whole = [turn for turn in clock.turns if turn[1] not in ("row", "step")]
+    one = [
+        ("transform", 8), ("transform", TRAIN), ("fit", 8), ("fit", TRAIN), ("predict", 8),
+        ("predict", TEST),
+    ]  # fmt: skip
+    assert whole == [(name, *work) for _ in range(2) for name in "ab" for work in one]
+
+
+@pytest.mark.parametrize("size", [6, 17, 18, 40])
+def test_short_log_is_its_own_excerpt(clock, size):
+    model = timed_model(clock, "a")
+    clock.turns.clear()
+    (*_, stepped, _) = time_models({"a": (model, log(TRAIN), log(size))}, repeats=1)["a"]
+    assert stepped["seconds"] == pytest.approx([STEP * size])
+    assert clock.turns.count(("a", "step", 1)) == min(size, 8 + 10)
+
+
+def test_weights_stay_as_they_are_fitted(clock):
+    model = timed_model(clock, "a")
+    before = model.readout_.w_out_.copy()
+    time_models({"a": (model, log(TRAIN), log(TEST))}, repeats=1)
+    np.testing.assert_array_equal(model.readout_.w_out_, before)

@@ -26,17 +26,24 @@ def by_step(X, w_in, W_r, gamma):
     return states
 
 
+def by_log(X, w_in, W_r, gamma, state=None):
+    states = np.empty((len(X), len(W_r)))
+    echo_states(X, np.zeros((2, len(W_r))) if state is None else state, w_in, W_r, gamma, states)
+    return states
+
+
 @pytest.fixture
-def runs(monkeypatch):
-    """Return the segments and samples of each run, in the order of the runs."""
+def met(monkeypatch):
+    """Return, of each log in segments, their samples and whether their states met."""
     seen = []
-    run = echo._run
+    side_by_side = echo._side_by_side
 
-    def counted(inputs, *rest, **options):
-        seen.append(inputs.shape[:2])
-        return run(inputs, *rest, **options)
+    def noted(inputs, *rest):
+        found = side_by_side(inputs, *rest)
+        seen.append((*inputs.shape[:2], found))
+        return found
 
-    monkeypatch.setattr(echo, "_run", counted)
+    monkeypatch.setattr(echo, "_side_by_side", noted)
     return seen
 
 
@@ -52,23 +59,29 @@ def test_segments_give_the_states_of_steps(size, inputs, r):
     w_in, W_r = network(r=r, inputs=inputs)
     X = angles(size, inputs)
     expected = by_step(X, w_in, W_r, 0.8)
-    assert_allclose(echo_states(X, w_in, W_r, 0.8), expected, rtol=0, atol=1e-13)
+    assert_allclose(by_log(X, w_in, W_r, 0.8), expected, rtol=0, atol=1e-13)
 
 
-def test_network_that_forgets_runs_twice_in_segments(runs):
+def test_log_goes_on_from_the_state_in_which_another_ended():
     w_in, W_r = network()
-    echo_states(angles(3000), w_in, W_r, 0.8)
-    assert runs == [(4, 750), (4, 750)]
+    X, state = angles(6000), np.zeros((2, 40))
+    parts = [by_log(part, w_in, W_r, 0.8, state) for part in np.split(X, [2500, 2600])]
+    assert_allclose(np.vstack(parts), by_step(X, w_in, W_r, 0.8), rtol=0, atol=1e-13)
 
 
-def test_network_that_does_not_forget_runs_sample_by_sample(runs):
+def test_network_that_forgets_runs_in_segments(met):
+    by_log(angles(3000), *network(), 0.8)
+    assert met == [(4, 750, True)]
+
+
+def test_network_that_does_not_forget_runs_sample_by_sample(met):
     w_in, W_r = network(r=100, rho=3.0)
-    X = angles(3000)
-    states = echo_states(X, 0.01 * w_in, W_r, 0.5)
-    assert runs == [(4, 750), (4, 750)]
+    X, w_in = angles(3000), 0.01 * w_in
+    states = by_log(X, w_in, W_r, 0.5)
+    assert met == [(4, 750, False)]
     x, target = np.zeros((2, len(W_r)))
-    for k, u in enumerate(X):
-        echo.update(x, target, u, 0.01 * w_in, W_r, 0.5, k % 2 == 0)
-        assert np.array_equal(states[k], x)
+    for u, row in zip(X, states, strict=True):
+        echo.update(x, target, u, w_in, W_r, 0.5)
+        assert np.array_equal(row, x)
     # chaos: no two ways of rounding agree for long
-    assert_allclose(states[:10], by_step(X[:10], 0.01 * w_in, W_r, 0.5), atol=1e-9)
+    assert_allclose(states[:10], by_step(X[:10], w_in, W_r, 0.5), atol=1e-9)

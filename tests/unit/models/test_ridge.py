@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
-from fprc.models import RidgeReadout
+from fprc.models import RidgeReadout, ridge
 from fprc.models.ridge import solve_ridge
 
 
@@ -41,6 +41,17 @@ def test_readouts_of_complements_equal_those_trained_on_them():
         plain = RidgeReadout(alpha=1e-3).fit(X[rest], y[rest])
         assert_allclose(ours.w_out_, plain.w_out_, rtol=1e-9)
         assert_allclose(ours.predict(X), plain.predict(X), rtol=1e-12)
+
+
+def test_blocks_of_rows_give_the_weights_of_all_rows_at_once(monkeypatch):
+    monkeypatch.setattr(ridge, "ROWS", 30)
+    rng = np.random.default_rng(5)
+    X, y = rng.normal(40.0, 20.0, (200, 6)), rng.normal(175.0, 50.0, 200)
+    in_blocks = RidgeReadout().fit_blocks(iter(np.split(X, [100, 131])), y)
+    extended = np.column_stack([np.ones(200), X])
+    expected = np.linalg.solve(extended.T @ extended + 1e-3 * np.eye(7), extended.T @ y)
+    assert_allclose(in_blocks.w_out_, expected, rtol=1e-9)
+    assert in_blocks.n_features_in_ == 6
 
 
 def test_part_that_is_large_costs_the_others_no_digits():
