@@ -63,7 +63,7 @@ class Run:
 
 
 #: What holds times, or is made from them.
-TIMED = ("/timing/", "/logs/", "fig10_", "smoke/claims.", "report.html")
+TIMED = ("/timing/", "/logs/", "fig10_", "report.html")
 
 
 #: Processes that start Snakemake in forks, by what their environment has beside this one's.

@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from fprc.claims.finding import (
     NOT_INFORMATIVE,
     NOT_REPRODUCED,
@@ -36,7 +34,7 @@ def status_of(claim: Claim, fitted: Fit) -> str:
     """Return whether a claim was fitted: fitted, half fitted, or predicted.
 
     It is half fitted if the fit had a part of it, or began at a rig that was searched for it.
-    Claims of another kind are timed or assumed.
+    Claims of another kind are counted or assumed.
     """
     if claim.kind:
         return claim.kind
@@ -146,8 +144,8 @@ def _limits(statements: Sequence[Statement]) -> str:
 def _basis(claim: Claim, results: Results, statements: Sequence[Statement]) -> str:
     """Return what the values of a claim are taken over."""
     interval = "mean and its 95 % interval over"
-    if claim.over.startswith("repeats"):
-        return f"main run, this machine, {interval} {np.size(statements[0].values)} repeats"
+    if claim.over == "one run":
+        return "main run"
     seeds = len(results.grids if "grids" in claim.over else results.replicates or results.controls)
     # see fprc.experiments.grids.judge_grids
     folds = ", the first fold of each" if "grids" in claim.over else ""

@@ -6,7 +6,7 @@ from operator import getitem
 from typing import Any
 
 import numpy as np
-from scipy.stats import rankdata, spearmanr
+from scipy.stats import rankdata
 
 from fprc.claims.finding import Results
 
@@ -16,9 +16,6 @@ PHASES = {
     "validation": "validation_rmse_kpa",
     "test": "test_rmse_kpa",
 }
-
-#: How times are measured: sample by sample, as in a controller, and whole logs at once.
-MODES = ("sequential", "batch")
 
 #: Share of the sizes of taps, smallest first, that count as few, and as many at the other end.
 _FEW = 0.3
@@ -65,24 +62,17 @@ def tracking_error(results: Results, reference: str, controller: str) -> np.ndar
     return measured(results, "rmse_deg", f"{reference}/{controller}")
 
 
-def seconds(report: Mapping[str, Any], model: str, phase: str, **which: Any) -> np.ndarray:
-    """Return the execution times of a model, s, one per repeat."""
+def multiplications(report: Mapping[str, Any], model: str, phase: str, **which: Any) -> np.ndarray:
+    """Return how many multiplications the training or test of a model takes, a single value."""
     short = {"training": "train"}.get(phase, phase)
-    wanted = {"model": model, "phase": short, **which}
+    wanted = {"model": model, "phase": short, "mode": "batch", **which}
     (found,) = [entry for entry in report["times"] if wanted.items() <= entry.items()]
-    return np.array(found["seconds"])
+    return np.array([found["multiplications"]])
 
 
 def rule_counts(results: Results) -> list[int]:
-    """Return the numbers of rules whose times were measured."""
+    """Return the numbers of rules with which models were trained."""
     return sorted({entry["n_c"] for entry in results.times_over_n_c["times"]})
-
-
-def trend_of_training_time(results: Results, mode: str) -> np.ndarray:
-    """Return the rank correlation of FPRC's training time with n_c, one per repeat."""
-    counts = rule_counts(results)
-    times = [seconds(results.times_over_n_c, "fprc", "train", n_c=n, mode=mode) for n in counts]
-    return np.array([spearmanr(counts, repeat).statistic for repeat in np.transpose(times)])
 
 
 def grid(results: Results, setting: str, model: str, phase: str) -> np.ndarray:

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from threadpoolctl import threadpool_info
 
+from fprc.evaluation.operations import multiplications
 from fprc.models import SequenceModel
 from fprc.models.features import FeatureMap
 
@@ -49,7 +50,7 @@ def time_models(
     -------
     dict of list of dict
         By the same names: ``phase`` (train or test), ``mode`` (sequential or batch),
-        ``samples``, ``seconds`` (one per repeat).
+        ``samples``, ``multiplications`` of the equations, ``seconds`` (one per repeat).
     """
     turns: dict[Name, list[dict[tuple[str, str], float]]] = {name: [] for name in fitted}
     for repeat in range(repeats):
@@ -57,13 +58,14 @@ def time_models(
         for name, (model, train, test) in fitted.items():
             turns[name].append(_turn(model, train, test))
     results = {}
-    for name, (_, train, test) in fitted.items():
+    for name, (model, train, test) in fitted.items():
         samples = {"train": len(train[0]), "test": len(test[0])}
         results[name] = [
             {
                 "phase": phase,
                 "mode": mode,
                 "samples": samples[phase],
+                "multiplications": multiplications(model, phase, samples[phase]),
                 "seconds": [turn[phase, mode] for turn in turns[name]],
             }
             for phase, mode in turns[name][0]

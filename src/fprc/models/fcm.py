@@ -40,6 +40,7 @@ class Clusters(NamedTuple):
     centers: np.ndarray  #: (n_clusters, n_features)
     memberships: np.ndarray  #: (n_samples, n_clusters), rows sum to 1
     objective: float  #: sum over samples and clusters of u^2 d^2
+    passes: float  #: iterations on all rows that take as long as those of all starts
 
 
 def fuzzy_c_means(
@@ -90,36 +91,39 @@ def fuzzy_c_means(
         return _converge(X, init, tolerance, max_iterations)
     rng = check_random_state(random_state)
 
-    found, optima = list[Clusters](), list[float]()
+    found, optima, passes = list[Clusters](), list[float](), 0.0
     for _ in range(restarts):
         centers, _ = kmeans_plusplus(thinned, n_clusters, random_state=rng)
         if thinned is not X:
             coarsely = _converge(thinned, centers, tolerance, max_iterations)
+            passes += coarsely.passes * len(thinned) / len(X)
             if any(abs(coarsely.objective - optimum) < SAME * optimum for optimum in optima):
                 continue  # all rows, too, would lead to the optimum of that earlier start
             optima.append(coarsely.objective)
             centers = coarsely.centers
         found.append(_converge(X, centers, tolerance, max_iterations))
+        passes += found[-1].passes
     lowest = min(clusters.objective for clusters in found)
-    return next(clusters for clusters in found if (1.0 - SAME) * clusters.objective <= lowest)
+    first = next(clusters for clusters in found if (1.0 - SAME) * clusters.objective <= lowest)
+    return first._replace(passes=passes)
 
 
 def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
     columns = np.ascontiguousarray(X.T)
     lowest, highest = X.min(axis=0), X.max(axis=0)
     floor = max((NEAR * np.abs(X).max()) ** 2, np.finfo(float).tiny ** 0.5)
-    best = Clusters(centers, np.zeros((len(centers), len(X))), np.inf)
+    best = Clusters(centers, np.zeros((len(centers), len(X))), np.inf, 0.0)
     spare = np.empty_like(best.memberships)
     past: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=DEPTH + 1)
     tries, stretch = [centers], 1.0  # the last try, a plain step, never raises the objective
-    for _ in range(limit):
+    for passes in range(1, limit + 1):
         centers = np.clip(tries.pop(0), lowest, highest)
         objective, change, means = alternate(columns, centers, best.memberships, spare, floor)
         if tries and objective > best.objective * (1.0 + ROUNDING):
             stretch = 1.0 if len(tries) == 1 else 2.0 * stretch
             past.clear()
             continue
-        best, spare = Clusters(centers, spare, objective), best.memberships
+        best, spare = Clusters(centers, spare, objective, passes), best.memberships
         if change < tolerance:
             break
         if change > SMALL:

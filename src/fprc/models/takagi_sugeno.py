@@ -81,6 +81,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
             rows, self.n_c, random_state=self.random_state, restarts=self.restarts, init=init
         )
         self.centers_, self.W_out_ = clusters.centers, np.empty((self.n_c, 1 + rows.shape[1]))
+        self._passes = clusters.passes
         extended = with_bias(rows)
         for i, u in enumerate(clusters.memberships.T):
             weighted = extended * (u**2)[:, None]
@@ -110,6 +111,11 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         """
         beta = gaussian_memberships(rows, self.centers_, self.sigma)
         return (beta[:, :, None] * with_bias(rows)[:, None, :]).reshape(len(rows), -1)
+
+    @property
+    def passes(self) -> float:
+        """Iterations of the last clustering; those on a part of the rows count in proportion."""
+        return self._passes
 
     @property
     def weights(self) -> np.ndarray:

@@ -87,7 +87,7 @@ CLAIMS = [
          {"text": "growth", "mean": 1.0, "first": 0.9, "last": 1.125,
           "limits": "within 0.8 to 1.2", "verdict": "reproduced"}]},
     {"id": "C3", "claim": "PD moves", "published": "yes", "basis": "3 seeds", "note": "",
-     "verdict": "undecided", "shown_in": [], "rig": "timed", "statements": []},
+     "verdict": "undecided", "shown_in": [], "rig": "counted", "statements": []},
 ]  # fmt: skip
 
 

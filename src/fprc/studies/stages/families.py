@@ -10,7 +10,7 @@ from scipy.stats import binomtest
 from fprc.artifacts import read_json
 from fprc.claims.finding import REPRODUCED, Results
 from fprc.claims.ledger import Fit, judge_claims
-from fprc.claims.paper import ASSUMED, CLAIMS, TIMED
+from fprc.claims.paper import ASSUMED, CLAIMS, COUNTED
 from fprc.errors import FprcError
 from fprc.paper import ERRORS, REFERENCE_NAMES, SOURCES
 from fprc.registry import controller_title, title_of
@@ -21,7 +21,7 @@ from fprc.tables.text import format_mean, spread, write_table
 from fprc.tables.tracking import tracking_over_seeds
 from fprc.yaml_file import read_yaml
 
-#: Claims that Tables II to IV, weights and loops decide; the others need grids or times, or are
+#: Claims that Tables II to IV, weights and loops decide; the others need grids or counts, or are
 #: assumed.
 JUDGED_BY_RIG = [claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != ASSUMED]
 
@@ -200,7 +200,7 @@ def family_claims(rigs: Sequence[Results], fitted: Fit, printed: Mapping[str, An
     and ``text``, for readers.
     """
     if rigs[0].grids:
-        claims = [claim for claim in CLAIMS if claim.kind != TIMED]
+        claims = [claim for claim in CLAIMS if claim.kind != COUNTED]
         table = pd.DataFrame(judge_claims(rigs[0], printed, fitted, claims))
         table = table[["id", "claim", "verdict", "rig"]].rename(columns={"rig": "fitted"})
         return table.assign(text=table["verdict"] + " (" + table["fitted"] + ")")

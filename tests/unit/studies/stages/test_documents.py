@@ -10,7 +10,7 @@ LEDGER = (
     '{"note": "On the rig dry.", "claims": [{"id": "C1", "claim": "It is so.", "ours": "1", '
     '"note": "Since.", "rig": "fitted", "verdict": "reproduced", '
     '"statements": [{"limits": "below 1"}, {"limits": "below 1"}, {"limits": "above 2"}]}, '
-    '{"id": "C5", "claim": "It is fast.", "ours": "2", "note": "", "rig": "timed", '
+    '{"id": "C5", "claim": "It is fast.", "ours": "2", "note": "", "rig": "counted", '
     '"verdict": "undecided", "statements": [{"limits": "above 95"}]}]}'
 )
 
@@ -69,7 +69,7 @@ def test_every_claim_is_shown_with_its_verdict(project):
     text = update(project)
     rows = [re.split(r" *\| *", row)[1:-1] for row in text.splitlines() if row.startswith("| C")]
     assert ["C1", "It is so.", "reproduced", "fitted", "1", "below 1; above 2", "Since."] in rows
-    assert ["C5", "It is fast.", "undecided", "timed", "2", "above 95", ""] in rows
+    assert ["C5", "It is fast.", "undecided", "counted", "2", "above 95", ""] in rows
 
 
 def test_readme_has_its_tables_and_pictures_and_keeps_its_text(project):
