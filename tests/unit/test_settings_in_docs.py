@@ -10,7 +10,7 @@ from fprc.apparatus import guardian, pneumatics, recovery
 from fprc.config import Settings
 from fprc.evaluation import paired, sides
 from fprc.logs import sealed_chamber
-from fprc.recordings import clock, delimited, diagnosis, paper_models, resample, stops
+from fprc.recordings import diagnosis, gather, paper_models, resample, stops, text
 from fprc.studies.stages import check as checked
 
 ROOT = Path(__file__).parents[2]
@@ -56,10 +56,10 @@ def quoted():
             f"{states // 1000 * 1000:,} samples",
         ],
         "docs/own-data.md": [
-            f"| text | {delimited.LARGEST_TEXT_BYTES >> 20} MB |",
+            f"| text | {text.LARGEST_TEXT_BYTES >> 20} MB |",
             f"| any other file; a journal | {given.MOST_BYTES >> 30} GB; "
             f"{recovery.LARGEST_JOURNAL_BYTES >> 30} GB |",
-            f"| {clock.MOST_POINTS / 1e6:g} million samples at the new rate",
+            f"| {gather.MOST_POINTS / 1e6:g} million samples at the new rate",
             f"to {resample.PASS:g} of the new Nyquist frequency and at -{resample.STOP_DB:g} dB",
             f"a step longer than {settings.quality.gap_periods:g} median steps",
             f"constant for more than {settings.quality.stuck_s:g} s",

@@ -1,134 +1,166 @@
-"""Time stamps of a recording: their order, and whether its duration is plausible."""
+"""Time stamps of a recording: which column holds them, in which unit, at which rate."""
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from fprc.errors import LogError
-from fprc.recordings.resample import points_of
-from fprc.recordings.source import Source
+from fprc.recordings.names import SECONDS, has, is_time, time_unit_in
+from fprc.recordings.table import Column, Table
 
-#: Seconds per unit of time, coarsest first.
-SECONDS = {"min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+#: Largest distance of a clock that jitters from a straight line, as a share of its span.
+_OFF_LINE = 0.01
+#: First stamp of a clock that counts from 1970 (or 1904), by unit: up to five times this.
+_EPOCHS = {"s": 1e9, "ms": 1e12, "us": 1e15, "ns": 1e18}
 #: Range of plausible sample rates, Hz.
-LIKELY_HZ = (10.0, 20000.0)
-#: Most samples per channel that resampling may process.
-MOST_POINTS = 5_000_000
+LIKELY_HZ = (0.05, 50000.0)
+#: A time step longer than this many median steps is a pause.
+PAUSE_PERIODS = 1.5
+#: A sample rate this near to a whole number of Hz, as a share of it, is that number: quartz clocks
+#: are better. Rates such as 142.857 Hz, a sample each 7 ms, stay as they are.
+_INTEGER_TOLERANCE = 5e-4
 
 
-class Recording(NamedTuple):
-    """Channels at their original time stamps, in the units of a raw log."""
+class Clock(NamedTuple):
+    """What a column is as a clock."""
 
-    time_s: np.ndarray  #: time stamps, increasing, 0 at the first sample kept
-    channels: dict[str, np.ndarray]
-    start_s: float  #: time stamp of the first sample kept, on the file's clock
-    first: int  #: index of the first sample kept, in the file
+    column: str
+    unit: str
+    rate_hz: float
+    repeated: int  #: samples whose stamp is that of the sample before
+    doubts: tuple[str, ...] = ()
 
 
-def read_clock(source: Source, time: Mapping[str, Any], stamps: np.ndarray) -> Recording:
-    """Return a recording without channels.
+def pauses_of(time_s: np.ndarray, periods: float) -> np.ndarray:
+    """Return the last sample before each pause of a clock.
 
-    Parameters
-    ----------
-    time : Mapping
-        ``column``, ``unit`` (by default s).
-
-    Raises
-    ------
-    LogError
-        A time stamp is not finite, or does not come after the one before.
+    A pause is a step longer than some median steps; of a clock that scatters, longer than three
+    times its 99th percentile: its long steps are no pauses.
     """
-    where = f"{source.path}: time: {time.get('column')}"
-    bad = np.flatnonzero(~np.isfinite(stamps))
-    if bad.size:
-        raise LogError(
-            f"{where}: {source.sample(bad[0])} is {stamps[bad[0]]}; not finite in all: "
-            f"{bad.size}; fill them in, delete those rows, or give time.rate_hz"
-        )
-    late = 1 + np.flatnonzero(stamps[1:] <= stamps[:-1])
-    if late.size:
-        k = int(late[0])
-        raise LogError(
-            f"{where}: {source.sample(k)} at {stamps[k]:.16g} does not come after "
-            f"{stamps[k - 1]:.16g}; such samples in all: {late.size}; repair the clock if it was "
-            "set back or restarted; sort the samples if they were only written out of order; if "
-            "they repeat a time stamp, keep one of each, or give time.rate_hz"
-        )
-    factor = SECONDS[time.get("unit", "s")]
-    with np.errstate(over="ignore"):  # ``refuse_length`` rejects the overflow
-        # subtract before converting, or stamps counted from 1970 would lose digits
-        since_s = (stamps - stamps[0]) * factor
-        return Recording(since_s, {}, float(stamps[0] * factor), 0)
+    steps = np.diff(time_s)
+    limit = periods * float(np.median(steps))
+    if np.percentile(steps, 95) > 1.5 * np.median(steps):
+        limit = max(limit, 3.0 * float(np.percentile(steps, 99)))
+    return np.flatnonzero(steps > limit)
 
 
-def likely_rate(step: float, stated: str = "s") -> tuple[float, str] | None:
-    """Guess the rate in Hz and the unit of a clock from its step; None if no unit is plausible.
+def rate_of(time_s: np.ndarray) -> float:
+    """Return the sample rate of a recording, Hz: its steps over their span, without pauses.
 
-    The stated unit is tried first.
+    If it differs from a whole number by no more than a clock's error, it is that number.
     """
-    for unit in (stated, "s", "ms", "us", "ns"):
-        rate_hz = 1.0 / max(step * SECONDS[unit], 1e-12)
-        if LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
-            return rate_hz, unit
+    steps = np.delete(np.diff(time_s), pauses_of(time_s, PAUSE_PERIODS))
+    mean = float(steps.mean())
+    rate_hz = 1.0 / mean if mean > 0.0 else np.inf
+    whole_hz = float(np.round(rate_hz))
+    return whole_hz if abs(rate_hz - whole_hz) <= _INTEGER_TOLERANCE * rate_hz else rate_hz
+
+
+def clocks_of(table: Table) -> dict[str, Clock]:
+    """Return every column that may be a clock, the likeliest first."""
+    found = {
+        name: clock
+        for name, column in table.columns.items()
+        if (clock := guess_clock(name, column)) is not None
+    }
+
+    def rank(name: str) -> tuple[bool, bool]:
+        often = found[name].repeated > 0.5 * len(table.columns[name].values)
+        named = " + " in name or is_time(f"{name} {table.columns[name].label}")
+        return not named, often
+
+    return dict(sorted(found.items(), key=lambda item: rank(item[0])))
+
+
+@np.errstate(all="ignore")  # differences of large values may overflow, and are no steps of a clock
+def guess_clock(name: str, column: Column) -> Clock | None:
+    """Guess unit and rate of a column that increases as a clock does; None for another.
+
+    Nine of ten steps are about equal, or, where a clock jitters more, its stamps are near a
+    straight line; one whose name says that it is a clock may tick as it likes. What counts the
+    samples is no clock.
+    """
+    stamps = column.values[np.isfinite(column.values)]
+    words = f"{name} {column.label}"
+    named = is_time(words)
+    if len(stamps) < 3 or len(stamps) < 0.9 * len(column.values):
+        return None
+    steps = np.diff(stamps)
+    span = float(stamps[-1] - stamps[0])
+    back = int((steps < 0.0).sum())
+    if span <= 0.0 or back > 0.01 * len(steps) * named:
+        return None
+    if not named and not _is_even(stamps, steps):
+        return None
+    stated = column.unit if column.unit in SECONDS else time_unit_in(words)
+    whole = bool((stamps == np.round(stamps)).all())
+    if has(name, "count") and whole and not stated:
+        return None
+    if not stated and whole and np.median(steps) == 1.0 and not _epoch(stamps):
+        return None  # the number of the sample
+    unit = stated or _epoch(stamps) or _by_step(float(np.median(steps[steps > 0.0])), whole)
+    doubts: tuple[str, ...] = () if stated or _epoch(stamps) else ("unit?",)
+    rate_hz = rate_of(np.unique(stamps - stamps[0]) * SECONDS[unit])
+    if not LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
+        if not named:
+            return None
+        doubts = (f"{rate_hz:.4g} Hz are unusual: is the unit {unit}?",)
+    if back:
+        doubts += (f"it goes back at {table_words(stamps)}",)
+    return Clock(name, unit, rate_hz, int((steps == 0.0).sum()), doubts)
+
+
+def table_words(stamps: np.ndarray) -> str:
+    """Say where a clock goes back."""
+    k = int(np.argmax(np.diff(stamps) < 0.0)) + 1
+    return f"sample {k}, from {stamps[k - 1]:.16g} to {stamps[k]:.16g}"
+
+
+def _is_even(stamps: np.ndarray, steps: np.ndarray) -> bool:
+    step = float(np.median(steps))
+    if (np.abs(steps - step) < 0.5 * step).mean() > 0.9:
+        return True
+    line = np.linspace(stamps[0], stamps[-1], len(stamps))
+    return bool(np.abs(stamps - line).max() < _OFF_LINE * (stamps[-1] - stamps[0]))
+
+
+def _epoch(stamps: np.ndarray) -> str | None:
+    """Return the unit of stamps that count from 1970, by their magnitude."""
+    first, step = float(stamps[0]), float(np.diff(stamps).mean())
+    for unit, begin in _EPOCHS.items():
+        if begin <= first <= 5.0 * begin and step * SECONDS[unit] <= 1.0 / LIKELY_HZ[0]:
+            return unit
+    if 30000.0 < first < 60000.0 or 700000.0 < first < 800000.0:  # Excel's dates, MATLAB's
+        return "d" if step * SECONDS["d"] <= 1.0 / LIKELY_HZ[0] else None
     return None
 
 
-@np.errstate(all="ignore")  # steps of an implausible clock may overflow
-def oddities(source: Source, time: Mapping[str, Any], recording: Recording) -> list[str]:
-    """Say what is odd about the clock of a recording.
+def _by_step(step: float, whole: bool) -> str:
+    """Return the unit that a step suggests: whole numbers above 1 are no seconds."""
+    if whole:
+        return "s" if step <= 1.0 else "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
+    return "s" if step < 2.0 else "ms"
 
-    That is a jump over more than half of the recording, and a unit that makes the rate implausible
-    where another does not.
+
+def own_clock(name: str, table: Table, clocks: dict[str, Clock]) -> str | None:
+    """Return the clock of a column: as long as it, and with the longest common part of the name.
+
+    Where each clock stands before columns of its own, it is the nearest one before the column.
     """
-    if not time.get("column"):
-        return []
-    unit, steps_s = time["unit"], np.diff(recording.time_s)
-    found = []
-    k = int(np.argmax(steps_s))
-    if len(steps_s) > 1 and steps_s[k] > 0.5 * steps_s.sum():
-        before = recording.first + k
-        at = (recording.start_s + recording.time_s[[k, k + 1]]) / SECONDS[unit]
-        found.append(
-            f"the clock jumps from {at[0]:.10g} {unit} at {source.sample(before)} to "
-            f"{at[1]:.10g} {unit} at {source.sample(before + 1)}: repair it there"
-        )
-    step_s = float(np.median(steps_s))
-    rate_hz, likely = likely_rate(step_s / SECONDS[unit], unit) or (0.0, unit)
-    if likely != unit:
-        found.append(
-            f"a step of {step_s:.4g} s is unusual; in {likely} the rate would be {rate_hz:.4g} Hz: "
-            f"set time.unit: {likely} if that is right"
-        )
-    return found
+    order = list(table.columns)
+    length = len(table.columns[name].values)
+    same = [clock for clock in clocks if len(table.columns[clock].values) == length]
+    same = [clock for clock in same if is_time(clock)] or same[:1]
+    places = [order.index(clock) for clock in same if " + " not in clock]
+    in_turn = not any(place + 1 in places for place in places)
+
+    def nearness(clock: str) -> tuple[int, int]:
+        parts = enumerate(zip(_path(clock), [*_path(name), ""], strict=False))
+        shared = next((k for k, (a, b) in parts if a != b), 0)
+        distance = order.index(name) - order.index(clock)
+        return shared, -distance if in_turn and distance > 0 else -len(order)
+
+    return max(same, key=nearness, default=None)
 
 
-def refuse_length(
-    source: Source, time: Mapping[str, Any], recording: Recording, rate_hz: float
-) -> None:
-    """Check, before resampling, that a recording is neither too short nor too long.
-
-    Raises
-    ------
-    LogError
-        It is too short or too long; the message names the sample at which the clock jumped, or
-        the unit that gives a plausible rate.
-    """
-    time_s = recording.time_s
-    duration_s = float(time_s[-1])
-    column = time.get("column")
-    where = f"{source.path}: time{f': {column}' if column else '.rate_hz'}"
-    remedy = "".join(f"; {oddity}" for oddity in oddities(source, time, recording))
-    with np.errstate(all="ignore"):
-        points = points_of(time_s, rate_hz)
-    if duration_s * rate_hz < 1.0:
-        raise LogError(
-            f"{where}: {duration_s:.4g} s are shorter than one sample at sample_rate_hz = "
-            f"{rate_hz:g}; keep more with start_s and end_s{remedy}"
-        )
-    if not points <= MOST_POINTS:  # NaN: the duration is infinite
-        raise LogError(
-            f"{where}: {duration_s:.4g} s at sample_rate_hz = {rate_hz:g} need {points:.2g} "
-            f"samples in resampling; the limit is {MOST_POINTS:.2g} samples; shorten it with "
-            f"start_s and end_s{remedy}"
-        )
+def _path(name: str) -> list[str]:
+    return name.replace("/", ".").split(".")

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from fprc.logs.quality import gaps_of, runs
+from fprc.logs.quality import runs
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
-from fprc.recordings.clock import Recording
-from fprc.recordings.resample import rate_of
+from fprc.recordings.clock import pauses_of, rate_of
+from fprc.recordings.gather import Recording
 
 #: What a stretch of a channel may be, in words.
 MARKS = {"frozen": "frozen or at rest", "clipped": "clipped or held at an extreme"}
@@ -53,18 +53,18 @@ def diagnose(recording: Recording, *, quality: Mapping[str, Any]) -> dict[str, A
 def _clock(time_s: np.ndarray, gap_periods: float) -> dict[str, Any]:
     steps = np.diff(time_s)
     median = float(np.median(steps))
-    gaps = gaps_of(time_s, gap_periods * median)
+    gaps, rate_hz = pauses_of(time_s, gap_periods), rate_of(time_s)
     late = np.delete(steps, gaps) - median  # a gap is no jitter
     return {
         "mean_hz": float(1.0 / steps.mean()),
         "median_hz": 1.0 / median,
-        "running_hz": rate_of(time_s),
+        "running_hz": rate_hz,
         "jitter_s": float(np.abs(np.percentile(late, [1, 99])).max()),
         "gaps": [
             {
                 "from_s": float(time_s[k]),
                 "to_s": float(time_s[k + 1]),
-                "missing_samples": max(int(round(steps[k] / median)) - 1, 1),
+                "missing_samples": max(round(float(steps[k] * rate_hz)) - 1, 1),
             }
             for k in gaps
         ],
@@ -132,9 +132,10 @@ def describe(diagnosis: Mapping[str, Any], units: Mapping[str, str]) -> list[str
 
 
 def _describe_clock(clock: Mapping[str, Any]) -> Iterator[str]:
+    percent = max(100 * clock["jitter_s"] * clock["median_hz"], 0.001)
     yield (
         f"steps of {1e3 / clock['median_hz']:.4g} ms, 98 % of them within "
-        f"{max(100 * clock['jitter_s'] * clock['median_hz'], 0.001):.2g} % of that"
+        f"{float(f'{percent:.2g}'):g} % of that"
     )
     if clock["gaps"]:
         missing = sum(gap["missing_samples"] for gap in clock["gaps"])

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from fprc import escape
 from fprc.figures import style
-from fprc.recordings.clock import Recording
 from fprc.recordings.diagnosis import MARKS
+from fprc.recordings.gather import Recording
 
 #: Colours of gaps, and of the stretches of a channel.
 _GAP = "0.75"

@@ -1,102 +1,165 @@
-"""Read another program's file, and convert its columns to channels of a raw log."""
+"""Select the channels of a recording from a table, and bring them to one clock."""
 
+import math
 from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.channels import CONVERTED
 from fprc.errors import LogError
 from fprc.logs.columns import LARGEST
-from fprc.recordings.arrays import read_arrays
-from fprc.recordings.clock import Recording, read_clock
-from fprc.recordings.delimited import read_text
-from fprc.recordings.source import Source, pick
+from fprc.recordings.names import SECONDS, factor_of
+from fprc.recordings.resample import points_of
+from fprc.recordings.table import Table
 
-#: Formats by the ending of a file's name.
-_SUFFIXES = {
-    ".csv": "CSV", ".tsv": "CSV", ".txt": "CSV", ".dat": "CSV",
-    ".h5": "HDF5", ".hdf5": "HDF5", ".hdf": "HDF5", ".mat": "MATLAB",
-}  # fmt: skip
-#: Factor from each unit to that of a raw log; ``1``: another quantity, not converted.
-FACTORS = {"1": 1.0} | {name: by for units in CONVERTED.values() for name, by in units.items()}
+#: Most samples per channel that resampling may process.
+MOST_POINTS = 5_000_000
 
 
-def read_source(path: Path | str, **layout: Any) -> Source:
-    """Read every variable of a CSV, HDF5 or MATLAB file that can be a channel.
+class Recording(NamedTuple):
+    """Channels at their original time stamps, in the units of a raw log."""
 
-    Parameters
-    ----------
-    **layout
-        Layout of a text file, see ``read_text``.
-
-    Raises
-    ------
-    LogError
-        The file cannot be opened, is not in the format that its name's ending stands for, or is
-        too large.
-    """
-    path = Path(path)
-    kind = _SUFFIXES.get(path.suffix.lower())
-    if kind is None:
-        raise LogError(f"{path}: unknown file name ending; must be one of {', '.join(_SUFFIXES)}")
-    if kind == "CSV":
-        return read_text(path, **layout)
-    return read_arrays(path, matlab=kind == "MATLAB")
+    time_s: np.ndarray  #: time stamps, increasing, 0 at the first sample kept
+    channels: dict[str, np.ndarray]
+    start_s: float = 0.0  #: time stamp of the first sample kept, on the file's clock
+    notes: tuple[str, ...] = ()  #: samples that were left out
 
 
 def gather(
-    source: Source,
+    table: Table,
     *,
     time: Mapping[str, Any],
     channels: Mapping[str, Mapping[str, Any]],
     start_s: float = 0.0,
     end_s: float | None = None,
+    skip_unusable: bool = False,
 ) -> Recording:
     """Select, convert and cut the channels of a file.
 
     Parameters
     ----------
     time : Mapping
-        ``column`` and ``unit``, or ``rate_hz``; see ``fprc.recordings.clock.read_clock``.
+        ``column``, ``unit`` and ``repeated``, or ``rate_hz``.
     channels : Mapping
-        By channel: ``column``, ``unit``, ``scale``, ``offset``.
+        By channel: ``column``, ``unit``, ``scale``, ``offset``, and ``time``, the column of its
+        own clock.
     start_s, end_s : float
         Interval to keep, s after the first sample; None: to the end.
+    skip_unusable : bool
+        Leave out lines that are no samples, and samples with a value that is not finite.
 
     Raises
     ------
     LogError
-        Lists every column that is missing; if none is, lengths differ, or time does not increase;
-        if it does, lists every channel with a value in the interval that is not finite or,
-        converted, too large (with its sample in the file, from 0).
+        Lists every column that is missing, or every channel with a value that is not finite or too
+        large; or lengths differ, time does not increase, or nothing is left.
     """
-    wanted = {name: spec["column"] for name, spec in channels.items()}
-    timed = {} if time.get("column") is None else {"time": time["column"]}
-    columns = timed | wanted
-    picked = _each(source, columns, lambda name: pick(source, columns[name]))
-    lengths = {name: len(values) for name, values in picked.items()}
-    if len(set(lengths.values())) > 1:
-        unequal = ", ".join(f"{columns[name]} {length}" for name, length in lengths.items())
+    if table.unusable and not skip_unusable:
         raise LogError(
-            f"{source.path}: columns have unequal numbers of samples ({unequal}); resample them to "
-            "one clock first"
+            f"{table.path}: {len(table.unusable)} lines among the samples are none: "
+            f"{'; '.join(table.unusable[:3])}; repair them, or leave them out with "
+            "`skip_unusable: true` in the map"
         )
-    stamps = picked["time"] if timed else np.arange(min(lengths.values())) / time["rate_hz"]
-    clock = _window(source, read_clock(source, time, stamps), start_s, end_s)
+    asked = {name: spec["column"] for name, spec in channels.items()}
+    asked |= {f"{name}.time": spec["time"] for name, spec in channels.items() if spec.get("time")}
+    asked |= {"time": time["column"]} if time.get("column") else {}
+    picked = _each(table, asked, lambda name: table.pick(asked[name]).values)
+    own = {name for name in channels if f"{name}.time" in picked}
+    lengths = {n: len(values) for n, values in picked.items() if n.partition(".")[0] not in own}
+    if len(set(lengths.values())) > 1:
+        unequal = ", ".join(f"{asked[name]} {length}" for name, length in lengths.items())
+        raise LogError(
+            f"{table.path}: columns have unequal numbers of samples ({unequal}); say for each that "
+            "has another clock which column that is, as `time: column`, or resample them first"
+        )
+    count = next(iter(lengths.values()), 0) or max(map(len, picked.values()))
+    stamps = picked["time"] if "time" in picked else np.arange(count) / time["rate_hz"]
+    values = {name: picked[name] for name in channels if name not in own}
+    usable = np.isfinite(stamps)
+    for array in values.values():
+        usable &= np.isfinite(array) | (not skip_unusable)
+    notes: tuple[str, ...] = ()
+    if table.unusable:
+        few = "; ".join(table.unusable[:3])
+        notes += (f"lines left out: {few}; in all: {len(table.unusable)}",)
+    where = f"{table.path}: time: {time.get('column')}"
+    if not usable.all():
+        k = int(np.argmin(usable))
+        left = f"{table.sample(k)}; in all: {np.sum(~usable)}"
+        if not skip_unusable:
+            raise LogError(
+                f"{where}: {stamps[k]} at {left}; fill them in, give time.rate_hz, or leave them "
+                "out with `skip_unusable: true` in the map"
+            )
+        notes += (f"samples with missing values left out: {left}",)
+    numbers = np.flatnonzero(usable)
+    stamps, values = stamps[usable], {name: array[usable] for name, array in values.items()}
+    stamps, values, numbers, note = _once(time.get("repeated"), stamps, values, numbers)
+    notes += note
+    _refuse_late(table, where, stamps, numbers)
+    for name in own:
+        clock, array = picked[f"{name}.time"], picked[name]
+        known = np.isfinite(clock) & np.isfinite(array) if len(clock) == len(array) else None
+        if known is None or (np.diff(clock[known]) < 0.0).any():
+            raise LogError(f"{table.path}: {name}: {asked[f'{name}.time']}: is no clock for it")
+        values[name] = np.interp(stamps, clock[known], array[known], left=np.nan, right=np.nan)
+    factor = SECONDS[time.get("unit") or "s"]
+    if not len(stamps):
+        raise LogError(f"{table.path}: no usable sample is left")
+    # subtract before converting, or stamps counted from 1970 would lose digits
+    since_s = (stamps - stamps[0]) * factor
+    last_s = np.inf if end_s is None else end_s
+    # 1e-9: the time stamps are rounded
+    kept = (since_s >= start_s - 1e-9) & (since_s <= last_s + 1e-9)
+    for name in own:  # their own clock may begin later or end earlier
+        kept &= np.isfinite(values[name])
+    if kept.sum() < 2:
+        raise LogError(
+            f"{table.path}: {kept.sum()} samples lie from {start_s:g} s to "
+            f"{'the end' if end_s is None else f'{last_s:g} s'}; the file has {len(since_s)} "
+            f"samples, over {since_s[-1]:g} s; correct start_s and end_s"
+        )
     converted = _each(
-        source, wanted, lambda name: _convert(source, picked[name], channels[name], clock)
+        table,
+        {name: asked[name] for name in channels},
+        lambda name: _convert(table, values[name][kept], name, channels[name], numbers[kept]),
     )
-    return clock._replace(
-        time_s=clock.time_s - clock.time_s[0],
-        channels=converted,
-        start_s=float(clock.start_s + clock.time_s[0]),
-    )
+    first_s = since_s[kept][0]
+    begin_s = float(stamps[0] * factor + first_s)
+    return Recording(since_s[kept] - first_s, converted, begin_s, notes)
+
+
+def _once(
+    how: str | None, stamps: np.ndarray, values: dict[str, np.ndarray], numbers: np.ndarray
+) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray, tuple[str, ...]]:
+    """Return samples without those that repeat a stamp: the first, or the mean, of each stamp."""
+    begins = np.append(0, 1 + np.flatnonzero(np.diff(stamps) != 0.0))
+    if how is None or len(begins) == len(stamps):
+        return stamps, values, numbers, ()
+    counts = np.diff(np.append(begins, len(stamps)))
+    once = {
+        name: np.add.reduceat(array, begins) / counts if how == "mean" else array[begins]
+        for name, array in values.items()
+    }
+    what = "their mean" if how == "mean" else "the first"
+    note = f"{len(stamps) - len(begins)} samples repeat a time stamp; {what} of each was taken"
+    return stamps[begins], once, numbers[begins], (note,)
+
+
+def _refuse_late(table: Table, where: str, stamps: np.ndarray, numbers: np.ndarray) -> None:
+    late = 1 + np.flatnonzero(np.diff(stamps) <= 0.0)
+    if late.size:
+        k = int(late[0])
+        raise LogError(
+            f"{where}: {table.sample(numbers[k])} at {stamps[k]:.16g} does not come after "
+            f"{stamps[k - 1]:.16g}; such samples in all: {late.size}; if they repeat a time stamp, "
+            "write `repeated: first` or `repeated: mean` beside the column; repair the clock if it "
+            "was set back or restarted, or give time.rate_hz"
+        )
 
 
 def _each(
-    source: Source, columns: Mapping[str, str], work: Callable[[str], np.ndarray]
+    table: Table, columns: Mapping[str, str], work: Callable[[str], np.ndarray]
 ) -> dict[str, np.ndarray]:
     """Return what ``work`` returns for each name; report its errors together."""
     results, problems = {}, []
@@ -104,38 +167,52 @@ def _each(
         try:
             results[name] = work(name)
         except LogError as error:
-            problems.append(f"{source.path}: {name}: {column}: {error}")
+            problems.append(f"{table.path}: {name}: {column}: {error}")
     if problems:
         raise LogError("\n".join(problems))
     return results
 
 
-def _window(source: Source, clock: Recording, start_s: float, end_s: float | None) -> Recording:
-    last = np.inf if end_s is None else end_s
-    # 1e-9: the time stamps are rounded
-    kept = np.flatnonzero((clock.time_s >= start_s - 1e-9) & (clock.time_s <= last + 1e-9))
-    if kept.size < 2:
-        raise LogError(
-            f"{source.path}: {kept.size} samples lie from {start_s:g} s to "
-            f"{'the end' if end_s is None else f'{last:g} s'}; the file has {len(clock.time_s)} "
-            f"samples, over {clock.time_s[-1]:g} s; correct start_s and end_s"
-        )
-    return clock._replace(time_s=clock.time_s[kept], first=int(kept[0]))
-
-
 def _convert(
-    source: Source, values: np.ndarray, spec: Mapping[str, Any], clock: Recording
+    table: Table, values: np.ndarray, name: str, spec: Mapping[str, Any], numbers: np.ndarray
 ) -> np.ndarray:
-    """Return the clock's samples of a column, converted to the unit of a raw log."""
-    kept = values[clock.first : clock.first + len(clock.time_s)]
+    """Return a column's samples in the unit of a raw log."""
     with np.errstate(over="ignore", invalid="ignore"):
-        scaled = (kept * spec["scale"] + spec["offset"]) * FACTORS[spec["unit"]]
+        scaled = (values * spec["scale"] + spec["offset"]) * (factor_of(spec["unit"], name) or 1.0)
     bad = np.flatnonzero(~(np.abs(scaled) <= LARGEST))  # NaN is neither
     if bad.size:
-        k = clock.first + int(bad[0])
         raise LogError(
-            f"{source.sample(k)} is {values[k]:g}; not finite or beyond {LARGEST:g} after "
-            f"scale, offset and unit in all: {bad.size}; correct these settings, cut the samples "
-            "off with start_s and end_s, or fill them in"
+            f"{table.sample(numbers[bad[0]])} is {values[bad[0]]:g}; not finite or beyond "
+            f"{LARGEST:g} after scale, offset and unit in all: {bad.size}; correct these settings, "
+            "cut the samples off with start_s and end_s, fill them in, or leave those without a "
+            "value out with `skip_unusable: true` in the map"
         )
     return scaled
+
+
+def refuse_length(path: object, time_s: np.ndarray, rate_hz: float) -> None:
+    """Check, before resampling, that a recording is neither too short nor too long.
+
+    Raises
+    ------
+    LogError
+        It is too short or too long; the message names where its clock jumps.
+    """
+    duration_s = float(time_s[-1])
+    k = int(np.argmax(np.diff(time_s)))
+    jump = f"; its clock jumps from {time_s[k]:.10g} to {time_s[k + 1]:.10g} s: repair it there"
+    remedy = jump if len(time_s) > 2 and time_s[k + 1] - time_s[k] > 0.5 * duration_s else ""
+    with np.errstate(all="ignore"):
+        points = points_of(time_s, rate_hz)
+    if duration_s * rate_hz < 1.0:
+        raise LogError(
+            f"{path}: {duration_s:.4g} s are shorter than one sample at sample_rate_hz = "
+            f"{rate_hz:g}; check time.unit, or keep more with start_s and end_s{remedy}"
+        )
+    if not points <= MOST_POINTS:  # NaN: the duration is infinite
+        few = f"{points:.2g}" if math.isfinite(points) else "too many"
+        raise LogError(
+            f"{path}: {duration_s:.4g} s at sample_rate_hz = {rate_hz:g} need {few} samples in "
+            f"resampling; the limit is {MOST_POINTS:.2g} samples; check time.unit, or shorten it "
+            f"with start_s and end_s{remedy}"
+        )

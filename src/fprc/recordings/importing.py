@@ -1,7 +1,7 @@
 """The map of an import: which column of a foreign file is which channel, in which unit."""
 
+import difflib
 import math
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -15,10 +15,11 @@ from pydantic import (
     model_validator,
 )
 
-from fprc.channels import CHANNELS, CONVERTED, TARGETS, Channel, unit_of
+from fprc.channels import CHANNELS, TARGETS, Channel
 from fprc.config.problems import explained
 from fprc.config.section import Section
 from fprc.errors import ConfigError
+from fprc.recordings.names import SECONDS, factor_of, likely_channel
 from fprc.yaml_file import read_yaml
 
 
@@ -50,6 +51,7 @@ class Column(Section):
     )
     offset: float = Field(0.0, description="added after the factor, in `unit`")
     note: str = Field("", description="remark for readers of the log")
+    time: Text | None = Field(None, description="column of its own clock, if it has one")
     unit: Text
 
     @model_validator(mode="after")
@@ -59,12 +61,30 @@ class Column(Section):
         return self
 
 
+#: Usual units by the unit of a channel, for messages and drafts; any other that pint knows will do.
+USUAL = {
+    "kPa": ("kPa", "Pa", "bar", "mbar", "psi", "MPa", "mmHg"),
+    "deg": ("deg", "rad"),
+    "V": ("V", "mV"),
+}
+
+
 def _column(channel: Channel) -> tuple[Any, Any]:
     """Return the type and the default of a channel's key; only what every import needs has none."""
-    units = Literal[*CONVERTED[channel.unit], "1"]  # type: ignore[valid-type]
-    column = create_model(
-        "Column", __base__=Column, __module__=__name__, unit=(Annotated[units, _AS_TEXT], ...)
-    )
+
+    def of_its_quantity(unit: str) -> str:
+        if factor_of(unit, channel.name) is None:
+            usual = USUAL[channel.unit]
+            near = difflib.get_close_matches(unit.lower(), [name.lower() for name in usual], 1, 0.5)
+            meant = [f"did you mean {name}?" for name in usual if [name.lower()] == near]
+            raise ValueError(
+                f"{unit} is no unit of it; must be {', '.join(usual)}, another of its quantity, or "
+                f"1 for another quantity; {''.join(meant)}".rstrip("; ")
+            )
+        return unit
+
+    unit = Annotated[str, _AS_TEXT, AfterValidator(of_its_quantity)]
+    column = create_model("Column", __base__=Column, __module__=__name__, unit=(unit, ...))
     return (column, ...) if "import" in channel.needed else (column | None, None)
 
 
@@ -87,71 +107,16 @@ class _WithTarget(Section):
 Channels = create_model("Channels", __base__=_WithTarget, __module__=__name__, **_FIELDS)
 
 
-#: Words in the name of a column that identify its channel; the first channel that fits is used.
-_WORDS = {
-    "p_o_kpa": "p_?o|pam_?b|sealed|reservoir|memory",
-    "p_i_kpa": "p_?i|pam_?a",
-    "phi_deg": "phi",
-    "theta_deg": "theta|angle|bend|bending",
-    "p_exp_command_kpa": "command|commanded|cmd|set|setpoint|desired|demand",
-    "p_exp_kpa": "p_?exp|pressure|actuator",
-}
-#: Words that mark an angle as the desired one, which is no channel of an import.
-_WANTED = "theta_?d|ref|reference|command|cmd|set|setpoint|desired|target"
-
-
-def likely_channel(name: str) -> str | None:
-    """Guess the channel of a column from its name; None if no word identifies it."""
-    if name in Channels.model_fields:
-        return name
-    # bendAngle are two words
-    name = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name)
-    channel = next((key for key, words in _WORDS.items() if _has_word(name, words)), None)
-    return None if channel == "theta_deg" and _has_word(name, _WANTED) else channel
-
-
-def likely_unit(name: str, channel: str) -> str | None:
-    """Guess the unit of a channel's column from its name; None if the name holds none."""
-    units = CONVERTED[unit_of(channel)]
-    return next((unit for unit in units if _has_word(name, unit.lower())), None)
-
-
-#: Words for a clock, and for units of time.
-_CLOCK = "time|timestamp|datetime|date|clock|elapsed|t"
-_TIME_UNITS = {
-    "min": "min|minutes?",
-    "s": "s|sec|seconds?",
-    "ms": "ms|msec|millis|milliseconds?",
-    "us": "us|usec|micros|microseconds?",
-    "ns": "ns|nanoseconds?",
-}
-
-
-def is_time(name: str) -> bool:
-    """Return whether a word in a column's name says that it holds times."""
-    return _has_word(name, "|".join([_CLOCK, *_TIME_UNITS.values()]))
-
-
-def likely_time_unit(name: str) -> str | None:
-    """Guess the unit of a clock from its name; None if the name holds none."""
-    return next((unit for unit, words in _TIME_UNITS.items() if _has_word(name, words)), None)
-
-
-def is_absolute(name: str) -> bool:
-    """Return whether a word in a column's name says that its pressure is absolute."""
-    return _has_word(name, "abs|absolute|kpaa|bara|psia")
-
-
-def _has_word(name: str, words: str) -> bool:
-    separate = re.sub("[^a-z0-9]+", "_", name.lower().replace("\N{MICRO SIGN}", "u"))
-    return bool(re.search(rf"(?<![a-z0-9])(?:{words})(?![a-z0-9])", separate))
-
-
 class Time(Section):
     """Times of the samples: a column and its unit, or a rate."""
 
     column: Text | None = Field(None, description="column that holds the times")
-    unit: Literal["s", "ms", "us", "ns", "min"] = Field("s", description="unit of the column")
+    unit: Literal[*SECONDS] = Field(  # type: ignore[valid-type]
+        "s", description="unit of the column"
+    )
+    repeated: Literal["first", "mean"] | None = Field(
+        None, description="what to take of samples that repeat a time stamp"
+    )
     rate_hz: float | None = Field(None, gt=0, le=1e6, description="rate instead of a column")
 
     @model_validator(mode="after")
@@ -189,6 +154,9 @@ class ImportMap(Section):
     time: Time
     start_s: float = Field(0.0, ge=0, description="first time kept, s after the first sample")
     end_s: float | None = Field(None, gt=0, description="last time kept, s after the first sample")
+    skip_unusable: bool = Field(
+        False, description="leave out lines that are no samples, and samples with missing values"
+    )
     channels: Channels
     csv: Csv = Csv()
 
@@ -262,8 +230,8 @@ def read_csv(path: Path | str) -> Csv:
 def _explained(item: Mapping[str, Any]) -> str:
     *above, last = map(str, item["loc"] or [""])
     likely = likely_channel(last) if above == ["channels"] else None
-    if item["type"] == "extra_forbidden" and likely:
-        return f"channels.{last}: unknown key; did you mean channels.{likely}?"
+    if item["type"] == "extra_forbidden" and likely and likely.strength > 1:
+        return f"channels.{last}: unknown key; did you mean channels.{likely.channel}?"
     if item["input"] == "?":
         key = ".".join([*above, last])
         return f"{key} = ?: the draft did not find it; give it, or delete the line"

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fprc.recordings.clock import rate_of
+
 #: Edges of pass band and stop band, as shares of the new Nyquist frequency.
 PASS, STOP = 0.8, 1.0
-#: A time step longer than this many median steps is a pause.
-PAUSE_PERIODS = 3.0
 #: Attenuation in the stop band, dB.
 STOP_DB = 70.0
 #: Half the length of the low-pass, in new samples (Kaiser's formula).
@@ -44,12 +44,6 @@ def resample(
         fine = values[: len(fine_s)] if aligned else np.interp(fine_s, time_s, values)
         resampled[name] = np.array(fine) if factor == 1 else _lowpass(fine, factor)[::factor]
     return time_s[0] + np.arange(samples) / rate_hz, resampled
-
-
-def rate_of(time_s: np.ndarray) -> float:
-    """Return the mean sample rate of a recording, Hz; pauses are excluded."""
-    steps_s = np.diff(time_s)
-    return float(1.0 / steps_s[steps_s <= PAUSE_PERIODS * np.median(steps_s)].mean())
 
 
 def points_of(time_s: np.ndarray, rate_hz: float) -> float:

@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from fprc.channels import unit_of
 from fprc.errors import LogError
 from fprc.evaluation.sides import PURGE_S, PURGES, WARM_UP_S, Recordings
 from fprc.logs.quality import runs
 from fprc.models import LowpassBank, PlayOperators
-from fprc.recordings.importing import ImportMap, likely_unit
+from fprc.recordings.importing import ImportMap
+from fprc.recordings.names import factor_of, unit_in
 
 #: Fewest blocks that can be predicted: one is left to train when two are out.
 LEAST_BLOCKS = 3
@@ -39,11 +41,12 @@ def refuse_units(mapping: ImportMap) -> None:
     """
     problems = []
     for name, spec in mapping.channels.model_dump(exclude_none=True).items():
-        named = likely_unit(spec["column"], name)
-        if named and spec["unit"] not in (named, "1") and not spec["note"]:
+        named, factor = unit_in(spec["column"]), factor_of(spec["unit"], name)
+        unlike = named and named.quantity == unit_of(name) and named.factor != factor
+        if named and unlike and spec["unit"] != "1" and not spec["note"]:
             problems.append(
-                f"channels.{name}: the column {spec['column']!r} is in {named} by its name, in "
-                f"{spec['unit']} by the map; correct unit, or say in note why it is right"
+                f"channels.{name}: the column {spec['column']!r} is in {named.text} by its name, "
+                f"in {spec['unit']} by the map; correct unit, or say in note why it is right"
             )
     _refuse(problems)
 

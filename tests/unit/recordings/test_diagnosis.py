@@ -7,14 +7,14 @@ from hypothesis import strategies as st
 
 from fprc.logs import sealed_chamber as sealed
 from fprc.recordings import diagnosis
-from fprc.recordings.clock import Recording
 from fprc.recordings.diagnosis import describe
+from fprc.recordings.gather import Recording
 
 QUALITY = {"gap_periods": 1.5, "stuck_s": 2.0}
 
 
 def diagnose(time_s, channels):
-    recording = Recording(time_s, channels, 0.0, 0)
+    recording = Recording(time_s, channels)
     return diagnosis.diagnose(recording, quality=QUALITY)
 
 

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from fprc.figures import style
-from fprc.recordings.clock import Recording
 from fprc.recordings.diagnosis import diagnose
 from fprc.recordings.diagnosis_figure import plot_channel
+from fprc.recordings.gather import Recording
 
 pytestmark = pytest.mark.usefixtures("figures")  # which closes them
 
@@ -26,7 +26,7 @@ def faulty():
         "p_o_kpa": 150.0 + 30.0 * wave,
     }
     quality = {"gap_periods": 1.5, "stuck_s": 2.0}
-    recording = Recording(time_s, channels, 0.0, 0)
+    recording = Recording(time_s, channels)
     return time_s, channels, diagnose(recording, quality=quality)
 
 

@@ -234,7 +234,7 @@ def test_unlikely_rate_needs_the_map_to_give_it(recording, tmp_path, capsys):
     table = pd.read_csv(tmp_path / "log.csv")
     table.assign(t=1e3 * table["t"]).to_csv(tmp_path / "log.csv", index=False)
     assert run(tmp_path, recording(test_from_s=35000)) == 1
-    assert "set time.unit: ms" in capsys.readouterr().err
+    assert "time.unit = s" in capsys.readouterr().err
     assert run(tmp_path, recording(test_from_s=35000, sample_rate_hz=1)) == 130
 
 

@@ -1,0 +1,259 @@
+"""What the name of a column says: its unit, its quantity, its channel."""
+
+import re
+import unicodedata
+from functools import cache
+from typing import Any, NamedTuple
+
+from fprc.channels import CHANNELS, unit_of
+
+#: Units of time in s, coarsest first, and the words for them.
+SECONDS = {"d": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_TIME_UNITS = {
+    "d": "d|days?|tage?|jours?|日数",
+    "h": "h|hrs?|hours?|std|stunden?|heures?|horas?|ore|uren|時間\\(h\\)",
+    "min": "min|mins|minutes?|minuten|minutos|minuti|分",
+    "s": "s|sec|secs|seconds?|sek|sekunden?|secondes?|segundos?|secondi|seconden|秒",
+    "ms": "ms|msec|millis|milliseconds?|millisekunden?|ミリ秒|毫秒",
+    "us": "us|usec|micros|microseconds?|mikrosekunden?|マイクロ秒|微秒",
+    "ns": "ns|nsec|nsecs|nanosec|nanoseconds?|nanos|纳秒",
+}
+#: Words in names of columns, in English, German, French, Spanish, Italian, Dutch, Japanese and
+#: Chinese. ``~`` is the rest of a compound.
+_WORDS = {
+    "time": "t|~time|timestamp|~stamp|datetime|date|clock|elapsed|x_value|~zeit|zeitstempel|"
+    "datum|temps|heure|horodatage|tiempo|fecha|hora|tempo|ora|tijd|~tijd|tijdstempel|"
+    "~時間~|~時刻~|~日時~|~时间~|~時間|~时刻~|~日期~",
+    "count": "sample|samples|index|idx|count|counter|seq|row|nr|no|id|n|i|number|frame|record|"
+    "nummer|zeile|numero|ligne|fila|riga|nombre|サンプル|番号|序号|编号",
+    "angle": "theta~|θ|angles|~angle|bend|bending|~winkel|~biegung|flexion|inclinaison|"
+    "angulo|doblado|angolo|piegatura|flessione|hoek|~hoek|buiging|~角度~|~屈曲~|~曲げ角~|~弯曲~|~彎曲~|~转角~",
+    "pressure": "pressure~|press|~pressure|p_?exp|~druck|druck~|pression~|presion~|druk~|~druk|"
+    "~圧力~|~圧|~压力~|~壓力~|~压强~|~气压~",
+    "command": "command|commanded|cmd|set|setpoint|desired|demand|soll|soll~|sollwert|vorgabe~|"
+    "consigne|commande|consigna|comando|impostata|gewenste?|instelwaarde|指令~|~指令|~指令値|~目標~|"
+    "~設定~|~目标~|~设定~|~给定~|~期望~",
+    "wanted": "theta_?d|ref|reference|target|error|erreur|referenz|riferimento|referencia|"
+    "偏差|误差",
+    "sealed": "p_?o|p_?res|pam_?b|sealed|reservoir|versiegelt~|verschlossen~|geschlossen~|scellee?|"
+    "etanche|fermee?|sellad[ao]|cerrad[ao]|sigillat[ao]|chius[ao]|afgesloten|~密閉~|~リザーバ~|~密封~|"
+    "~储层~|~封闭~",
+    "chamber": "chamber|~chamber|kammer~|~kammer|chambre|reservoir|camara|camera|kamer~|~kamer|"
+    "~チャンバ~|~室~|~腔~|~气室~",
+    "inner": "p_?i|pam_?a",
+    "phi": "phi|φ",
+    "sensor": "sensor|sensors|~sensor|strain|stretch|capacitance|capteur|sensore|dehnung~|"
+    "ひずみ|~センサ~|~传感器~",
+    "other": "current|strom|courant|corriente|corrente|stroom|force|kraft|fuerza|forza|kracht|"
+    "moment~|torque|drehmoment|couple|temperature|temp|temperatur|speed|velocity|vel|rate|omega|"
+    "accel|acceleration|flow|durchfluss|debit|voltage|spannung|memory|power|energy|status|"
+    "電流|~力矩~|トルク|速度|温度|电流|電圧|电压|流量|~角速度~",
+    "absolute": "abs|absolute|absolut|absolu|absoluto|assoluta|kpaa|bara|psia|~絶対~|~绝对~",
+    "gauge": "gauge|gage|rel|relative|relativ|relatif|ueberdruck|uberdruck|barg|psig|kpag|mbarg|"
+    "~ゲージ~|~表压~",
+}
+#: Units as people write them that pint does not read, in lower case.
+_SPELLINGS = {
+    "pa": "Pa", "kpa": "kPa", "mpa": "MPa", "hpa": "hPa", "bar": "bar", "mbar": "mbar",
+    "psi": "psi", "torr": "torr", "mmhg": "mmHg", "cmh2o": "cmH2O", "inhg": "inHg", "atm": "atm",
+    "kgf/cm2": "kgf/cm**2", "kg/cm2": "kgf/cm**2", "n/mm2": "N/mm**2", "n/m2": "N/m**2",
+    "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "grad": "deg", "grado": "deg",
+    "gradi": "deg", "grados": "deg", "degre": "deg", "degres": "deg", "graden": "deg", "度": "deg",
+    "°": "deg", "º": "deg", "rad": "rad", "rads": "rad", "radian": "rad", "radians": "rad",
+    "mrad": "mrad", "弧度": "rad", "ラジアン": "rad", "v": "V", "mv": "mV", "volt": "V",
+    "volts": "V", "nm": "N*m", "n": "N", "mm": "mm", "ma": "mA", "rpm": "rpm", "degc": "degC",
+    "°c": "degC", "hz": "Hz", "ohm": "ohm", "lpm": "L/min", "l/min": "L/min",
+    "deg/s": "deg/s", "°/s": "deg/s", "rad/s": "rad/s",
+}  # fmt: skip
+#: Of these, what is a unit without brackets too.
+_BARE = set(_SPELLINGS) - {"n", "grad", "度", "at", "pa"}
+_LETTERS = set("shdVANm°%K")
+_REFERENCE = r"\b(?:abs|absolute|absolut|rel|relative|relativ|gauge|gage)\b\.?|\((?:g|a|abs|rel)\)"
+
+
+class Unit(NamedTuple):
+    """A unit that a name holds."""
+
+    text: str  #: as a map writes it
+    quantity: str  #: the unit of the channels that it converts to, or another quantity
+    factor: float  #: to that unit
+    multiple: float = 1.0  #: the number beside it, as in ``[0.1 bar]``
+
+
+class Guess(NamedTuple):
+    """What a name tells of a channel."""
+
+    channel: str
+    strength: int  #: 4: it is the channel's name; 3: word and unit; 2: a word; 1: the unit
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
+
+
+@cache
+def parse_unit(text: str) -> Unit | None:
+    """Return the unit that a text is, perhaps with a factor; None if it is none."""
+    text = unicodedata.normalize("NFKC", text).strip().replace("µ", "u").replace("μ", "u")
+    text = re.sub(_REFERENCE, "", text, flags=re.IGNORECASE).strip()
+    plain = re.sub(r"(bar|psi|kpa|mbar)[ag]$", r"\1", text.lower())
+    plain = _SPELLINGS.get(plain.replace("^", "").replace("·", ""), plain)
+    for known, seconds in SECONDS.items():
+        if re.fullmatch(_TIME_UNITS[known], plain):
+            return Unit(known, "s", seconds)
+    multiple = re.match(r"[x×*]?\s*(\d[\d.]*(?:e[+-]?\d+|\^[+-]?\d+)?)\s*[x×*]?\s*(\D.*)", text)
+    if multiple and (inner := parse_unit(multiple[2])):
+        base, _, power = multiple[1].partition("^")
+        return inner._replace(multiple=float(base) ** float(power or 1))
+    for spelled in dict.fromkeys((plain, text)):
+        if re.fullmatch(r"[A-Za-z°%][\w°%/*^ .-]*", spelled) is None:
+            continue
+        try:
+            unit = _registry().Unit(spelled.replace("^", "**"))
+        except Exception:  # noqa: S112  pint raises many types
+            continue
+        return _converted(unit, spelled)
+    return None
+
+
+def _converted(unit: Any, text: str) -> Unit | None:
+    ureg = _registry()
+    words = re.sub(r"milli|micro", "", str(unit))
+    if words in ("degree", "radian", "arcminute", "arcsecond", "turn"):
+        return Unit(text, "deg", float(ureg.Quantity(1.0, unit).to("deg").magnitude))
+    for quantity in ("kPa", "V"):
+        if unit.is_compatible_with(quantity):
+            return Unit(text, quantity, float(ureg.Quantity(1.0, unit).to(quantity).magnitude))
+    return Unit(text, str(unit), 1.0)
+
+
+def is_unit(text: str) -> bool:
+    """Return whether a text is a unit, in brackets or not; of single letters only usual ones."""
+    plain = text.strip("[](){} ")
+    usual = len(plain) > 1 or plain in _LETTERS or plain != text
+    return plain == "-" or (usual and parse_unit(plain) is not None)
+
+
+@cache
+def unit_in(name: str) -> Unit | None:
+    """Return the unit in a name: in the bracket at its end, or its last word that is one."""
+    name = unicodedata.normalize("NFKC", name).strip()
+    bracket = re.search(r"[\[({<]([^\[\](){}<>]*(?:\([a-z]+\))?)[\])}>]$", name)
+    if bracket and (unit := parse_unit(bracket[1])):
+        return unit
+    words = re.findall(r"[^\W\d_]+(?:/[^\W\d_]+2?)?\d*|[°%]", re.sub(_REFERENCE, "", name))
+    for word in reversed(words):
+        humps = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\W", word)
+        for bare in dict.fromkeys((word, "".join(humps[-2:]), "".join(humps[-1:]))):
+            spelled = re.sub(r"(bar|psi|kpa|mbar)[ag]$", r"\1", bare.lower())
+            # PA and MA may be ports, and p_a a part of a name
+            if bare == "Pa" or (spelled in _BARE and bare not in ("MA", "MM", "NM")):
+                return parse_unit(bare)
+    return None
+
+
+def time_unit_in(name: str) -> str | None:
+    """Return the unit of time in a name: in a bracket, or any of its words; None without one."""
+    bracket = re.search(r"[\[(]([^\[\]()]*)[\])]\s*$", name)
+    inside = parse_unit(bracket[1]) if bracket else None
+    if inside is not None and inside.quantity == "s":
+        return inside.text
+    return next((unit for unit, words in _TIME_UNITS.items() if _has_word(name, words)), None)
+
+
+def is_time(name: str) -> bool:
+    """Return whether a word in a column's name says that it holds times."""
+    return has(name, "time") or bool(time_unit_in(name))
+
+
+def has(name: str, what: str) -> bool:
+    """Return whether a name has one of the words for something."""
+    return _has_word(name, _WORDS[what])
+
+
+def known_words(text: str) -> bool:
+    """Return whether a text has a Japanese or Chinese word for what a recording has."""
+    words = "|".join(_WORDS[key] for key in ("time", "angle", "pressure", "command", "chamber"))
+    wide = [word.strip("~") for word in words.split("|") if not word.isascii()]
+    return any(word in text for word in wide if len(word) > 1 and ord(word[0]) > 0x2FFF)
+
+
+@cache
+def _has_word(name: str, words: str) -> bool:
+    # bendAngle are two words
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name)
+    plain = _plain(apart.replace("µ", "u").replace("μ", "u"))
+    separate = re.sub(r"[\W_]+", "_", plain)
+    pattern = _plain(words).replace("~", r"[^\W_]*")
+    return bool(re.search(rf"(?<![^\W_])(?:{pattern})(?![^\W_])", separate))
+
+
+def _plain(text: str) -> str:
+    """Return text in lower case without accents."""
+    parts = unicodedata.normalize("NFKD", text.lower().replace("ß", "ss"))
+    return "".join(part for part in parts if not unicodedata.combining(part))
+
+
+def likely_channel(name: str, label: str = "", unit: str = "") -> Guess | None:
+    """Guess the channel of a column from its name, its label and its unit; None if none fits.
+
+    A column whose unit is of another quantity fits none.
+    """
+    kinds = ("command", "sensor", "valve")
+    if any(name == channel.name and channel.kind in kinds for channel in CHANNELS):
+        return Guess(name, 4)
+    words = f"{name} {label}"
+    stated = parse_unit(unit) if unit else unit_in(label) or unit_in(name)
+    quantity = stated.quantity if stated else None
+    if quantity not in (None, "kPa", "deg") or (stated is None and has(words, "other")):
+        return None
+    channel = _channel_of(words, quantity)
+    if channel is None:
+        return None
+    named = channel[1]
+    return Guess(channel[0], 2 * named + (stated is not None))
+
+
+def _channel_of(words: str, quantity: str | None) -> tuple[str, bool] | None:
+    """Return a channel, and whether a word names it and not the unit alone."""
+    if quantity in (None, "deg"):
+        angle = has(words, "angle")
+        if (angle or quantity) and (has(words, "wanted") or (angle and has(words, "command"))):
+            return None
+        if has(words, "phi"):
+            return "phi_deg", True
+        if angle or quantity:
+            return "theta_deg", angle
+    pressure = bool(quantity) or has(words, "pressure")
+    command = has(words, "command")
+    if has(words, "inner"):
+        return "p_i_command_kpa" if command else "p_i_kpa", True
+    if has(words, "sealed") or (pressure and has(words, "chamber") and not command):
+        return "p_o_kpa", True
+    if command:
+        return "p_exp_command_kpa", True
+    if pressure and not has(words, "wanted"):
+        return "p_exp_kpa", has(words, "pressure")
+    return None
+
+
+def reference_of(name: str) -> str | None:
+    """Return ``absolute`` or ``gauge`` if a pressure's name says which it is."""
+    if has(name, "absolute") or re.search(r"(?i)(bar|psi|kpa)\s*\(a\)", name):
+        return "absolute"
+    if has(name, "gauge") or re.search(r"(?i)(bar|psi|kpa)\s*\(g\)", name):
+        return "gauge"
+    return None
+
+
+def factor_of(unit: str, channel: str) -> float | None:
+    """Return the factor from a unit to that of a channel; None if it is of another quantity."""
+    if unit == "1":
+        return 1.0
+    found = parse_unit(unit)
+    if found is None or found.quantity != unit_of(channel):
+        return None
+    return found.factor * found.multiple

@@ -1,0 +1,211 @@
+"""What another program's file holds: the one door to all formats."""
+
+import difflib
+import re
+from collections.abc import Callable
+from importlib import import_module
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fprc.errors import LogError
+from fprc.given import open_given
+
+
+class Column(NamedTuple):
+    """One column of a file."""
+
+    values: np.ndarray  #: shape (n_samples,)
+    unit: str = ""  #: as the file states it, outside of the column's name
+    label: str = ""  #: what the file calls it besides its name
+
+
+class Table(NamedTuple):
+    """What a file holds."""
+
+    path: Path
+    kind: str  #: file format, for messages
+    columns: dict[str, Column]  #: by their names in a map
+    others: dict[str, str]  #: reason why each other variable cannot be a channel, by name
+    notes: tuple[str, ...] = ()  #: what was left out, or taken for what
+    lines: np.ndarray | None = None  #: line number of each sample in a text file, from 1
+    unusable: tuple[str, ...] = ()  #: lines among the samples that are none
+
+    def sample(self, number: int) -> str:
+        """Describe a sample, counted from 0, for a message."""
+        line = "" if self.lines is None else f" (line {self.lines[number]})"
+        return f"sample {number}{line}"
+
+    def pick(self, name: str) -> Column:
+        """Return the column that a map names.
+
+        Raises
+        ------
+        LogError
+            There is no such column; the message does not contain its name, but a similar one.
+        """
+        if name in self.columns:
+            return self.columns[name]
+        if name in self.others:
+            raise LogError(f"cannot be a channel: {self.others[name]}")
+        of_matrix = [column for column in self.columns if column.startswith(f"{name}[")]
+        known = {column.lower(): column for column in [*self.columns, *self.others]}
+        similar = [known[near] for near in difflib.get_close_matches(name.lower(), known)]
+        near = "".join(f"did you mean {column}? " for column in [*of_matrix, *similar][:1])
+        raise LogError(f"no such column; {near}`fprc import {self.path} --draft` shows all")
+
+
+#: How the files of a format begin, its name, and its reader.
+_FORMATS = (
+    (b"\x89HDF", "HDF5", "hdf5.read_hdf5"),
+    (b"MATLAB", "MATLAB", "matlab.read_matlab"),
+    (b"\x93NUMPY", "NumPy", "others.read_npy"),
+    (b"TDSm", "TDMS", "others.read_tdms"),
+    (b"PAR1", "Parquet", "others.read_parquet"),
+    (b"\x89MCAP0", "MCAP", "bags.read_mcap"),
+    (b"#ROSBAG", "ROS bag", "bags.read_bag"),
+    (b"SQLite format 3", "ROS 2 bag", "bags.read_bag"),
+)
+#: How files begin that another program must save in another format first.
+_FOREIGN = {
+    b"\xd0\xcf\x11\xe0": "an old Excel file: save it as .xlsx",
+    b"\x1f\x8b": "compressed by gzip: unpack it first",
+    b"7z\xbc\xaf": "compressed by 7-Zip: unpack it first",
+    b"ARROW1": "a Feather file: save it as .parquet",
+    b"MDF ": "a measurement data file (MDF): save it as .mat or .csv",
+}
+
+
+def read_table(path: Path | str, **layout: Any) -> Table:
+    """Read every column of a file that can be a channel; its content tells its format.
+
+    Parameters
+    ----------
+    **layout
+        Layout of a text file, see ``fprc.recordings.text.read_text``.
+
+    Raises
+    ------
+    LogError
+        The file cannot be opened, is damaged, empty, too large, or of another format; or the
+        library that reads it is not installed.
+    """
+    path = Path(path)
+    with open_given(path, error=LogError) as file:
+        head = file.read(512)
+    for begin, what in _FOREIGN.items():
+        if head.startswith(begin):
+            raise LogError(f"{path}: is {what}")
+    kind, reader = next((found[1:] for found in _FORMATS if head.startswith(found[0])), ("", ""))
+    if head.startswith(b"PK\x03\x04"):
+        kind, reader = _of_zip(path)
+    elif not kind and path.suffix.lower() == ".mat":  # version 4 begins with a number
+        kind, reader = "MATLAB", "matlab.read_matlab"
+    if not kind:
+        return _call("text.read_text", path, layout)
+    try:
+        table: Table = _call(reader, path, {})
+    except (LogError, MemoryError):
+        raise
+    except ImportError as error:
+        raise LogError(
+            f"{path}: {kind} needs the package {error.name}; install with: pip install "
+            "'fprc[formats]'"
+        ) from error
+    except Exception as error:  # on a damaged file the libraries raise many types
+        raise LogError(
+            f"{path}: cannot be read as {kind} ({type(error).__name__}: {error}); the file is "
+            "cut short, damaged, or of another format"
+        ) from error
+    if not table.columns and not table.others:
+        raise LogError(f"{path}: has no content; the file is empty or cut short")
+    return table._replace(columns=table.columns | _joined_clocks(table.columns))
+
+
+def _of_zip(path: Path) -> tuple[str, str]:
+    from zipfile import BadZipFile, ZipFile
+
+    try:
+        with ZipFile(path) as archive:
+            names = archive.namelist()
+    except BadZipFile as error:
+        raise LogError(f"{path}: cannot be read ({error}); the file is cut short") from error
+    if any(name.startswith("xl/") for name in names):
+        return "Excel", "others.read_xlsx"
+    if all(name.endswith(".npy") for name in names):
+        return "NumPy", "others.read_npz"
+    raise LogError(f"{path}: is an archive of {names[0]} and others; unpack it first")
+
+
+def _call(reader: str, path: Path, layout: dict[str, Any]) -> Any:
+    module, _, name = reader.partition(".")
+    read: Callable[..., Any] = getattr(import_module(f"fprc.recordings.{module}"), name)
+    return read(path, **layout)
+
+
+def _joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
+    """Return, for each pair of columns of seconds and nanoseconds, their sum, in s.
+
+    They stand side by side, and are named so, or the seconds count from 1970.
+    """
+    joined = {}
+    for (name, coarse), (fine, parts) in pairwise(columns.items()):
+        if len(coarse.values) != len(parts.values) or len(parts.values) < 2:
+            continue
+        named = re.search(r"(?<![a-z])secs?$", name) and re.search(r"n(ano)?secs?$", fine)
+        counted = 1e9 < coarse.values[0] < 5e9 and np.ptp(parts.values) > 1e6
+        if named or (counted and (parts.values >= 0.0).all() and parts.values.max() < 1e9):
+            total = coarse.values + 1e-9 * parts.values
+            joined[f"{name} + {fine.rpartition('.')[2]}"] = Column(total, "s")
+    return joined
+
+
+def spread(name: str, values: np.ndarray, names: list[str] | None = None) -> dict[str, np.ndarray]:
+    """Return the columns of an array; dimensions of length 1 are dropped.
+
+    The longer dimension of a matrix is time; its columns are ``name[:, 0]``, its rows
+    ``name[0, :]``, or ``name.part`` with the ``names`` of the parts. None of an array of three
+    dimensions or more.
+    """
+    array = values.reshape([n for n in values.shape if n != 1] or [1])
+    if array.ndim == 1:
+        return {name: array}
+    if array.ndim != 2:
+        return {}
+    upright = array.shape[0] >= array.shape[1]
+    parts = array.T if upright else array
+    if names is not None and len(names) == len(parts):
+        return {f"{name}.{part}": values for part, values in zip(names, parts, strict=True)}
+    place = "{}[:, {}]" if upright else "{}[{}, :]"
+    return {place.format(name, k): part for k, part in enumerate(parts)}
+
+
+def numbers_of(part: np.ndarray) -> np.ndarray | str:
+    """Return an array as numbers, times in s (dates since 1970), or why it cannot be a channel."""
+    if not part.size:
+        return "empty"
+    if part.dtype.kind in "mM":  # what is missing becomes NaN
+        since = part if part.dtype.kind == "m" else part - np.datetime64(0, "s")
+        return since / np.timedelta64(1, "s")
+    if part.dtype.kind not in "fiub":
+        return "text" if part.dtype.kind in "USOT" else f"numbers of type {part.dtype}"
+    return part.astype(np.float64, copy=False)
+
+
+def gathered(path: Path, kind: str, parts: Any, notes: tuple[str, ...] = ()) -> Table:
+    """Return a table of named parts: each a ``Column`` of any array, or why it is no channel."""
+    columns: dict[str, Column] = {}
+    others: dict[str, str] = {}
+    for name, part in parts:
+        values = part if isinstance(part, str) else numbers_of(np.asarray(part.values))
+        if isinstance(values, str):
+            others[name] = values
+            continue
+        found = spread(name, values) if values.size > 1 else {}
+        if not found:
+            others[name] = f"{values.ndim} dimensions" if values.size > 1 else "one number"
+        for column, array in found.items():
+            columns[column] = Column(array, part.unit, part.label)
+    return Table(path, kind, columns, others, notes)

@@ -1,0 +1,218 @@
+"""Arrays of MATLAB and HDF5, and which format a file is of."""
+
+import calendar
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.sparse
+from matio import save_to_mat
+
+from fprc.errors import LogError
+from fprc.recordings.table import read_table
+
+Y = np.arange(50.0).reshape(-1, 1)
+COLUMNS = {"t": Y.ravel() / 100.0, "angle": np.sin(Y.ravel()), "force": Y.ravel() ** 2}
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Let a function write an HDF5 file, and return the table read from it."""
+
+    def written(write):
+        with h5py.File(tmp_path / "log.h5", "w") as file:
+            write(file)
+        return read_table(tmp_path / "log.h5")
+
+    return written
+
+
+@pytest.fixture(params=["5", "7.3"])
+def read(request, tmp_path, matlab_files):
+    """Write variables as a version of MATLAB does, and return the table read."""
+    writers = {"5": matlab_files.write_matlab5, "7.3": matlab_files.write_matlab73}
+
+    def read(content):
+        writers[request.param](tmp_path / "log.mat", content)
+        return read_table(tmp_path / "log.mat")
+
+    return read
+
+
+def columns(table):
+    return {name: column.values.tolist() for name, column in table.columns.items()}
+
+
+def refusal(path):
+    with pytest.raises(LogError) as caught:
+        read_table(path)
+    return str(caught.value)
+
+
+def test_parts_have_the_names_that_matlab_gives_them(read, matlab_files):
+    """Every name listed can be used in a map."""
+    Cells, Structs = matlab_files.Cells, matlab_files.Structs  # noqa: N806
+    steps = [{"y": k * Y, "u": {"p": -k * Y}} for k in (1, 2, 3)]
+    table = read(
+        {
+            "x": Y,
+            "train": Cells((1, 3), steps),
+            "grid": Cells((2, 2), [1 * Y, 2 * Y, 3 * Y, 4 * Y]),
+            "deep": {"a": {"b": Cells((2, 1), [Y, {"c": steps[0]}])}},
+            "run": Structs((1, 2), [{"p": Y}, {"p": 2 * Y}]),
+            "q": np.arange(6.0).reshape(3, 2),
+        }
+    )
+    y = Y.ravel()
+    expected = {"x": y, "deep.a.b{1}": y, "run(1).p": y, "run(2).p": 2 * y}
+    for k in (1, 2, 3):
+        expected |= {f"train{{{k}}}.y": k * y, f"train{{{k}}}.u.p": -k * y}
+    expected |= {"deep.a.b{2}.c.y": y, "deep.a.b{2}.c.u.p": -y}
+    expected |= {f"grid{{{k}}}": k * y for k in (1, 2, 3, 4)}
+    expected |= {"q[:, 0]": np.array([0.0, 2.0, 4.0]), "q[:, 1]": np.array([1.0, 3.0, 5.0])}
+    assert columns(table) == {name: values.tolist() for name, values in expected.items()}
+    assert all(table.pick(name).values.tolist() == v.tolist() for name, v in expected.items())
+
+
+def test_empty_and_non_numeric_parts_leave_the_rest_of_the_file(read, matlab_files):
+    nothing = np.zeros((0, 0))
+    table = read(
+        {
+            "x": Y,
+            "none": nothing,
+            "cells": matlab_files.Cells((1, 2), [nothing, Y]),
+            "run": {"a": nothing, "b": Y},
+            "name": "arm",
+            "video": np.zeros((2, 3, 4)),
+            "rate": np.ones((1, 1)),
+        }
+    )
+    assert sorted(columns(table)) == ["cells{2}", "run.b", "x"]
+    assert {"none", "cells{1}", "run.a", "video", "rate"} <= set(table.others)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("run.q", "did you mean run.q[:, "),
+        ("run.q[:,2]", "did you mean run.q[:, 2]?"),
+        ("run.Q[:, 1]", "did you mean run.q[:, 1]?"),
+        ("run(3).y", "did you mean run.y?"),
+        ("none", "cannot be a channel: empty"),
+    ],
+)
+def test_wrong_column_is_refused_with_the_right_ones(read, text, message):
+    q = np.arange(30.0).reshape(10, 3)
+    table = read({"run": {"q": q, "y": Y}, "none": np.zeros((0, 0))})
+    with pytest.raises(LogError) as caught:
+        table.pick(text)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("version", ["v7", "v7.3"])
+def test_tables_and_times_are_columns_and_other_objects_are_not(version, tmp_path):
+    p = [1.5, 2.5, 4.0]
+    steps = pd.to_timedelta([0, 5, 10], "ms").as_unit("ns").rename("Time")
+    dates = pd.to_datetime(["2024-03-01T12:00:00.000", "2024-03-01T12:00:00.005", None])
+    content = {
+        "tt": pd.DataFrame({"p": p}, index=steps),
+        "run": pd.DataFrame({"p": p, "at": dates.as_unit("ns"), "note": list("abc")}),
+        "s": scipy.sparse.eye_array(5).tocsc(),
+        "x": Y,
+    }
+    save_to_mat(str(tmp_path / "log.mat"), content, version=version)
+    table = read_table(tmp_path / "log.mat")
+    noon = calendar.timegm((2024, 3, 1, 12, 0, 0))
+    found = columns(table)
+    assert found.pop("run.at") == pytest.approx([noon, noon + 0.005, np.nan], abs=1e-6, nan_ok=True)
+    assert found == {"tt.Time": [0, 0.005, 0.01], "tt.p": p, "run.p": p, "x": Y.ravel().tolist()}
+    assert {"run.note", "s"} <= set(table.others)
+
+
+def test_what_is_no_column_of_hdf5_leaves_the_others(written, tmp_path):
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["y"] = np.arange(3.0)
+
+    def write(file):
+        file["group/x"] = np.arange(5)
+        file["on"] = np.arange(5) > 2
+        file["row"] = np.zeros((1, 5))
+        file["video"] = np.zeros((4, 3, 3))
+        file["who"] = "me"
+        file["rate"] = 100.0
+        file["none"] = h5py.Empty("f8")
+        file["outside"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/y")
+        file["nowhere"] = h5py.SoftLink("/gone")
+        layout = h5py.VirtualLayout((3,), "f8")
+        layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "y", (3,))
+        file.create_virtual_dataset("virtual", layout)
+        file.create_dataset("raw", (3,), "f8", external=[(tmp_path / "x.bin", 0, 24)])
+        file.create_dataset("huge", (10**5, 10**4), "f8", chunks=(100, 100), fillvalue=1.0)
+        file.create_dataset("part", (10, 6), "f8", chunks=(5, 2))[:, :4] = 1.0
+
+    table = written(write)
+    assert {n: c.values.shape for n, c in table.columns.items()} == dict.fromkeys(
+        ("group/x", "on", "row"), (5,)
+    )
+    assert set(table.others) == {
+        "video", "who", "rate", "none", "outside", "nowhere", "virtual", "raw", "huge", "part",
+    }  # fmt: skip
+
+
+def test_dataset_that_cannot_be_read_leaves_the_others(written, tmp_path):
+    def write(file):
+        file["x"] = np.arange(5.0)
+        file.create_dataset("bad", data=np.arange(5.0), chunks=(5,), fletcher32=True)
+
+    written(write)
+    path = tmp_path / "log.h5"
+    with h5py.File(path) as file:
+        at = file["bad"].id.get_chunk_info(0).byte_offset
+    content = bytearray(path.read_bytes())
+    content[at] ^= 1
+    path.write_bytes(content)
+    table = read_table(path)
+    assert (list(table.columns), list(table.others)) == (["x"], ["bad"])
+
+
+@pytest.mark.parametrize("kind", ["hdf5", "matlab5", "matlab73", "npz", "xlsx"])
+def test_file_cut_anywhere_is_refused_with_its_name(kind, tmp_path, matlab_files):
+    path = tmp_path / "whole"
+    if kind == "hdf5":
+        with h5py.File(path, "w") as file:
+            for name, values in COLUMNS.items():
+                file[name] = values
+    elif kind == "npz":
+        np.savez(tmp_path / "whole.npz", **COLUMNS)
+        (tmp_path / "whole.npz").rename(path)
+    elif kind == "xlsx":
+        pd.DataFrame(COLUMNS).to_excel(tmp_path / "a.xlsx", index=False)
+        (tmp_path / "a.xlsx").rename(path)
+    else:
+        path = tmp_path / "whole.mat"
+        getattr(matlab_files, f"write_{kind}")(path, COLUMNS)
+    whole, cut = path.read_bytes(), path.with_stem("cut")
+    assert len(read_table(path).columns) == 3
+    for size in range(0, len(whole), len(whole) // 25):
+        cut.write_bytes(whole[:size])
+        assert refusal(cut).startswith(f"{cut}: ")
+
+
+@pytest.mark.parametrize(
+    ("content", "remedy"),
+    [
+        (b"\xd0\xcf\x11\xe0" + bytes(600), "save it as .xlsx"),
+        (b"\x1f\x8b" + bytes(60), "unpack it first"),
+        (b"\0\1\2\3" * 50, "save it as .csv"),
+    ],
+)
+def test_format_that_is_not_read_is_named_with_a_way_out(tmp_path, content, remedy):
+    (tmp_path / "log.dat").write_bytes(content)
+    assert remedy in refusal(tmp_path / "log.dat")
+
+
+def test_library_that_is_not_installed_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "nptdms", None)
+    (tmp_path / "log.tdms").write_bytes(b"TDSm" + bytes(60))
+    assert "pip install 'fprc[formats]'" in refusal(tmp_path / "log.tdms")

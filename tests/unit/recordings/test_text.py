@@ -1,0 +1,202 @@
+import csv
+import io
+
+import numpy as np
+import pytest
+from hypothesis import assume, example, given
+from hypothesis import strategies as st
+
+from fprc.errors import LogError
+from fprc.recordings import text as module
+from fprc.recordings.grid import is_value
+from fprc.recordings.names import is_unit
+from fprc.recordings.text import read_text
+
+
+@pytest.fixture
+def table(tmp_path):
+    """Write a text and return the table read from it."""
+
+    def table(text, **options):
+        path = tmp_path / "log.csv"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return read_text(path, **options)
+
+    return table
+
+
+def columns(table):
+    return {name: column.values.tolist() for name, column in table.columns.items()}
+
+
+#: Any text; without characters that files cannot hold, and line ends, which a name has not.
+MARKS = st.characters(exclude_categories=["Cs"], exclude_characters="\0\r\n\x1c\x1d\x1e\x1f\x85")
+NAMES = st.text(MARKS, max_size=6) | st.text('",;|\t #%"a.1', max_size=6)
+
+
+@given(
+    separator=st.sampled_from(",;\t| "),
+    names=st.lists(NAMES, min_size=2, max_size=5, unique_by=str.strip),
+    rows=st.integers(2, 8),
+    seed=st.integers(0, 9),
+)
+@example(separator=",", names=["t", "a,deg", "p", "z"], rows=3, seed=0)
+@example(separator=",", names=['5" pipe', "a;b", "line#2"], rows=3, seed=0)
+@example(separator=" ", names=["a,b", '"', "c d"], rows=3, seed=0)
+def test_table_of_any_names_comes_back_as_it_was_written(
+    tmp_path_factory, separator, names, rows, seed
+):
+    stripped = [name.strip() for name in names]
+    # a number, a comment, or a blank line may be meant: the ambiguous cases
+    assume(all(stripped) and not any(map(is_value, stripped)))
+    assume(not stripped[0].startswith(("#", "%", "sep=", "//")))
+    assume('"' not in "".join(stripped) or separator != " ")
+    assume(not all(map(is_unit, stripped)) and stripped[-1].lower() != "comment")
+    # unquoted, a tab is a blank
+    assume(separator != " " or "".join(names).isprintable())
+    numbers = np.random.default_rng(seed).standard_normal((rows, len(names)))
+    written = io.StringIO(newline="")
+    writer = csv.writer(written, delimiter=separator)
+    writer.writerow(names)
+    writer.writerows([[repr(float(number)) for number in row] for row in numbers])
+    path = tmp_path_factory.getbasetemp() / "any_table.csv"
+    path.write_bytes(written.getvalue().encode())
+    for options in ({}, {"separator": separator, "header_line": 1}):
+        found = read_text(path, **options)
+        assert found.others == {}
+        assert list(found.columns) == stripped
+        assert np.array_equal(np.column_stack([c.values for c in found.columns.values()]), numbers)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t,a\n0,1\n2,3\n", "t,a,\n0,1,\n2,3,\n", "t,a,\n0,1\n2,3\n", "t,a\n0,1,\n2,3,\n",
+        "\ufefft,a\n0,1\n2,3\n", "t,a\r\n0,1\r\n2,3\r\n\r\n", "sep=;\nt;a\n0;1\n2;3\n",
+        "# made in 2019, by, hand\n\nt,a\n\n0,1\n# half time \"\n2,3\n% end\n",
+        "t , a\n0 , 1\n2 , 3\n", "  t \t a  \n 0   1.0\n 2\t3  \n", "t|a\n0|1\n2|3\nEOF\n",
+        'made by a "logger\nt,a\ns,mm\n0,1\n2,3\n',
+    ],
+)  # fmt: skip
+def test_one_table_written_in_several_ways(table, text):
+    assert columns(table(text)) == {"t": [0, 2], "a": [1, 3]}
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8-sig", "utf-16", "utf-16-le"])
+def test_letters_of_other_encodings_are_read(table, encoding):
+    text = "t,angle [°]\n" + 90 * "0,1\n"
+    assert list(table(text.encode(encoding)).columns)[1] == "angle [°]"
+
+
+def test_columns_without_or_with_the_same_name_are_told_apart(table):
+    assert list(columns(table("t,a,\n0,1,5\n1,2,\n"))) == ["t", "a", "2"]
+    assert list(columns(table("t,a,a\n0,1,5\n1,2,6\n"))) == ["t", "a", "a (2)"]
+    assert columns(table("0,1.5\n1,2.5\n2,3.5\n")) == {"0": [0, 1, 2], "1": [1.5, 2.5, 3.5]}
+
+
+#: Text, the decimal mark declared or None, and what p is: numbers, or None if it is refused.
+DECIMALS = {
+    "comma": ("t;p\n0;1,25\n1;2\n", None, [1.25, 2.0]),
+    "comma, three digits": ("t;p\n0;1,250\n1;1,500\n", None, [1.25, 1.5]),
+    "comma, a 0 before it": ("t\tp\n0\t0,250\n1\t1,500\n", None, [0.25, 1.5]),
+    "comma, quoted": ('t,p\n"0","1,5"\n1,"2,25"\n', None, [1.5, 2.25]),
+    "comma, a gap": ("t;p\n0;1,250\n1;\n2;1.#QNAN\n3;2,500\n", None, [1.25, None, None, 2.5]),
+    "comma, shown by the clock": ("t;p\n0,5;990\n1,5;1,000\n", None, [990.0, 1.0]),
+    "point, three digits": ("t,p\n0,50.000\n1,50.125\n", None, [50.0, 50.125]),
+    "missing": ("t,p\n0,\n1,NA\n2, null \n3,nan\n4,5\n", None, [None] * 4 + [5.0]),
+    "declared": ("t;p\n0;990\n1;1,000\n", ",", [990.0, 1.0]),
+    "point, the clock has commas": ("t;p\n0,5;50.000\n1,5;50.125\n", None, None),
+    "comma, the clock has points": ('t,p\n0.0,"1,500"\n0.5,"1,501"\n', None, None),
+    "comma for thousands?": ("t\tp\n0\t1,500\n1\t1,501\n", None, None),
+    "comma in some rows": ("t;p\n0;990\n1;1,000\n", None, None),
+    "point for thousands?": ("t;p\n0;50.000\n1;50.125\n", None, None),
+    "both in a column": ("t;p\n0;1.5\n1;1,5\n", None, None),
+    "underscores": ("t,p\n0,1\n1,1_0\n", None, None),
+    "both in a number": ("t;p\n0;1.234,5\n1;1.234,6\n", None, None),
+    "declared otherwise": ("t;p\n0;50.000\n1;5,5\n", ",", None),
+}
+
+
+@pytest.mark.parametrize("case", DECIMALS)
+def test_decimal_mark_is_that_of_the_file_or_refused(table, case):
+    text, decimal, expected = DECIMALS[case]
+    found = table(text, decimal=decimal)
+    if expected is None:
+        assert "p" in found.others
+    else:
+        assert found.others == {}
+        np.testing.assert_array_equal(found.columns["p"].values, np.array(expected, float))
+
+
+@given(
+    numbers=st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=5),
+    separator=st.sampled_from([";", "\t", "|"]),
+    mark=st.sampled_from(".,"),
+    digits=st.integers(0, 4),
+)
+def test_number_is_read_as_it_was_written_or_not_at_all(
+    tmp_path_factory, numbers, separator, mark, digits
+):
+    texts = [f"{number:.{digits}f}" for number in numbers]
+    lines = [f"{k}{separator}{text.replace('.', mark)}" for k, text in enumerate(texts)]
+    path = tmp_path_factory.getbasetemp() / "decimals.csv"
+    path.write_text("\n".join([f"t{separator}p", *lines, ""]))
+    for options in ({}, {"decimal": mark}):
+        found = read_text(path, **options)
+        if "p" in found.columns or options:
+            assert found.columns["p"].values.tolist() == list(map(float, texts))
+
+
+@pytest.mark.parametrize("last", ["2,12", "2,1", "2,", "2", '2,"1', ""])
+def test_last_line_without_a_line_end_is_left_out_with_a_note(table, last):
+    found = table(f"t,x\n0,1\n1,2\n{last}")
+    assert columns(found) == {"t": [0, 1], "x": [1, 2]}
+    assert len(found.notes) == bool(last)
+
+
+def test_lines_of_header_and_data_may_be_given(table):
+    found = table("t,x\n7,8\nt,x\ns,mm\n0,1.5\n1,2.5\n", header_line=3, data_line=5)
+    assert columns(found) == {"t": [0, 1], "x": [1.5, 2.5]}
+    assert found.lines.tolist() == [5, 6]
+
+
+def test_line_that_is_no_sample_is_named_and_a_column_of_words_too(table):
+    found = table("t,x,who\n" + "0,1.5,me\n" * 20 + "pump\n" + "1,2,5 hose\n" * 20)
+    assert found.unusable == ("line 22: 'pump'",)
+    assert list(found.columns) == ["t", "x"]
+    assert "line 2 holds 'me'" in found.others["who"]
+
+
+@pytest.mark.parametrize(
+    ("content", "options", "place"),
+    [
+        ("", {}, "no samples"),
+        ("# only this", {}, "no samples"),
+        ("t,x\n", {}, "no samples"),
+        ("t,x\0\n", {}, "no known format"),
+        ("t,x\n" + "0,1\n2\n" * 9 + "2,3\n", {}, "line 3"),
+        ("t,x\n0,1\n1,2\n", {"header_line": 9}, "csv.header_line"),
+        ("t,x\n0,1\n1,2\n", {"header_line": 2, "data_line": 2}, "csv.data_line = 2"),
+        ("t,x\n0,1\n1,2\n", {"data_line": 9}, "no samples"),
+    ],
+)
+def test_text_that_is_no_table_is_refused_with_the_place(table, content, options, place):
+    with pytest.raises(LogError) as caught:
+        table(content, **options)
+    assert "log.csv: " in str(caught.value)
+    assert place in str(caught.value)
+
+
+def test_large_text_is_refused_unread(table, monkeypatch):
+    monkeypatch.setattr(module, "LARGEST_TEXT_BYTES", 8)
+    with pytest.raises(LogError, match="must have at most 8"):
+        table("t,x\n0,1\n1,2\n")
+
+
+def test_many_columns_are_read(table):
+    """With a quadratic search over names this takes a minute for 20,000."""
+    names = [f"c{k}" for k in range(20_000)]
+    line = ",".join("1.5" for _ in names)
+    found = table("\n".join([",".join(names), line, line, ""]))
+    assert len(found.columns) == 20_000
+    assert found.columns["c19999"].values.tolist() == [1.5, 1.5]
