@@ -311,8 +311,4 @@ def is_json_with(path: Path | str, *keys: str) -> bool:
 
 def write_csv(path: Path | str, table: "DataFrame") -> None:
     """Write a table with six significant digits; missing values are empty."""
-    texts = table.select_dtypes(exclude="number").map(
-        lambda cell: escape.spreadsheet(cell) if isinstance(cell, str) else cell
-    )
-    texts = texts.astype(object)  # `map` turns mixed numbers into floats, which print differently
-    write_text(path, table.assign(**texts).to_csv(index=False, float_format="%.6g"))
+    write_text(path, table.to_csv(index=False, float_format="%.6g"))

@@ -27,13 +27,10 @@ def _run(arguments: Sequence[str] | None) -> int:
 
     from fprc.commands.parser import parser
     from fprc.errors import FprcError
-    from fprc.escape import TerminalFormatter
 
     # the messages of this package, not those of other libraries
-    handler = logging.StreamHandler()
-    handler.setFormatter(TerminalFormatter())
     messages = logging.getLogger("fprc")
-    messages.handlers = [handler]
+    messages.handlers = [logging.StreamHandler()]
     messages.setLevel(logging.INFO)
     try:
         try:

@@ -7,18 +7,18 @@ line and the workflow print it without a traceback.
 from collections.abc import Collection
 from typing import Self
 
-from fprc.escape import terminal
+from fprc.escape import visible
 
 
 class FprcError(Exception):
     """Base class of the errors that this package raises on purpose.
 
-    Messages may quote files; control characters in them are escaped.
+    Messages may quote names of files and columns; unprintable characters in them are escaped.
     """
 
     def __str__(self) -> str:
-        """Return the message, with control characters escaped."""
-        return terminal(super().__str__())
+        """Return the message, with unprintable characters escaped."""
+        return visible(super().__str__(), kept="\n\t")
 
 
 class ConfigError(FprcError):

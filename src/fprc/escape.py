@@ -1,14 +1,11 @@
-"""Text for readers: lists in words; escapes for terminals, spreadsheets, Markdown, figures.
+"""Text for readers: lists in words; escapes for messages, Markdown and figures.
 
-Column names, notes, units and file names come from outside. Terminal commands, formulas and
-markup in them are shown as plain text.
+Column names, notes, units and file names come from outside. What is odd in them, and markup, is
+shown as plain text.
 """
 
-import logging
 import re
 from collections.abc import Iterable
-
-_FORMULA = re.compile(r"[=@\t\r]|[+-](?!\.?\d[\d.]*(e[+-]?\d+)?$)", re.IGNORECASE)
 
 
 def in_words(names: Iterable[str], conjunction: str = "and") -> str:
@@ -20,8 +17,7 @@ def in_words(names: Iterable[str], conjunction: str = "and") -> str:
 def visible(text: str, *, kept: str = "") -> str:
     r"""Return text on one line, with unprintable characters but those of ``kept`` as escapes.
 
-    A terminal executes control characters, and a lone surrogate cannot be
-    encoded: ``\x1b``, ``\n``, ``\u202e``, ``\udce9``.
+    Control characters, and lone surrogates, which cannot be encoded: ``\x1b``, ``\n``, ``\udce9``.
     """
     if text.isprintable():
         return text
@@ -33,27 +29,9 @@ def visible(text: str, *, kept: str = "") -> str:
     )
 
 
-def terminal(text: str) -> str:
-    """Escape a message as ``visible`` does, but keep its line ends and tabs."""
-    return visible(text, kept="\n\t")
-
-
-class TerminalFormatter(logging.Formatter):
-    """Logging formatter that escapes its lines with ``terminal``."""
-
-    def format(self, record: logging.LogRecord) -> str:
-        """Return the escaped text of a record."""
-        return terminal(super().format(record))
-
-
 def figure(text: str) -> str:
     """Return text that Matplotlib draws literally: ``$`` does not begin a formula."""
     return visible(text).replace("$", r"\$")
-
-
-def spreadsheet(text: str) -> str:
-    """Return text that a spreadsheet does not read as a formula, for a cell of a CSV file."""
-    return f"'{text}" if _FORMULA.match(text) else text
 
 
 def markdown(text: str) -> str:

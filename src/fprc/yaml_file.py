@@ -1,14 +1,12 @@
 """Read YAML files strictly: no duplicate keys, and YAML 1.2 numbers."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from fprc.errors import ConfigError
-from fprc.escape import visible
 from fprc.given import read_given
 
 #: The core schema of YAML 1.2; PyYAML uses that of 1.1, where 010 is 8, 1:30 is 90 and `no` is
@@ -45,12 +43,12 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
     Raises
     ------
     ConfigError
-        The file cannot be read, is not YAML, or has no keys and values; or the first duplicate
-        key or other refused content, with its line.
+        The file cannot be read, is not YAML, or has no keys and values; lists every key that is
+        repeated, with its line.
     """
     content = read_given(path, error=ConfigError, most_bytes=_LIMIT_BYTES)
     try:
-        settings = _parsed(content.decode("utf-8"))
+        settings = _Reader(content.decode("utf-8")).whole()
     except (ValueError, yaml.YAMLError) as error:
         # PyYAML puts every place on a line after the sentence
         message = re.sub(r'\n\s+in "<.*>", (.*)', r" (\1)", str(error)).replace("\n", ", ")
@@ -62,48 +60,52 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
     return settings or {}
 
 
-def _parsed(text: str) -> Any:
-    content, documents = None, 0
-    # events, not nodes: this stops at deep nesting, and shows aliases
-    events = yaml.parse(text, Loader=_LOADER)
-    for event in events:
-        if isinstance(event, yaml.DocumentStartEvent):
-            documents += 1
-            if documents > 1:
-                raise _refused(event, "--- begins another document; use one file for each")
-            content = _value(next(events), events, 0)
-    return content
+class _Reader:
+    """The events of a text, which stop at deep nesting and show aliases and repeated keys."""
 
+    def __init__(self, text: str) -> None:
+        self.events = yaml.parse(text, Loader=_LOADER)
+        self.repeated: list[str] = []
 
-def _value(event: yaml.Event, events: Iterator[yaml.Event], level: int) -> Any:
-    """Return the value that begins with an event; consumes its remaining events."""
-    if level > _LIMIT_LEVELS:
-        raise _refused(event, f"more than {_LIMIT_LEVELS} levels, the limit for settings")
-    if isinstance(event, yaml.AliasEvent):
-        raise _refused(event, f"*{event.anchor} is an alias of another value; write out the value")
-    if event.tag is not None:
-        raise _refused(event, f"remove the tag {event.tag}")
-    if isinstance(event, yaml.SequenceStartEvent):
-        items: list[Any] = []
-        while not isinstance(event := next(events), yaml.SequenceEndEvent):
-            items.append(_value(event, events, level + 1))
-        return items
-    if isinstance(event, yaml.MappingStartEvent):
-        content: dict[Any, Any] = {}
-        while not isinstance(event := next(events), yaml.MappingEndEvent):
-            key = _value(event, events, level + 1)
-            if isinstance(key, dict | list):
-                raise _refused(event, f"{_shown(key)}: a key must be a single word")
-            if key in content:
-                raise _refused(event, f"{_shown(key)} is a duplicate; remove one of them")
-            content[key] = _value(next(events), events, level + 1)
+    def whole(self) -> Any:
+        """Return the only value of the text."""
+        content, documents = None, 0
+        for event in self.events:
+            if isinstance(event, yaml.DocumentStartEvent):
+                documents += 1
+                if documents > 1:
+                    raise _refused(event, "--- begins another document; use one file for each")
+                content = self.value(next(self.events), 0)
+        if self.repeated:
+            raise ValueError("; ".join(self.repeated))
         return content
-    is_plain, _ = event.implicit
-    return _scalar(event.value) if is_plain else event.value
 
-
-def _shown(key: Any) -> str:
-    return visible(str(key))[:40]
+    def value(self, event: yaml.Event, level: int) -> Any:
+        """Return the value that begins with an event; consumes its remaining events."""
+        if level > _LIMIT_LEVELS:
+            raise _refused(event, f"more than {_LIMIT_LEVELS} levels, the limit for settings")
+        if isinstance(event, yaml.AliasEvent):
+            raise _refused(event, f"*{event.anchor} is an alias of a value; write out the value")
+        if event.tag is not None:
+            raise _refused(event, f"remove the tag {event.tag}")
+        if isinstance(event, yaml.SequenceStartEvent):
+            items: list[Any] = []
+            while not isinstance(event := next(self.events), yaml.SequenceEndEvent):
+                items.append(self.value(event, level + 1))
+            return items
+        if isinstance(event, yaml.MappingStartEvent):
+            content: dict[Any, Any] = {}
+            while not isinstance(event := next(self.events), yaml.MappingEndEvent):
+                key = self.value(event, level + 1)
+                if isinstance(key, dict | list):
+                    raise _refused(event, f"{key!s:.40}: a key must be a single word")
+                if key in content:
+                    why = f"{key!s:.40} is a duplicate; remove one of them"
+                    self.repeated.append(str(_refused(event, why)))
+                content[key] = self.value(next(self.events), level + 1)
+            return content
+        is_plain, _ = event.implicit
+        return _scalar(event.value) if is_plain else event.value
 
 
 def _refused(event: yaml.Event, why: str) -> ValueError:

@@ -12,13 +12,6 @@ from fprc import escape
 TEXTS = st.text(max_size=30) | st.text("$\\_^{}|`<>*&[]=+-@'\"\x1b\n\t1e.,", max_size=30)
 
 
-@given(text=TEXTS)
-def test_terminal_gets_no_control_characters(text):
-    kept = escape.terminal(text)
-    assert all(mark.isprintable() or mark in "\n\t" for mark in kept)
-    assert kept.count("\n") == text.count("\n")
-
-
 @given(st.text(st.characters(codec=None)))
 def test_any_text_becomes_one_printable_line_that_can_be_encoded(text):
     assert escape.visible(text).isprintable()
@@ -63,16 +56,6 @@ def test_code_of_markdown_ends_where_the_text_does(text):
     if inner.startswith(" ") and inner.endswith(" ") and inner.strip():
         inner = inner[1:-1]
     assert inner.strip() == escape.visible(text).strip()
-
-
-@pytest.mark.parametrize("text", ["=1+1", "+SUM(A1)", "-cmd|'/c'!A0", "@x", "\t=1", "-", "--1"])
-def test_spreadsheet_computes_nothing(text):
-    assert escape.spreadsheet(text) == f"'{text}"
-
-
-@pytest.mark.parametrize("text", ["-1.5", "+2", "-.5e-3", "1=1", "N", "", "% of its scale", "m=s"])
-def test_numbers_and_plain_texts_are_no_formulae(text):
-    assert escape.spreadsheet(text) == text
 
 
 TYPESET = [

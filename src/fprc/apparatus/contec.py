@@ -9,7 +9,6 @@ import ctypes
 from typing import Any
 
 from fprc.errors import DeviceError
-from fprc.escape import visible
 
 _PM10 = 0  # range of +- 10 V
 _SIGNATURES = {
@@ -42,7 +41,7 @@ def load_library(path: str = "") -> ctypes.CDLL:
         library = ctypes.CDLL(name)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name
         raise DeviceError(
-            f"driver {visible(name)}: cannot be loaded ({error}); install Contec's "
+            f"driver {name}: cannot be loaded ({error}); install Contec's "
             "API-AIO(LNX) from contec.com, or set hardware.boards.library to its path"
         ) from error
     for call, types in _SIGNATURES.items():

@@ -8,7 +8,6 @@ from typing import Any
 from fprc.apparatus.recovery import recover
 from fprc.config import Settings
 from fprc.errors import LogError
-from fprc.escape import visible
 from fprc.logs import assess, read_raw
 from fprc.logs.quality import warnings
 from fprc.paper import SOURCES
@@ -57,7 +56,7 @@ def _page(path: str, record: Mapping[str, Any]) -> list[str]:
             for key, v in statistics.items()
         )
         lines.append(f"  {'loop':28} {', '.join(shown)}")
-    return [visible(line) for line in lines]
+    return lines
 
 
 def _record(path: str, limits: Mapping[str, Any]) -> dict[str, Any]:
@@ -71,11 +70,11 @@ def repair(source: str, *, out: str) -> int:
     """Recover a raw log from the journal of a run."""
     findings = recover(source, out)
     whole = findings.closed and not findings.lost
-    print(visible(f"{out}: {findings.samples} samples from {source}"))
+    print(f"{out}: {findings.samples} samples from {source}")
     if findings.missed_ticks:
         print(f"  {findings.missed_ticks} ticks were missed by the loop; never acquired")
     if findings.reason:
-        print(visible(f"  incomplete: {findings.reason}"))
+        print(f"  incomplete: {findings.reason}")
     if whole:
         print("  nothing is lost")
     return COMPLETE if whole else SOME_LOST

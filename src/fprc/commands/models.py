@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 from fprc.artifacts import refuse_output, replacing, write_text
 from fprc.config import from_files, local_files
 from fprc.errors import ConfigError, FprcError
-from fprc.escape import in_words, visible
+from fprc.escape import in_words
 from fprc.evaluation import prepare, rmse
 from fprc.evaluation.crossval import MOST_BYTES, refusals_of
 from fprc.experiments.data import Data, join
@@ -57,7 +57,7 @@ def train(
         f"best: training RMSE {result.train_rmse[result.best]:.2f} {data.unit}, validation "
         f"{result.validation_rmse[result.best]:.2f} {data.unit}"
     )
-    print(visible(report))
+    print(report)
 
 
 def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> None:
@@ -84,7 +84,7 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
         f"{'commanded' if data.attributes['target'] == 'command' else 'measured'} P_exp "
         f"{rmse(y, output):.2f} {data.unit}"
     )
-    print(visible(report))
+    print(report)
 
 
 def _read(logs: Sequence[str], settings: Settings, model: str) -> Data:

@@ -5,7 +5,6 @@ from typing import Literal
 
 from fprc.artifacts import refuse_output
 from fprc.config import from_files, local_files
-from fprc.escape import visible
 from fprc.plan.arguments import of_pressures
 from fprc.stages.record import record
 
@@ -35,4 +34,4 @@ def simulate(
         f"{out}: {experiment}, {signal['duration_s']:g} s at {control['sample_rate_hz']:g} Hz, on "
         f"the simulated rig {settings['fitted']['name']}, seed {settings['seed']}"
     )
-    print(visible(report))
+    print(report)

@@ -21,28 +21,24 @@ def _path_parts(folder: str) -> tuple[str, ...]:
 
 
 def _checked(folder: str) -> str:
-    # `out/` and `./out` are `out`
-    folder = str(PurePath(folder))
+    folder = str(PurePath(folder))  # `out/` and `./out` are `out`
     place = _path_parts(folder)
     first = (*place, "")[0]
-    hidden = first.startswith(".") and first != ".."
-    own = hidden or first in PROJECT_FOLDERS
-    reserved = ", ".join(sorted(PROJECT_FOLDERS))
-    wrong = {
-        "contains characters that cannot be printed": not folder.isprintable(),
-        "contains a brace, which is a wildcard for Snakemake": "{" in folder or "}" in folder,
-        "contains a name that begins or ends with a blank": any(
-            name != name.strip() for name in PurePath(folder).parts
-        ),
-        "begins with ~, which is not expanded; write out your home folder": folder.startswith("~"),
-        "begins with -, which commands read as an option": folder.startswith("-"),
-        "is the project's folder, or contains it": set(place) <= {".."},
-        f"is in {first}; hidden folders and {reserved} are the project's own": own,
-        "is your home folder": os.path.abspath(folder) == os.path.expanduser("~"),
-    }
-    if reasons := [reason for reason, holds in wrong.items() if holds]:
-        shown = repr(folder) if len(folder) < 60 else f"{folder[:60]!r}..."
-        raise ValueError(f"{shown} {', and '.join(reasons)}; choose another folder")
+    is_above = set(place) <= {".."} or os.path.abspath(folder) == os.path.expanduser("~")
+    is_hidden = first.startswith(".") and first != ".."
+    problems = []
+    if not folder.isprintable() or set("{}") & set(folder) or folder[0] in "~- ":
+        problems.append(
+            "must consist of printable characters without braces, which are wildcards for "
+            "Snakemake, and not begin with ~, - or a blank"
+        )
+    if is_above or is_hidden or first in PROJECT_FOLDERS:
+        problems.append(
+            "must be none of the project's own, which are hidden folders and "
+            f"{', '.join(sorted(PROJECT_FOLDERS))}, nor your home or what contains the project"
+        )
+    if problems:
+        raise ValueError(f"{folder[:60]!r}: {'; '.join(problems)}")
     return folder
 
 

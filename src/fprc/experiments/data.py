@@ -8,7 +8,6 @@ import numpy as np
 
 from fprc.channels import TARGETS, unit_of
 from fprc.errors import LogError
-from fprc.escape import visible
 from fprc.logs import Columns, read_columns
 from fprc.logs.quality import noted_unit, substitute
 from fprc.registry import entries, entry_of
@@ -103,7 +102,7 @@ def select_channels(
         target = next(name for name in TARGETS if name != target)
     for name in (TARGETS[target], *inputs):
         if (other := substitute(name, source.attributes)) is not None:
-            log.warning("warning: %s: not in %s: %s", name, unit_of(name), visible(other))
+            log.warning("warning: %s: not in %s: %s", name, unit_of(name), other)
     channels = {
         "time_s": source.channels["time_s"],
         "p_target_kpa": source.channels[TARGETS[target]],

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from fprc.errors import FprcError
-from fprc.escape import visible
 from fprc.experiments.data import Data
 from fprc.models import SequenceModel
 from fprc.registry import entry_of
@@ -44,6 +43,6 @@ def refuse_other_data(model: Any, which: str, sample_rate_hz: float, units: Sequ
     if trained != list(units):
         theirs, ours = (f"{first} from {', '.join(others)}" for first, *others in (trained, units))
         raise FprcError(
-            visible(f"{which}, was trained to give {theirs}, and here must give {ours}; train it")
-            + " again on logs in these units"
+            f"{which}, was trained to give {theirs}, and here must give {ours}; train it again on "
+            "logs in these units"
         )

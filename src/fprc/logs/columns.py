@@ -12,7 +12,6 @@ import numpy as np
 from fprc.artifacts import replacing
 from fprc.channels import unit_of
 from fprc.errors import LogError
-from fprc.escape import visible
 from fprc.given import open_given
 from fprc.logs.attributes import as_written, read_attributes
 
@@ -233,10 +232,10 @@ def _channel_of(file: h5py.File, name: str) -> h5py.Dataset:
     """
     link = file.get(name, getlink=True)
     if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
-        raise LogError(f"is a link to {visible(link.path)}; copy the samples into a dataset here")
+        raise LogError(f"is a link to {link.path}; copy the samples into a dataset here")
     dataset = None if link is None else file.get(name)
     if not isinstance(dataset, h5py.Dataset):
-        every = [visible(os.fsdecode(name)) for name in file]  # bytes: the name is not UTF-8
+        every = [os.fsdecode(name) for name in file]  # bytes: the name is not UTF-8
         more = f" and {len(every) - 12} more" if len(every) > 12 else ""
         raise LogError(f"missing; the file has {', '.join(every[:12]) or 'none'}{more}")
     if dataset.is_virtual or dataset.external:

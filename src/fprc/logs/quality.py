@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from fprc.channels import CHANNELS, NEEDED_SENSORS, unit_of
-from fprc.escape import visible
 from fprc.logs.columns import Columns
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
 
@@ -103,7 +102,7 @@ def noted_unit(name: str, attributes: Mapping[str, Any]) -> str:
 def warnings(record: Mapping[str, Any]) -> list[str]:
     """Return one line for each failed check of a quality record."""
     return [
-        visible(f"{record['log']}: {name}: {check['finding']}")
+        f"{record['log']}: {name}: {check['finding']}"
         for name, check in record["checks"].items()
         if not check["passed"]
     ]

@@ -9,7 +9,7 @@ from typing import Any
 
 from fprc.channels import CHANNELS
 from fprc.errors import ConfigError, LogError
-from fprc.escape import in_words, terminal
+from fprc.escape import in_words
 from fprc.logs import Columns, read_columns
 from fprc.logs.columns import read_each
 from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
@@ -123,7 +123,7 @@ class Plan:
     def refusal(self, target: str) -> str:
         """Return the error message for a target that cannot be made."""
         why = f"{BY_NAME[target].title} {self.unavailable[target]}"
-        return terminal(f"{target}: not available for this data: {why}")
+        return f"{target}: not available for this data: {why}"
 
     @cached_property
     def left_out(self) -> dict[str, str]:

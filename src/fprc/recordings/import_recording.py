@@ -10,7 +10,7 @@ from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all
 from fprc.channels import unit_of
 from fprc.config import Settings
 from fprc.errors import ConfigError, LogError
-from fprc.escape import terminal, visible
+from fprc.escape import visible
 from fprc.figures import style
 from fprc.logs import read_columns, write_raw
 from fprc.logs.quality import other_quantity
@@ -149,7 +149,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         f"{raw}: {len(time_s)} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and "
         ".png",
     ]
-    print(terminal("\n".join(report)))
+    print("\n".join(report))
 
 
 def _outputs_beside(raw: str) -> tuple[str, str]:

@@ -14,7 +14,6 @@ from threadpoolctl import threadpool_limits
 from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, write_text
 from fprc.config import from_files
 from fprc.errors import ConfigError, FprcError, LogError
-from fprc.escape import terminal
 from fprc.evaluation.rates import settings_at
 from fprc.evaluation.sides import FAMILIES, SHIFTS, Recordings, progress
 from fprc.experiments.data import Data, read_data
@@ -104,7 +103,7 @@ def report_readout(
         doubts = cautions(folder)
         write_text(page, report_page(parts, map_, settings, folder, report, rates, doubts))
         lines = [report["answer"]["words"], *(f"Doubtful: {line}" for line in doubts)]
-        print(terminal("\n".join([*lines, *sentences(report["claims"]), str(page)])))
+        print("\n".join([*lines, *sentences(report["claims"]), str(page)]))
         lock.unlink()
 
 

@@ -12,7 +12,6 @@ from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import explaining
 from fprc.errors import FprcError
-from fprc.escape import TerminalFormatter
 
 log = logging.getLogger("fprc")
 
@@ -60,7 +59,7 @@ def module_of(name: str) -> str:
 
 
 def _log_to(path: str, label: str) -> None:
-    line = TerminalFormatter(f"[{label}] %(message)s")
+    line = logging.Formatter(f"[{label}] %(message)s")
     log.setLevel(logging.DEBUG)
     terminal = logging.StreamHandler()
     everything = os.environ.get("FPRC_MESSAGES") == "all"

@@ -29,58 +29,18 @@ def project(tmp_path, monkeypatch):
     return project
 
 
-@pytest.mark.parametrize("key", ["raw", "results"])
 @pytest.mark.parametrize(
-    ("folder", "reason"),
-    [
-        ("/", "contains it"),
-        ("//", "contains it"),
-        (".", "is the project's folder"),
-        ("..", "contains it"),
-        ("../..", "contains it"),
-        ("{project}", "is the project's folder"),
-        ("{project}/..", "contains it"),
-        ("../project", "is the project's folder"),
-        ("{home}", "is your home folder"),
-        ("src", "is in src"),
-        ("config", "is in config"),
-        ("tests/out", "is in tests"),
-        ("{project}/docs/images", "is in docs"),
-        ("results/../workflow", "is in workflow"),
-        (".git", "is in .git"),
-        (".snakemake/x", "is in .snakemake"),
-        ("./.venv", "is in .venv"),
-        ("a\0b", "contains the character NUL"),
-        ("a\nb", "cannot be printed"),
-        ("a\x1b[31mb", "cannot be printed"),
-        ("a\u2028b", "cannot be printed"),
-        ("a{b}", "a brace"),
-        ("a}", "a brace"),
-        (" a", "a blank"),
-        ("a /b", "a blank"),
-        (" ", "a blank"),
-        ("~", "begins with ~"),
-        ("~/results", "begins with ~"),
-        ("-rf", "begins with -"),
-    ],
-)
-def test_folder_that_would_do_harm_is_refused_with_a_reason(project, key, folder, reason):
-    places = {"{project}": str(project), "{home}": os.environ["HOME"]}
-    for name, place in places.items():
-        folder = folder.replace(name, place)
-    message = refused(**{key: folder})
-    assert message.startswith(f"1 error in the configuration:\n  folders.{key}: ")
-    assert reason in message
-    assert len(message.splitlines()) == 2
-    assert message.replace("\n", "").isprintable()
-    assert len(message) < 300
-
-
-def test_every_reason_is_given_at_once():
-    message = refused(raw="src/{x\n", results="~")
-    assert message.startswith("2 errors in the configuration:\n")
-    for reason in ("a brace", "cannot be printed", "is in src", "begins with ~"):
-        assert reason in message
+    "folder",
+    ["/", ".", "..", "{project}", "../project", "{home}", "src", "tests/out", "{project}/docs/x",
+     "results/../workflow", ".git", "./.venv", "a\0b", "a\nb", "a{b}", " a", "~/results", "-rf"],
+)  # fmt: skip
+def test_folder_that_would_do_harm_is_refused(project, folder):
+    folder = (
+        folder.format(project=project, home=os.environ["HOME"]) if "{b" not in folder else folder
+    )
+    first, *others = refused(raw=folder, results=folder).splitlines()
+    assert first == "2 errors in the configuration:"
+    assert [line.split(":")[0] for line in others] == ["  folders.raw", "  folders.results"]
 
 
 @pytest.mark.parametrize(

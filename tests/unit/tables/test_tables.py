@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc import config
-from fprc.artifacts import write_csv, write_json
+from fprc.artifacts import write_json
 from fprc.logs import Columns
 from fprc.registry import MODELS
 from fprc.stages import tabulate
@@ -320,12 +320,6 @@ def test_unit_that_would_mark_up_a_page_is_text():
     page = pd.DataFrame({"Test [<b>|`$x]": ["1.50", "_#^"]})
     head = markdown(page, "A note.").splitlines()[2]
     assert head.strip("| ") == "Test [\\<b\\>\\|\\`\\$x]"
-
-
-def test_text_that_is_a_formula_is_none_in_a_csv(tmp_path):
-    table = pd.DataFrame({"unit": ["=1+1", "N", None], "x": [-1.5, 2.0, 3.0]})
-    write_csv(tmp_path / "t.csv", table)
-    assert (tmp_path / "t.csv").read_text() == "unit,x\n'=1+1,-1.5\nN,2\n,3\n"
 
 
 def by_metric(table, model):
