@@ -33,9 +33,26 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     before = _CONFIG.CACHE_DIR
     _CONFIG.CACHE_DIR = str(folder or before)
     try:
-        return numba.njit(cache=folder is not None, error_model="numpy", **options)(function)
+        compiled = numba.njit(cache=folder is not None, error_model="numpy", **options)(function)
+        if folder:
+            _forgive(compiled._cache)  # noqa: SLF001  # numba has no public name for it
+        return compiled
     finally:
         _CONFIG.CACHE_DIR = before
+
+
+def _forgive(cache: Any) -> None:
+    """Let a cache forget files that cannot be read, as a full disk or a power cut leaves them."""
+    load = cache.load_overload
+
+    def load_or_forget(*arguments: Any) -> Any:
+        try:
+            return load(*arguments)
+        except Exception:  # unpickling damaged bytes raises any type
+            cache.flush()
+            return None
+
+    cache.load_overload = load_or_forget
 
 
 def summing_kernel(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -70,6 +70,18 @@ def test_cache_cannot_go_stale_in_a_folder_of_the_users_choice(
     assert len(set(chosen.rglob("*.nbi")) - old) == 1
 
 
+@pytest.mark.parametrize("kind", ["*.nbi", "*.nbc"])
+@pytest.mark.parametrize("left", [0, 1, 100, -1])
+def test_damaged_cache_is_compiled_again(package, kernel_of, kind, left):
+    kernel_of()(1.0)
+    (file,) = package.rglob(kind)
+    file.write_bytes(file.read_bytes()[:left])
+    assert kernel_of()(3.0) == 6.0
+    whole = kernel_of()
+    assert whole(4.0) == 8.0
+    assert sum(whole.stats.cache_hits.values()) == 1
+
+
 @pytest.fixture
 def blocked(package, tmp_path, monkeypatch):
     """Make the package's own cache a file, so that there can be no folder; return the user's."""

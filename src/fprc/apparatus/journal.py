@@ -15,6 +15,7 @@ import struct
 import threading
 import zlib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
@@ -38,7 +39,7 @@ class Journal:
     Each sample is passed to the operating system at once, so that none is lost if the process
     ends. A thread syncs the file every ``sync_s``: a power cut loses at most the samples since the
     last sync, and the loop does not wait for the disk. Before each sync the thread checks that the
-    file was not deleted, moved, cut or unmounted; after that, ``append`` raises.
+    file was not deleted, moved, replaced, cut or unmounted; after that, ``append`` raises.
 
     As a context manager it closes itself; an exception marks it incomplete.
 
@@ -155,10 +156,8 @@ class Journal:
         self._syncing.join()
         self._problem = self._problem or self._loss()
         content: dict[str, Any] = {"reason": self._problem or reason, "statistics": statistics}
+        content["samples"] = self.samples
         try:
-            # by the file size: an interrupt may have come between a write and its count
-            size = os.fstat(self._file).st_size - self._start
-            content["samples"] = size // len(self._buffer)
             _write(self._file, END + _line(content, self._seed))
             os.fsync(self._file)
         except OSError as error:
@@ -205,17 +204,13 @@ class Journal:
     def _loss(self) -> str:
         """Return an error text if the file was lost; empty if it is whole."""
         written = self._start + self.samples * len(self._buffer)
-        try:
-            self.path.stat()  # fails if it was moved or unmounted
+        with suppress(OSError):  # if it was moved or unmounted
             kept = os.fstat(self._file)
-            whole = kept.st_nlink > 0 and kept.st_size >= written
-        except OSError:
-            whole = False
-        if whole:
-            return ""
+            if os.path.samestat(self.path.stat(), kept) and kept.st_size >= written:
+                return ""
         return (
-            f"{self.path} was deleted, moved, cut or unmounted during the run; leave it alone, "
-            "and check its disk"
+            f"{self.path} was deleted, moved, replaced, cut or unmounted during the run; leave it "
+            "alone, and check its disk"
         )
 
 
@@ -255,8 +250,18 @@ def _line(content: Mapping[str, Any], seed: int = 0) -> bytes:
     return b"%08x %b\n" % (zlib.crc32(text, seed), text)
 
 
-def content_of(line: bytes, seed: int = 0) -> tuple[dict[str, Any], int] | None:
-    """Return the content of a line and its checksum; None if it was cut or damaged."""
+def content_of(line: bytes, types: Mapping[str, type], seed: int = 0) -> tuple[Any, int] | None:
+    """Return the content of a line and its checksum; None if it was cut, damaged or forged.
+
+    Parameters
+    ----------
+    types : Mapping of str to type
+        Keys that it must have, and what they hold.
+    """
     crc, _, text = line.rstrip(b"\n").partition(b" ")
     right = zlib.crc32(text, seed)
-    return (json.loads(text), right) if crc == b"%08x" % right else None
+    with suppress(ValueError, RecursionError):
+        content = json.loads(text) if crc == b"%08x" % right else None
+        if isinstance(content, dict) and all(type(content.get(k)) is types[k] for k in types):
+            return content, right
+    return None

@@ -20,7 +20,7 @@ import numpy as np
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.journal import Journal
 from fprc.apparatus.programme import plan
-from fprc.apparatus.recovery import recover, rescue
+from fprc.apparatus.recovery import difference, recover, rescue
 from fprc.apparatus.session import Stop, on_rig, reserve_pipes
 from fprc.channels import RAW_CHANNELS
 from fprc.control import RunAbortedError
@@ -66,7 +66,8 @@ def record(
     Raises
     ------
     ControlError, DeviceError
-        The run was refused or stopped; names the journal, or the log that replaces a lost one.
+        The run was refused or stopped, or its journal does not hold the samples that are in memory;
+        names the journal, or the log that replaces it.
     """
     experiment = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
@@ -95,6 +96,7 @@ def record(
             journal.close(stopped, **statistics)
         except LogError as error:
             failed = str(error)
+    failed = failed or difference(path, channels)
     kept = _kept(journal, channels, stopped, statistics, failed)
     if stopped or failed:
         why = stopped or "the run was complete, but not its log"

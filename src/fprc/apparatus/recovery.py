@@ -1,5 +1,6 @@
 """Read the journal of a run, however it ended, and convert it, or what it lost, to a raw log."""
 
+import re
 import tempfile
 import zlib
 from collections.abc import Mapping
@@ -9,11 +10,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.apparatus.journal import END, MAGIC, UINT32, Journal, content_of
+from fprc.apparatus.journal import END, MAGIC, Journal, content_of
+from fprc.apparatus.journal import UINT32 as _CRC
 from fprc.artifacts import refuse_output
 from fprc.errors import FprcError, LogError
 from fprc.given import read_given
 from fprc.logs.raw import write_raw
+
+#: What header and end mark must hold.
+_HEADER = {"names": list, "started": str}
+_END = {"samples": int, "reason": str, "statistics": dict}
+
+_NOT_ZERO = re.compile(rb"[^\0]")
 
 #: Largest journal: 16 h of ten channels at 200 Hz.
 LARGEST_JOURNAL_BYTES = 1 << 30
@@ -47,39 +55,55 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     LogError
         The file cannot be opened, is not a journal, or its header is damaged.
     """
-    path = Path(path)
     data = read_given(path, error=LogError, most_bytes=LARGEST_JOURNAL_BYTES)
-    line, _, rest = data.removeprefix(MAGIC).partition(b"\n")
-    header = content_of(line) if data.startswith(MAGIC) else None
-    if header is None:
+    line = data[: data.find(b"\n", len(MAGIC)) + 1]
+    header = content_of(line.removeprefix(MAGIC), _HEADER) if data.startswith(MAGIC) else None
+    names = header[0].pop("names") if header else []
+    if header is None or not names or not all(isinstance(name, str) for name in names):
         raise LogError(
             f"{path}: not a journal of this version, or its header is damaged or cut; give the "
             "file *.journal beside the raw log, restore it, or run again"
         )
     attributes, seed = header
-    names = attributes.pop("names")
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
-    # of an end mark that was not written whole, only its beginning may be there
-    samples, _, last = rest.partition(END)
-    end, _ = content_of(last, seed) or (None, 0)
-    appended = end["samples"] if end else -(-len(samples) // record.itemsize)
-    complete = len(samples) // record.itemsize
-    records = np.frombuffer(samples, record, complete)
-    checked = records.view(np.uint8).reshape(complete, record.itemsize)[:, : -UINT32.size]
-    right = np.flatnonzero([zlib.crc32(row, seed) for row in checked] == records["crc"])
+    starts, end, inside, after = _find(data, len(line), record.itemsize, seed)
+    records = np.array([data[at : at + record.itemsize] for at in starts], "V").view(record)
     # a disk that returns a page twice, or in another place, loses nothing
-    ticks, first = np.unique(records["tick"][right].astype(np.int64), return_index=True)
-    kept = right[first]
-    rows = records["row"][kept]
-    channels = {name: rows[:, j].copy() for j, name in enumerate(names)}
-    missed = int(np.ptp(ticks) - np.ptp(kept)) if kept.size else 0
-    return channels, attributes, _findings(kept.size, appended, missed, end)
+    ticks, kept = np.unique(records["tick"].astype(np.int64), return_index=True)
+    channels = {name: records["row"][kept, j] for j, name in enumerate(names)}
+    lost = max(end["samples"] - kept.size, 0) if end else inside + after
+    missed = int(np.ptp(ticks)) + 1 - kept.size - (lost if end else inside) if kept.size else 0
+    return channels, attributes, _findings(kept.size, lost, missed, end)
 
 
-def _findings(
-    samples: int, appended: int, missed_ticks: int, end: dict[str, Any] | None
-) -> Findings:
-    lost = max(appended - samples, 0)
+def _find(
+    data: bytes, at: int, size: int, seed: int
+) -> tuple[list[int], dict[str, Any] | None, int, int]:
+    """Return where samples begin, the end mark, and the samples lost among them and after them.
+
+    After bytes that are no sample, the next one is looked for at each byte: another program may
+    have written to the file.
+    """
+    starts, foreign, lost, last = list[int](), 0, 0, -1
+    while at < len(data):
+        sample = data[at : at + size]
+        if len(sample) == size and zlib.crc32(sample[:-4], seed) == _CRC.unpack(sample[-4:])[0]:
+            tick = int.from_bytes(sample[:8], "little")
+            if foreign:  # the ticks that are missing here were not missed by the loop
+                lost += tick - last - 1 if tick > last else foreign // size
+            last = tick
+            starts.append(at)
+            foreign, at = 0, at + size
+        elif sample.startswith(END) and (end := content_of(data[at + len(END) :], _END, seed)):
+            return starts, end[0], lost, 0
+        else:
+            other = _NOT_ZERO.search(data, at)  # a disk may return a long hole as zeros
+            step = max((other.start() if other else len(data)) - size + 1 - at, 1)
+            foreign, at = foreign + step, at + step
+    return starts, None, lost, -(-foreign // size)
+
+
+def _findings(samples: int, lost: int, missed_ticks: int, end: dict[str, Any] | None) -> Findings:
     reasons = []
     if end is None:
         reasons.append(
@@ -89,7 +113,7 @@ def _findings(
     elif end["reason"]:
         reasons.append(end["reason"])
     if lost:
-        reasons.append(f"{lost} of {appended} samples are lost")
+        reasons.append(f"{lost} of {samples + lost} samples are lost")
     return Findings(
         samples=samples,
         lost=lost,
@@ -98,6 +122,23 @@ def _findings(
         complete=not reasons,
         reason="; ".join(reasons),
         statistics=end["statistics"] if end else {},
+    )
+
+
+def difference(path: Path, channels: Mapping[str, np.ndarray]) -> str:
+    """Return how a closed journal differs from the samples in memory; empty if it has them all."""
+    try:
+        read, _, findings = read_journal(path)
+    except LogError as error:
+        return str(error)
+    samples = len(channels["time_s"])
+    # an interrupt may have come between the two
+    same = [np.array_equal(read[name][:samples], channels[name], equal_nan=True) for name in read]
+    if all(same):
+        return ""
+    return (
+        f"{path}: holds {findings.samples} samples that are not the {samples} of the run; another "
+        "program wrote to it, or its disk fails"
     )
 
 

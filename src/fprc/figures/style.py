@@ -98,7 +98,8 @@ _STYLE: dict[Any, Any] = {
 def figure(
     rows: int, columns: int, width_in: float, height_in: float, **options: Any
 ) -> tuple[Figure, Any]:
-    """Return a figure with a grid of axes in the house style."""
+    """Return a figure with a grid of axes in the house style, whatever a matplotlibrc says."""
+    matplotlib.rcdefaults()
     plt.rcParams.update(_STYLE)
     return plt.subplots(
         rows, columns, figsize=(width_in, height_in), layout="constrained", **options

@@ -1,8 +1,9 @@
 """HDF5 files of channels of equal length, each with a unit and checksums."""
 
+import errno
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -191,6 +192,33 @@ def _wrong_lengths(channels: Mapping[str, np.ndarray]) -> list[str]:
     return ["no samples; record the log again"] if 0 in lengths.values() else []
 
 
+def open_hdf5(path: Path) -> h5py.File:
+    """Open an HDF5 file for reading, also one whose writer in SWMR mode was killed or still runs.
+
+    Raises
+    ------
+    LogError
+        Another program has the file open, or never closed it.
+    OSError
+        It is no HDF5, cut short or damaged.
+    """
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        if error.errno == errno.EAGAIN:
+            raise LogError(
+                f"{path}: is open for writing in another program; close it there, then try again"
+            ) from error
+        if "already open for write" not in str(error):
+            raise
+        with suppress(OSError):
+            return h5py.File(path, "r", swmr=True)
+        raise LogError(
+            f"{path}: the program that wrote it still runs, or ended without closing it; end it, "
+            "or copy the file and close the copy with `h5clear -s`, a tool of HDF5"
+        ) from error
+
+
 @contextmanager
 def _opened(path: Path) -> Iterator[h5py.File]:
     """Open a file for reading; turn the library's exceptions into ``LogError``.
@@ -210,14 +238,14 @@ def _opened(path: Path) -> Iterator[h5py.File]:
                 f"{path}: not an HDF5 file; `fprc import` makes a raw log from a recording of "
                 "another program"
             )
-        with h5py.File(path, "r") as file:
+        with open_hdf5(path) as file:
             yield file
     except LogError:
         raise
     except Exception as error:  # on a damaged file the library raises many types
         raise LogError(
-            f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged, "
-            "restore it, or delete it and record it again"
+            f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged: "
+            "restore it from a copy or its journal, or record it again"
         ) from error
 
 

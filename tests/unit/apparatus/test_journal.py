@@ -3,6 +3,7 @@ import os
 import struct
 import threading
 import time
+import zlib
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.apparatus import journal as module
-from fprc.apparatus.journal import Journal
+from fprc.apparatus.journal import END, MAGIC, Journal
 from fprc.apparatus.recovery import read_journal, recover
 from fprc.channels import needed_by
 from fprc.cli import main
@@ -328,8 +329,53 @@ def test_samples_that_a_disk_lost_are_counted_and_the_others_sorted(
     assert ticks == [k for k in range(20) if k not in lost]
     assert findings.missed_ticks == 0
     assert (findings.closed, findings.complete) == (is_closed, is_closed and not lost)
-    # without an end mark, the number of samples is that of the places they take
-    assert findings.lost == (20 if is_closed else len(samples)) - len(ticks)
+    assert findings.lost == len(lost)
+
+
+#: What another program does to the bytes of the samples, and which it costs.
+FOREIGN = {
+    "5 bytes between": (lambda rest: rest[: 6 * SIZE] + b"other" + rest[6 * SIZE :], []),
+    "5 bytes within": (lambda rest: rest[: 6 * SIZE + 9] + b"other" + rest[6 * SIZE + 9 :], [6]),
+    "1 MB between": (lambda rest: rest[: 6 * SIZE] + bytes(10**6) + rest[6 * SIZE :], []),
+    "zeros instead": (lambda rest: rest[: 3 * SIZE] + bytes(2 * SIZE + 9) + rest[5 * SIZE + 9 :],
+                      [3, 4, 5]),
+    "bytes taken out": (lambda rest: rest[: 6 * SIZE + 9] + rest[8 * SIZE + 30 :], [6, 7, 8]),
+    "a mark of the end": (lambda rest: rest[: 6 * SIZE] + END + b"0 {}\n" + rest[6 * SIZE :], []),
+    "5 bytes in front": (lambda rest: b"other" + rest, []),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "lost"), FOREIGN.values(), ids=FOREIGN)
+@pytest.mark.parametrize("is_closed", [True, False])
+def test_bytes_of_another_program_cost_no_other_sample(closed, path, change, lost, is_closed):
+    data, start = closed
+    end = len(data) if is_closed else start + 20 * SIZE
+    path.write_bytes(data[:start] + change(data[start:end]))
+    ticks, findings = read_ticks(path)
+    assert ticks == [k for k in range(20) if k not in lost]
+    assert findings.complete is (is_closed and not lost)
+    assert (findings.lost, findings.missed_ticks) == (len(lost), 0)
+
+
+FORGED = [
+    b"[]", b"5", b"{", b"[" * 5000, b'{"started": "x"}', b'{"started": "x", "names": [5]}',
+    b'{"started": "x", "names": []}', b'{"started": "x", "names": ["a", "b"]}', b"NaN", b"\xff",
+    b'{"started": "x", "names": ["a", "a"], "experiment": [], "source": "rig"}',
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", FORGED)
+def test_forged_header_is_refused_in_a_line(text, path, capsys):
+    row = struct.pack("<Qdd", 0, 1.0, 2.0)
+    line = b"%08x %b\n" % (zlib.crc32(text), text)
+    crc = struct.pack("<I", zlib.crc32(row, zlib.crc32(text)))
+    path.write_bytes(MAGIC + line + row + crc)
+    copy = path.with_name("copy.h5")
+    assert main(["log", "repair", str(path), "--out", str(copy)]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    assert said.count("\n") == 1
+    assert not copy.exists()
 
 
 # --- as a raw log ---------------------------------------------------------------------------

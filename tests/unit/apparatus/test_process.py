@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -43,8 +44,8 @@ def record(bench, settings, live_by, asking, places, monkeypatch):
     def cut_short(*arguments):
         return plan(*arguments)._replace(samples=TICKS)
 
-    def record(lose, at=LOST):
-        journals, last = [], at == TICKS - 1
+    def record(lose, at=LOST, fails=True):
+        journals, last = [], at == TICKS - 1 or lose in (add_bytes, zero_bytes)
 
         def at_tick(tick):
             if tick == at:
@@ -60,10 +61,11 @@ def record(bench, settings, live_by, asking, places, monkeypatch):
         monkeypatch.setattr(process, "Journal", open_journal)
         sessions, _ = live_by(bench, at_tick)
         raw = str(places["raw"] / "sweep.h5")
-        with pytest.raises((RunAbortedError, LogError)) as caught:
+        expected = pytest.raises((RunAbortedError, LogError)) if fails else nullcontext()
+        with expected as caught:
             process.record("sweep", raw, settings=settings, stop=asking())
         assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
-        return str(caught.value), sessions[-1].tick
+        return fails and str(caught.value), sessions[-1].tick
 
     return record
 
@@ -75,6 +77,22 @@ def cut(path):
 def replace(path):
     path.unlink()
     path.write_bytes(bytes(10_000))
+
+
+def put_another_in_place(path):
+    path.with_name("other").write_bytes(bytes(10_000))
+    path.with_name("other").replace(path)
+
+
+def move_and_replace(path):
+    path.rename(path.with_name("moved"))
+    path.write_bytes(bytes(10**6))
+
+
+def copy_and_replace(path):
+    content = path.read_bytes()
+    path.unlink()
+    path.write_bytes(content + bytes(10**6))
 
 
 def delete_folder(path):
@@ -110,6 +128,9 @@ LOSSES = [
     (move_folder, "home"),
     (delete_both, "temporary"),
     (replace, "raw"),
+    (put_another_in_place, "raw"),
+    (move_and_replace, "raw"),
+    (copy_and_replace, "raw"),
 ]
 
 
@@ -139,6 +160,35 @@ def test_journal_that_is_lost_at_the_last_sample_costs_none(record, places, lose
     assert len(log.channels["time_s"]) == TICKS
     assert log.attributes["complete"]
     assert not (places["raw"] / "sweep.h5").exists()
+
+
+def add_bytes(path):
+    with path.open("ab") as file:
+        file.write(b"other")
+
+
+def zero_bytes(path):
+    with path.open("r+b") as file:
+        file.seek(-300, os.SEEK_END)
+        file.write(bytes(200))
+
+
+@pytest.mark.parametrize("at", [LOST, TICKS - 1])
+def test_samples_that_the_journal_does_not_give_back_are_saved(record, places, at):
+    error, last = record(zero_bytes, at)
+    assert last == TICKS - 1
+    _, path, log = rescued(places)
+    assert f"{path} has all of them" in error
+    assert (len(log.channels["time_s"]), log.attributes["complete"]) == (TICKS, True)
+    assert not (places["raw"] / "sweep.h5").exists()
+
+
+def test_foreign_bytes_between_samples_cost_nothing(record, places):
+    record(add_bytes, fails=False)
+    log = read_raw(
+        places["raw"] / "sweep.h5", experiment="sweep", sample_rate_hz=200.0, rate_tolerance=1e-6
+    )
+    assert (len(log.channels["time_s"]), log.attributes["complete"]) == (TICKS, True)
 
 
 def test_samples_that_can_be_saved_nowhere_are_said_to_be_lost(record, monkeypatch):

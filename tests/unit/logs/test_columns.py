@@ -1,3 +1,5 @@
+import fcntl
+import os
 import re
 from pathlib import Path
 
@@ -52,6 +54,44 @@ def outcomes(path, cases, names=NAMES):
         except LogError as error:
             found.append("LogError" if str(error).startswith(str(copy)) else str(error))
     return found
+
+
+# --- a writer of another program ------------------------------------------------------------
+
+
+def test_log_that_another_program_has_open_is_not_called_damaged(path):
+    with path.open("rb") as other:
+        fcntl.flock(other, fcntl.LOCK_EX)  # as HDF5 does
+        found = problem(path)
+    assert "is open for writing in another program" in found
+    assert read_columns(path, NAMES).attributes["source"] == "sim"
+
+
+@pytest.mark.parametrize(("swmr", "latest"), [(True, True), (False, True), (False, False)])
+def test_log_whose_writer_was_killed_is_read_or_named(path, swmr, latest):
+    whole = read_columns(path, NAMES)
+    copy = path.with_name("copy.h5")
+    if (child := os.fork()) == 0:
+        try:
+            file = h5py.File(path)
+            writer = h5py.File(copy, "w", libver="latest" if latest else "v108")
+            for name in file:
+                file.copy(name, writer)
+            for name, value in file.attrs.items():
+                writer.attrs[name] = value
+            if swmr:
+                writer.swmr_mode = True
+            writer.flush()
+        finally:
+            os._exit(9)
+    os.waitpid(child, 0)
+    if latest and not swmr:
+        found = problem(copy)
+        assert "ended without closing it" in found
+        assert "delete" not in found
+    else:
+        read = read_columns(copy, NAMES)
+        assert all(np.array_equal(read.channels[name], whole.channels[name]) for name in NAMES)
 
 
 # --- round trip -----------------------------------------------------------------------------
