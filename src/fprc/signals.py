@@ -139,8 +139,8 @@ def settled(channels: Mapping[str, np.ndarray], settle_s: float) -> dict[str, np
     return {name: values[after] for name, values in channels.items()}
 
 
-def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
-    """Return the width of the loop of ``y`` over ``x`` at the middle of the range of ``x``.
+def loop_width(x: np.ndarray, y: np.ndarray, share: float = 0.5) -> float:
+    """Return the width of the loop of ``y`` over ``x`` at a share of the range of ``x``.
 
     ``y`` is interpolated at the crossings: without that, the error of up to one sample would add
     a width that grows with frequency.
@@ -148,38 +148,43 @@ def width_at_middle(x: np.ndarray, y: np.ndarray) -> float:
     Raises
     ------
     EvaluationError
-        ``x`` does not cross its middle in both directions.
+        ``x`` does not cross that level in both directions.
     """
     smooth = np.convolve(np.pad(x, 4, mode="edge"), np.full(9, 1.0 / 9.0), mode="valid")
-    away = smooth - 0.5 * (x.min() + x.max())
+    away = smooth - (1.0 - share) * x.min() - share * x.max()
     k = np.flatnonzero(np.diff(np.sign(away)) != 0)
-    share = away[k] / (away[k] - away[k + 1])
-    value = y[k] + share * (y[k + 1] - y[k])
+    part = away[k] / (away[k] - away[k + 1])
+    value = y[k] + part * (y[k + 1] - y[k])
     rising = away[k + 1] > away[k]
     if rising.all() or not rising.any():
         raise EvaluationError(
             f"the width of a loop cannot be measured: in {len(x)} samples the signal does not "
-            "cross its middle in both directions; use a longer experiment"
+            f"cross {100 * share:.0f} % of its range in both directions; use a longer experiment"
         )
     return float(abs(value[rising].mean() - value[~rising].mean()))
 
 
-def loop_growth(time_s: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
-    """Return the loop width in the last quarter of a sweep over that in the first quarter."""
-    first, last = _quarters(time_s)
-    return width_at_middle(x[last], y[last]) / width_at_middle(x[first], y[first])
+#: Where the width of a loop is measured, as shares of the range of its abscissa.
+LOOP_SHARES = {"width_quarter": 0.25, "width_half": 0.5, "width_three_quarters": 0.75}
 
 
-def swing_growth(time_s: np.ndarray, y: np.ndarray) -> float:
-    """Return the swing in the last quarter of a sweep over that in the first quarter.
+def loop_changes(
+    time_s: np.ndarray, x: np.ndarray, y: np.ndarray, response: np.ndarray
+) -> dict[str, float]:
+    """Return how the loop of ``y`` over ``x`` changes over a sweep: last / first quarter.
 
-    The swing is the range of the middle four fifths of the samples: a start from rest and noise
-    hardly change it.
+    Returns
+    -------
+    dict
+        ``swing``, that of ``response``; the widths of the loop over the swing of ``y``, see
+        ``LOOP_SHARES``; and ``slope``, that of the regression of ``y`` on ``x``. A swing is the
+        range of the middle four fifths of the samples: a start from rest and noise hardly change
+        it.
     """
-    first, last = (np.ptp(np.percentile(y[part], (10.0, 90.0))) for part in _quarters(time_s))
-    return float(last / first)
-
-
-def _quarters(time_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return which samples are in the first and which in the last quarter."""
-    return time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]
+    shapes = []
+    for part in (time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]):
+        swing, of_response = (np.ptp(np.percentile(v[part], (10.0, 90.0))) for v in (y, response))
+        widths = [loop_width(x[part], y[part], share) / swing for share in LOOP_SHARES.values()]
+        shapes.append([of_response, *widths, np.polyfit(x[part], y[part], 1)[0]])
+    first, last = np.array(shapes)
+    return dict(zip(("swing", *LOOP_SHARES, "slope"), (last / first).tolist(), strict=True))

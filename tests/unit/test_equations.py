@@ -20,7 +20,7 @@ NAMED = {
     "control.loop.hysteresis_law": {"P_i"},
     "experiments.grids.normalised": {"min-max"},
     "experiments.grids.weight_shares": {"min-max", "weight shares"},
-    "studies.calibration.surrogate._Thinned.shares": {"min-max", "weight shares"},
+    "studies.calibration.surrogate._Thinned.p_o_over_theta_d": {"min-max", "weight shares"},
     "models.echo.echo_states": {"x(k+1)"},
     "models.echo.update": {"x(k+1)"},
     "models.esn.ESN": {"x(k+1)", "P_ff of the ESN", "ridge of the ESN"},

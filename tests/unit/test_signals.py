@@ -7,12 +7,12 @@ from scipy import signal
 from fprc.config import Settings
 from fprc.signals import (
     chirp,
+    loop_width,
     multisine,
     pressure_command,
     random_pushes,
     reference_angle,
     sample_times,
-    width_at_middle,
 )
 
 COMPLEX = Settings().experiments.complex.model_dump()
@@ -104,7 +104,7 @@ def test_width_of_a_backlash_is_its_play(play, samples):
     for k, value in enumerate(x):
         held = min(max(held, value - play / 2), value + play / 2)
         y[k] = held
-    assert width_at_middle(x, y) == pytest.approx(play, abs=1e-9)
+    assert loop_width(x, y) == pytest.approx(play, abs=1e-9)
 
 
 def test_width_is_taken_half_way_and_not_at_the_mean():
@@ -112,4 +112,4 @@ def test_width_is_taken_half_way_and_not_at_the_mean():
     time = np.arange(8000) / 200.0
     x = 0.25 * (1.0 - np.cos(0.8 * np.pi * time)) ** 2 - 0.5  # from -0.5 to 0.5, mean -0.125
     lens = np.sign(np.sin(0.8 * np.pi * time)) * (0.25 - x) ** 2
-    assert width_at_middle(x, lens) == pytest.approx(2.0 * 0.0625, rel=0.01)
+    assert loop_width(x, lens) == pytest.approx(2.0 * 0.0625, rel=0.01)

@@ -287,13 +287,6 @@ def smoked_copy(smoked, tmp_path):
 
 
 #: Few parameters of the rig.
-FEW_FREE = (
-    "calibration={free: [bending.friction_kpa, bending.friction_per_kpa, "
-    "drift.sigma_kpa, drift.time_s, reservoir.back_pressure_gain, "
-    "reservoir.squeeze_damping_kpa_s_per_ml], ranges: {}}"
-)
-
-
 @pytest.fixture(scope="session")
 def studied(smoked, shared):
     """Finished smoke run on which the targets outside `all` were made too, and what it printed."""
@@ -302,10 +295,6 @@ def studied(smoked, shared):
         copy = _copied(smoked[0], folder)
         # a job with one thread starts no workers, each of which would import the libraries
         single = ("--cores", "2", "--max-threads", "1")
-        made = copy.studies("families", "beyond", "online", cores=single)
-        done = copy.studies("sensitivity", "--config", FEW_FREE, cores=single)
-        done.returncode = made.returncode or done.returncode
-        done.stdout = made.stdout + done.stdout
-        return done
+        return copy.studies("families", "beyond", "online", cores=single)
 
     return once(shared, "studied", make)

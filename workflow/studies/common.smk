@@ -1,5 +1,9 @@
 # Names that several rules of the studies share.
 
+BEYOND = SETTINGS["beyond"]
+#: How the paper's models are judged, with any seed.
+EVERY_SEED = judgement(SETTINGS, without="seed", models=paper_models(SETTINGS))
+
 #: Rigs near print; decision 16 says how they were found.
 NEAR_PRINT = file_of_workflow("../../config/rigs/near_print.json")
 # an unrelated folder may have docs/images too

@@ -8,11 +8,9 @@ SHOWN = RESULTS == "results" and IN_CHECKOUT
 SHOWN_ON = {
     "calibration_page": SimpleNamespace(
         pages=["docs/calibration.md"],
-        tables=by_block("families", FAMILY_TABLES) | by_block("calibration", ["sensitivity"]),
-        figures={
-            "docs/images/sensitivity.png": PATHS.below("calibration/sensitivity_figure.png"),
-        },
-        targets=["families", "sensitivity"],
+        tables=by_block("families", FAMILY_TABLES),
+        figures={},
+        targets=["families"],
     ),
     "beyond_page": SimpleNamespace(
         pages=["docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],

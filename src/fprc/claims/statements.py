@@ -184,11 +184,20 @@ def loops_removed(r: Results, p: Printed) -> list[Statement]:
     return statements
 
 
-def frequency_independent(r: Results, pressure: str) -> list[Statement]:
-    """Ask for loops of actuator and reservoir that do not grow over the sweep."""
+#: Most by which a measure of a loop may grow or shrink over the sweep.
+_SAME = 1.2
+
+_OF_LOOPS = {
+    "swing": "swing", "width_quarter": "width / swing at a quarter of the angle",
+    "width_half": "width / swing at half the angle",
+    "width_three_quarters": "width / swing at three quarters of the angle", "slope": "slope",
+}  # fmt: skip
+
+
+def frequency_independent(r: Results, p: Printed) -> list[Statement]:
+    """Ask for loops of actuator and reservoir that are the same at both ends of the sweep."""
     return [
-        Statement(f"growth of the loop, {name}", n.measured(r, "hysteresis", key), 1 / 1.2, 1.2)
-        for key, name in (
-            (pressure, f"actuator over the {pressure} P_exp"), ("reservoir", "reservoir")
-        )
-    ]  # fmt: skip
+        Statement(f"{words}, {loop}", n.measured(r, "hysteresis", loop, key), 1 / _SAME, _SAME)
+        for loop in ("actuator", "reservoir")
+        for key, words in _OF_LOOPS.items()
+    ]

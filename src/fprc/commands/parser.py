@@ -236,9 +236,8 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
     ("calibrate", "commands.calibrate:calibrate_from_files", """
         Fit the simulated rig to what the paper prints and claims.
 
-        Fits the free parameters of the rig and writes a parameter file. The report is
-        written beside it as JSON, and so are the checkpoints of the searches: repeat
-        the command to continue a search that was stopped.
+        Fits the free parameters of the rig, from their ranges alone, and writes a
+        parameter file; docs/rigs.md says how. Takes an hour on two processors.
 
         examples:
           fprc calibrate

@@ -23,6 +23,3 @@ class Beyond(Section):
     shifts_kpa: NotEmpty[float] = quantity(
         (-5, -3, -2, -1, 0, 1, 2, 3, 5), (-100, 100), "constant shifts of P_o after the training"
     )
-    sensitivity_steps: int = quantity(
-        5, (2, 100), "values over each parameter's range in the sensitivity table"
-    )

@@ -9,19 +9,22 @@ from fprc.config.section import Distinct, NotEmpty, Section, quantity
 
 #: Terms of the objective, see ``fprc.studies.calibration.objective``.
 Term = Literal[
-    "tables", "orders", "plausible", "C8", "C9a", "C9b", "C11", "C12", "C18", "C18c", "open_loop",
-    "closed_loop", "closed_sweep", "margin",
+    "tables", "orders", "plausible", "C1b", "C8", "C9a", "C18", "open_loop", "closed_loop",
+    "closed_sweep", "margin",
 ]  # fmt: skip
 
 #: What a rig may have been searched for, also by searches that are not of this project.
-SearchedFor = Literal[Term, "closed_errors", "C1b"]
+SearchedFor = Literal[Term, "C9b", "C11", "C12", "closed_errors"]
+
+#: Seeds from here on belong to fits, so many to each ``calibration.seed``.
+FIRST_SEED, SEEDS_PER_FIT = 1_000_000, 10_000
 
 
 class Fitted(Section):
     """Where the rig's parameters come from; a fitted rig's file has this section."""
 
     name: str = Field("default", pattern=r"^[\w.-]+$", description="name of the rig")
-    to: tuple[Term, ...] = Field(
+    to: tuple[SearchedFor, ...] = Field(
         (), description="what it was fitted to; all but this and `start` is predicted"
     )
     start: tuple[SearchedFor, ...] = Field(
@@ -30,29 +33,8 @@ class Fitted(Section):
         "calibration.fit, closed_errors (Table IV with feedback), claims",
     )
     seeds: tuple[int, ...] = Field(
-        (), description="noise seeds that the fits saw; no further seed may be one of them"
-    )
-
-
-class FirstSearch(Section):
-    """The first search, on the first seed; that for ``calibration.fit``, on all seeds, follows."""
-
-    fit: tuple[Term, ...] = Field(
-        ("tables", "orders", "plausible", "C18", "open_loop"),
-        description="terms of its objective, of those in calibration.fit; none: no first search",
-    )
-    rounds: int = quantity(
-        4,
-        (1, 1000),
-        "rounds, each of a rig for each free parameter and up to 18 more; the search for "
-        "calibration.fit begins at the ends of the last round, 3 of 24 starts with 4 rounds, and "
-        "where this one began",
-    )
-    starts: int = quantity(
-        24,
-        (1, 1000),
-        "rigs at which it begins: that of the configuration, and random ones near it; each round "
-        "goes on from the better half",
+        (),
+        description="noise seeds that the fits saw; no further seed may be one of them",
     )
 
 
@@ -121,31 +103,20 @@ class Calibration(Section):
     )
     fit: NotEmpty[Term] = Field(
         (
-            "tables", "orders", "plausible", "C8", "C9b", "C11", "C12", "C18", "open_loop",
+            "tables", "orders", "plausible", "C1b", "C8", "C9a", "C18", "open_loop",
             "closed_loop", "closed_sweep", "margin",
         ),
-        description="terms of the objective: errors of Tables II and III, their orders (C1, C2, "
-        "C3, C7), plausible ranges, claims, open-loop Table IV; closed_loop asks only that FPRC+PD "
-        "is at least a fifth below FPRC, margin that it is below FPRC with gains half again as "
-        "large, closed_sweep for its printed error in the sweep",
+        description="terms of the objective: errors of Tables II and III, their orders (C2, C7), "
+        "plausible ranges, claims, open-loop Table IV; closed_loop asks only that FPRC+PD is at "
+        "least a fifth below FPRC, margin that it is below FPRC with gains half again as large, "
+        "closed_sweep for its printed error in the sweep",
     )  # fmt: skip
-    seeds: NotEmpty[int] = quantity(
-        (21, 22, 23, 24), (0, 2**31),
-        "noise seeds of the objective; with few, the search fits the noise",
-    )  # fmt: skip
-    full_seeds: NotEmpty[int] = quantity(
-        tuple(range(41, 57)), (0, 2**31),
-        "noise seeds on which the full models judge the rig where a round for calibration.fit "
-        "begins, and the fitted one",
-    )  # fmt: skip
-    taps: Distinct[int] = quantity(
-        (2, 3, 5, 7, 10), (1, 10), "n_u and n_y at which the search judges C12", unit="samples"
-    )
-    first: FirstSearch = FirstSearch()
-    passes: int = quantity(
-        2, (1, 100), "how often both searches are made, each time from where they ended"
-    )
-    rounds: int = quantity(20, (1, 1000), "rounds of the search for calibration.fit")
+    seed: int = quantity(1, (0, 1000), "seed of the drawn rigs and of all noise in the fit")
+    members: int = quantity(100, (10, 10_000), "rigs of the ensemble")
+    assimilations: int = quantity(5, (1, 100), "assimilations of the ensemble smoother")
+    rounds: int = quantity(5, (0, 1000), "rounds of the search from the best member")
+    seeds: int = quantity(2, (1, 100), "noise seeds of the search")
+    full_seeds: int = quantity(6, (1, 400), "noise seeds of the full models")
 
     @model_validator(mode="after")
     def _free_parameters_exist(self) -> "Calibration":

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from fprc.config.beyond import Beyond
-from fprc.config.calibration import Calibration, Fitted
+from fprc.config.calibration import FIRST_SEED, Calibration, Fitted
 from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.models import Evaluation, Grids, Models
@@ -135,13 +135,12 @@ class Settings(Section):
 
     @model_validator(mode="after")
     def _further_seeds_are_fresh(self) -> "Settings":
-        by_fits = (*self.calibration.seeds, *self.calibration.full_seeds, *self.fitted.seeds)
-        known = {self.seed, *by_fits}
-        seen = [seed for seed in self.evaluation.replicate_seeds if seed in known]
+        known = {self.seed, *self.fitted.seeds}
+        seen = [s for s in self.evaluation.replicate_seeds if s in known or s >= FIRST_SEED]
         if seen:
             raise ValueError(
-                f"evaluation.replicate_seeds: {', '.join(map(str, seen))} is also the main seed or "
-                "one of the calibration's or of the rig's fit; choose seeds that no fit has seen"
+                f"evaluation.replicate_seeds: {', '.join(map(str, seen))} is also the main seed, "
+                f"one of the rig's fit, or {FIRST_SEED} or more; choose seeds that no fit has seen"
             )
         return self
 

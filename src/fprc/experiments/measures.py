@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fprc.paper import LOOPS, REFERENCES
-from fprc.signals import loop_growth, rms, swing_growth, width_at_middle
+from fprc.signals import loop_changes, loop_width, rms
 
 Channels = Mapping[str, np.ndarray]
 
@@ -44,12 +44,16 @@ def measure_runs(
     }
 
 
-def measure_hysteresis(sweep: Channels) -> dict[str, float]:
-    """Return how loops, and the swing of P_o, grow over a sweep: last / first quarter."""
-    time_s, theta = sweep["time_s"], sweep["theta_deg"]
-    channels = {"measured": "p_exp_kpa", "commanded": "p_exp_command_kpa", "reservoir": "p_o_kpa"}
-    growths = {n: loop_growth(time_s, theta, sweep[channel]) for n, channel in channels.items()}
-    return growths | {"swing": swing_growth(time_s, sweep["p_o_kpa"])}
+def measure_hysteresis(sweep: Channels) -> dict[str, dict[str, float]]:
+    """Return how the loops of actuator and reservoir change over a sweep, see ``loop_changes``.
+
+    Those of the actuator are of the commanded P_exp over theta, and its swing is that of theta.
+    """
+    time_s, theta, p_o = sweep["time_s"], sweep["theta_deg"], sweep["p_o_kpa"]
+    return {
+        "actuator": loop_changes(time_s, theta, sweep["p_exp_command_kpa"], theta),
+        "reservoir": loop_changes(time_s, theta, p_o, p_o),
+    }
 
 
 def measure_pressure_error(sweep: Channels) -> dict[str, float]:
@@ -91,7 +95,7 @@ def _sweep(run: Channels) -> dict[str, float]:
 
 def _loop(run: Channels) -> dict[str, float]:
     """Return width / span of the loop of theta over theta_d."""
-    width, span = width_at_middle(run["theta_d_deg"], run["theta_deg"]), np.ptp(run["theta_deg"])
+    width, span = loop_width(run["theta_d_deg"], run["theta_deg"]), np.ptp(run["theta_deg"])
     return {"width_over_span": width / max(float(span), 1e-9)}
 
 

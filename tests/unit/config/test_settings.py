@@ -119,7 +119,6 @@ NAN, INFINITY = float("nan"), float("inf")
         ("evaluation.replicate_seeds", [101, 101], ""),
         ("evaluation.replicate_seeds", [101], ""),
         ("evaluation.replicate_seeds", [101, 442], ""),
-        ("calibration.taps", [3, 3], ""),  # over equal sizes no trend can be measured
         ("calibration.free", ["valve.leak"], ""),
         ("calibration.fit", [], ""),
         ("folders.results", True, ""),
@@ -133,10 +132,10 @@ NAN, INFINITY = float("nan"), float("inf")
         ("rig", ["dry"], ""),
         ("fitted.name", "my rig", ""),
         # of a list with a wrong item, or with too few
-        ("calibration.seeds", [-1], ".0"),
-        ("calibration.seeds", [], ""),
-        ("calibration.taps", [4], ""),
+        ("calibration.seeds", 0, ""),
+        ("calibration.members", 5, ""),
         ("calibration.rounds", [50], ""),
+        ("evaluation.replicate_seeds", [101, 1_000_000], ""),
         ("quality.pressure_range_kpa", [], ""),
         ("tracking.angle_range_deg", [1], ""),
         # of a model from outside this package

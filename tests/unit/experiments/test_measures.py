@@ -188,6 +188,9 @@ def test_pressure_error_is_a_share_of_the_span_of_the_command():
     assert measure_pressure_error(log) == pytest.approx(expected, rel=1e-3)
 
 
+LOOP = ("swing", "width_quarter", "width_half", "width_three_quarters", "slope")
+
+
 def hysteresis(**widths):
     """Loops whose widths are given as functions of time; a sine from 0.1 to 1 Hz."""
     time_s = np.arange(int(60 * RATE_HZ)) / RATE_HZ
@@ -198,28 +201,30 @@ def hysteresis(**widths):
     return log
 
 
-def test_loops_of_one_width_at_every_frequency_are_found_so():
+def test_loops_of_one_shape_at_every_frequency_are_found_so():
     """At 200 Hz the samples beside a crossing lie far off it where the sweep is fast."""
-    widths = {"p_exp_kpa": 30.0, "p_exp_command_kpa": 50.0, "p_o_kpa": 80.0}
-    log = hysteresis(**{name: lambda t, width=width: width for name, width in widths.items()})
-    expected = {"measured": 1.0, "commanded": 1.0, "reservoir": 1.0, "swing": 1.0}
-    assert measure_hysteresis(log) == pytest.approx(expected, abs=0.03)
+    widths = {"p_exp_command_kpa": 50.0, "p_o_kpa": 80.0}
+    found = measure_hysteresis(hysteresis(**{k: lambda t, w=w: w for k, w in widths.items()}))
+    for loop in ("actuator", "reservoir"):
+        assert found[loop] == pytest.approx(dict.fromkeys(LOOP, 1.0), abs=0.03)
 
 
 def test_loops_are_compared_in_the_first_and_the_last_quarter():
-    log = hysteresis(
-        p_exp_kpa=lambda t: np.where(t < 15.0, 20.0, np.where(t > 45.0, 50.0, 1000.0)),
+    found = measure_hysteresis(hysteresis(
         p_exp_command_kpa=lambda t: np.where(t < 15.0, 60.0, np.where(t > 45.0, 90.0, 9.0)),
         p_o_kpa=lambda t: np.where(t < 15.0, 80.0, np.where(t > 45.0, 20.0, 1000.0)),
-    )
-    swing = np.hypot(350.0, 20.0) / np.hypot(350.0, 80.0)
-    expected = {"measured": 2.5, "commanded": 1.5, "reservoir": 0.25, "swing": swing}
-    assert measure_hysteresis(log) == pytest.approx(expected, rel=0.02)
+    ))  # fmt: skip
+    for loop, width in (("actuator", 1.5), ("reservoir", 0.25)):
+        for key in LOOP[1:4]:
+            assert found[loop][key] == pytest.approx(width, rel=0.05)
+        assert found[loop]["slope"] == pytest.approx(1.0, abs=0.02)
 
 
-def test_swing_of_p_o_is_compared_without_its_start_from_rest():
-    log = hysteresis(p_exp_kpa=lambda t: 20.0, p_exp_command_kpa=lambda t: 20.0)
+def test_swing_and_slope_of_p_o_are_compared_without_its_start_from_rest():
+    log = hysteresis(p_exp_command_kpa=lambda t: 20.0)
     share = np.where(log["time_s"] > 30.0, 0.3, 0.5)
-    noise = np.random.default_rng(1).normal(0.0, 1.0, len(share))
-    p_o = np.where(log["time_s"] < 1.0, 60.0, 100.0 + share * log["theta_deg"] + noise)
-    assert measure_hysteresis(log | {"p_o_kpa": p_o})["swing"] == pytest.approx(0.6, rel=0.05)
+    noise = np.random.default_rng(1).normal(0.0, 0.1, len(share))
+    p_o = np.where(log["time_s"] < 0.2, 99.0, 100.0 + share * log["theta_deg"] + noise)
+    found = measure_hysteresis(log | {"p_o_kpa": p_o})["reservoir"]
+    assert found["swing"] == pytest.approx(0.6, rel=0.05)
+    assert found["slope"] == pytest.approx(0.6, rel=0.05)

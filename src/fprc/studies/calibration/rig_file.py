@@ -1,7 +1,7 @@
 """A fitted rig as a file of config/rigs."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import yaml
@@ -12,12 +12,7 @@ from fprc.config.rig import Rig
 WRITTEN = "Written by `fprc calibrate`"
 
 
-def parameter_file(
-    rig: Mapping[str, Any],
-    summary: Mapping[str, Any],
-    name: str,
-    began: Mapping[str, Sequence[Any]],
-) -> str:
+def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str) -> str:
     """Return the text of a rig's file: what was fitted, and what differs from the defaults.
 
     Parameters
@@ -26,55 +21,42 @@ def parameter_file(
         As ``fprc.studies.calibration.fit.fit_rig`` returns it.
     name : str
         Name of the rig.
-    began : Mapping
-        Section ``fitted`` of the rig at which the fit began.
     """
+    near = [p["path"] for p in summary["parameters"] if not 0.02 <= p["share"] <= 0.98]
+    edges = textwrap.fill(
+        f"Within 2 % of an end of their range: {', '.join(near) or 'none'}.",
+        98, break_long_words=False,
+    )  # fmt: skip
     head = _HEAD.format(
         **summary,
         written=WRITTEN,
         median=100 * summary["median_deviation"],
         largest=100 * summary["largest_deviation"],
-        shown_seeds=", ".join(map(str, summary["seeds"])),
-        shown_full_seeds=", ".join(map(str, summary["full_seeds"])),
         count=len(summary["parameters"]),
         rows="\n".join(
-            f"#   {measure}/{key}: {summary['printed'][measure][key]:g}, {100 * value:+.1f} %"
+            f"  {measure}/{key}: {summary['printed'][measure][key]:g}, {100 * value:+.1f} %"
             for measure, residuals in summary["residuals"].items()
             for key, value in residuals.items()
         ),
-        edges=_edges(summary["parameters"]),
+        edges=edges,
     )
     values = {
-        "fitted": {
-            "name": name,
-            "to": list(summary["fit"]),
-            "start": list(dict.fromkeys([*began["to"], *began["start"]])),
-            "seeds": sorted({*began["seeds"], *summary["seeds"], *summary["full_seeds"]}),
-        },
+        "fitted": {"name": name, "to": list(summary["fit"])},
         "rig": Rig.model_validate(rig).model_dump(mode="json", exclude_defaults=True),
     }
-    return head + yaml.safe_dump(values, sort_keys=False, default_flow_style=None)
+    return textwrap.indent(head, "# ", lambda _: True) + yaml.safe_dump(
+        values, sort_keys=False, default_flow_style=None
+    )
 
 
 _HEAD = """\
-# Parameters of the simulated rig that differ from their defaults. {written}
-# ({software}, {date}); docs/calibration.md explains it.
-#
-# Fitted over {count} parameters within the ranges of `calibration` ({evaluations} rigs), on the
-# noise seeds {shown_seeds},
-# to the terms that `fitted.to` names; `fitted.start` has those that the rig at which the fit began
-# had been searched for. Everything else is predicted.
-# Full models on the seeds {shown_full_seeds},
-# printed errors (tables in kPa, loops in deg) and deviations from them; of the tables
-# {median:.1f} % in the median and {largest:.1f} % at most:
+Parameters of the simulated rig that differ from their defaults. {written}
+({software}, {date}); docs/rigs.md explains it.
+
+Fitted over {count} parameters, from the ranges of `calibration` alone, with the seed {seed}, to the
+terms that `fitted.to` names. Everything else is predicted.
+Full models on {full_count} seeds of the fit, printed errors (tables in kPa, loops in deg) and
+deviations from them; of the tables {median:.1f} % in the median and {largest:.1f} % at most:
 {rows}
 {edges}
 """
-
-
-def _edges(parameters: Sequence[Mapping[str, Any]]) -> str:
-    near = [p["path"] for p in parameters if not 0.02 <= p["share"] <= 0.98]
-    text = f"Within 2 % of an end of their range: {', '.join(near) or 'none'}."
-    return textwrap.fill(
-        text, 100, initial_indent="# ", subsequent_indent="# ", break_long_words=False
-    )

@@ -14,9 +14,6 @@ from fprc.config.rig import LONGEST_LAG_S, free_ranges, squeeze_lag, stiffest_sq
 #: Largest sum of the slip weights without the last one.
 _MOST = 0.97
 
-#: Standard deviation of starts from the first one, in units of the cube's edge.
-_SPREAD = 0.2
-
 
 class Free(NamedTuple):
     """A parameter that the search may change, within its physical range.
@@ -79,18 +76,6 @@ def decode(point: np.ndarray, rig: Mapping[str, Any], free: Sequence[Free]) -> d
     return changed
 
 
-def starts_near(point: np.ndarray, count: int, seed: int) -> np.ndarray:
-    """Return ``point`` and random points near it, reflected at the faces of the cube.
-
-    Returns
-    -------
-    ndarray of shape (count, n_parameters)
-    """
-    steps = _SPREAD * np.random.default_rng(seed).standard_normal((count, len(point)))
-    steps[0] = 0.0
-    return 1.0 - np.abs(1.0 - np.abs(point + steps) % 2.0)
-
-
 def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:
     """Return the rig with a damping of the squeeze that its lag and its integration step allow.
 
@@ -118,7 +103,11 @@ def _summing_to_one(weights: Sequence[float]) -> list[float]:
 def _share(parameter: Free, value: float) -> float:
     low, high = parameter.low, parameter.high
     if parameter.logarithmic:
-        low, high, value = math.log(low), math.log(high), math.log(max(value, parameter.low))
+        low, high, value = (
+            math.log(low),
+            math.log(high),
+            math.log(max(value, parameter.low)),
+        )
     return min(max((value - low) / (high - low), 0.0), 1.0)
 
 

@@ -15,7 +15,6 @@ from fprc.studies.calibration.space import (
     encode,
     free_parameters,
     resolved,
-    starts_near,
 )
 
 RIG = {
@@ -90,17 +89,6 @@ in_the_cube = st.lists(
 
 def is_shared_out(weights):
     return abs(math.fsum(weights) - 1.0) < 1e-9 and min(weights) >= 0.0
-
-
-@given(share=shares, seed=st.integers(0, 100))
-def test_starts_are_the_point_and_different_ones_around_it_in_the_cube(share, seed):
-    starts = starts_near(np.full(30, share), 20, seed)
-    assert starts[0] == pytest.approx(share, abs=1e-12)
-    assert np.min(starts) >= 0.0
-    assert np.max(starts) <= 1.0
-    assert len(np.unique(starts, axis=0)) == 20
-    # 0.2, and less where steps are reflected
-    assert 0.1 < math.sqrt(np.mean((starts[1:] - share) ** 2)) < 0.25
 
 
 @given(in_the_cube)
