@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fprc.recordings.names import SECONDS, has, is_time, time_unit_in
+from fprc.recordings.names import SECONDS, has, is_time, parse_unit, time_unit_in, unit_in
 from fprc.recordings.table import Column, Table
 
 #: Largest distance of a clock that jitters from a straight line, as a share of its span.
@@ -82,7 +82,10 @@ def guess_clock(name: str, column: Column) -> Clock | None:
     stamps = column.values[np.isfinite(column.values)]
     words = f"{name} {column.label}"
     named = is_time(words)
+    other = parse_unit(column.unit) or unit_in(name)
     if len(stamps) < 3 or len(stamps) < 0.9 * len(column.values):
+        return None
+    if other is not None and other.quantity != "s":
         return None
     steps = np.diff(stamps)
     span = float(stamps[-1] - stamps[0])
@@ -129,9 +132,8 @@ def _epoch(stamps: np.ndarray) -> str | None:
     for unit, begin in _EPOCHS.items():
         if begin <= first <= 5.0 * begin and step * SECONDS[unit] <= 1.0 / LIKELY_HZ[0]:
             return unit
-    if 30000.0 < first < 60000.0 or 700000.0 < first < 800000.0:  # Excel's dates, MATLAB's
-        return "d" if step * SECONDS["d"] <= 1.0 / LIKELY_HZ[0] else None
-    return None
+    of_excel, of_matlab = 30000.0 < first < 60000.0, 700000.0 < first < 800000.0
+    return "d" if (of_excel or of_matlab) and step * SECONDS["d"] <= 1.0 else None
 
 
 def _by_step(step: float, whole: bool) -> str:

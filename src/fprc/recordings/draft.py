@@ -26,7 +26,9 @@ from fprc.recordings.table import Column, Table
 #: Channels of a draft even if no column's name identifies them: what training FPRC needs.
 _DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
 #: Plausible largest magnitude of a channel, by its unit: outside, another unit may be meant.
-PLAUSIBLE = {"kPa": (5.0, 1500.0), "deg": (4.0, 400.0)}
+PLAUSIBLE = {"kPa": (5.0, 1500.0), "deg": (3.3, 400.0)}
+#: Largest share of missing values of a column whose samples are left out, not interpolated.
+_MISSING = 0.1
 #: Pressure of the air, and what of a pressure at rest may be it, kPa.
 AIR_KPA, _AT_REST_KPA = 101.325, (85.0, 110.0)
 
@@ -36,23 +38,17 @@ def stated_unit(name: str, column: Column) -> Unit | None:
     return parse_unit(column.unit) or unit_in(column.label) or unit_in(name)
 
 
-def other_unit(channel: str, unit: str, values: np.ndarray) -> str | None:
-    """Return a unit in which the values are plausible; None if they are in the one given."""
+def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:
+    """Return units in which the values are plausible; none if they are in the one given."""
     limits = PLAUSIBLE.get(unit_of(channel))
     factor = factor_of(unit, channel)
     top = float(np.nanmax(np.abs(values), initial=0.0))
     if limits is None or unit == "1" or factor is None or not 0.0 < top < np.inf:
-        return None
+        return []
     if limits[0] <= top * factor <= limits[1]:
-        return None
-    return next(
-        (
-            usual
-            for usual in USUAL[unit_of(channel)]
-            if limits[0] <= top * (factor_of(usual, channel) or 1.0) <= limits[1]
-        ),
-        None,
-    )
+        return []
+    usual = [(name, top * (factor_of(name, channel) or 1.0)) for name in USUAL[unit_of(channel)]]
+    return [name for name, value in usual if limits[0] <= value <= limits[1]]
 
 
 def doubts(mapping: ImportMap, table: Table, recording: Recording) -> list[str]:
@@ -70,10 +66,10 @@ def doubts(mapping: ImportMap, table: Table, recording: Recording) -> list[str]:
             found.append(f"{channel}: {unlike}")
         elif plain and factor:
             values = recording.channels[channel] / factor
-            if other := other_unit(channel, spec["unit"], values):
+            if others := other_units(channel, spec["unit"], values):
                 found.append(
                     f"{channel}: {_range(recording.channels[channel])} {unit_of(channel)} are "
-                    f"unusual; is {spec['column']} in {other}?"
+                    f"unusual; is {spec['column']} in {in_words(others, 'or')}?"
                 )
     return found
 
@@ -96,7 +92,7 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
         _time_line(clock, clocks, table),
         "channels:",
     ]
-    used = {clock} if clock else set()
+    used, apart = {clock} if clock else set(), set()
     for channel in CHANNELS:
         names = best.get(channel.name, [])
         if names:
@@ -105,6 +101,10 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
             spec, words = _spec(channel.name, names[0], table.columns[names[0]])
             if own != clock and own is not None and not _alike(table, own, clock):
                 spec["time"] = own
+            elif clock and names[0] != main and _missing(table.columns[names[0]]) > _MISSING:
+                spec["time"] = clock
+                apart.add(names[0])
+                words.append("time: its samples are interpolated, since others lie between")
             words += [f"or {in_words(map(_quoted, names[1:4]), 'or')}?"] if names[1:] else []
             lines.append(_line(f"  {channel.name}", spec, "; ".join(words)))
         elif channel.name in _DRAFTED and not (
@@ -116,7 +116,7 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
             lines.append(_line(f"  {channel.name}", spec, "; ".join(words)))
     if given := {key: value for key, value in (layout or {}).items() if value is not None}:
         lines.append(_line("csv", given, "as given"))
-    lines += _skipped(table, used)
+    lines += _skipped(table, used - apart)
     more = [
         f"{_quoted(name)}: {_in_words(column)}"
         for name, column in table.columns.items()
@@ -160,11 +160,11 @@ def _spec(channel: str, name: str, column: Column) -> tuple[dict[str, Any], list
         return as_it_is, [*words, "no pressure, so in its own unit; scale it to between 1 and 1000"]
     spec: dict[str, Any] = {"column": name, "unit": unit.text if unit else target}
     if unit is None:
-        other = other_unit(channel, target, column.values)
-        spec["unit"] = other or target
-        words.append(f"unit? {other} by its size" if other else "unit?")
-    elif other := other_unit(channel, unit.text, column.values * unit.multiple):
-        words.append(f"unusual in {unit.text}; in {other}?")
+        others = other_units(channel, target, column.values)
+        spec["unit"] = [*others, target][0]
+        words.append(f"unit? {in_words(others, 'or')} by its size" if others else "unit?")
+    elif others := other_units(channel, unit.text, column.values * unit.multiple):
+        words.append(f"unusual in {unit.text}; in {in_words(others, 'or')}?")
     if unit and unit.multiple != 1.0:
         spec["scale"] = unit.multiple
         words.append(f"the name has a factor; delete scale if the numbers are in {unit.text}")
@@ -215,8 +215,8 @@ def _skipped(table: Table, used: set[str]) -> list[str]:
     """Return the line that leaves out what is no sample, if there is any, and says what."""
     missing = {
         name: int(np.sum(~np.isfinite(table.columns[name].values)))
-        for name in used
-        if not np.isfinite(table.columns[name].values).all()
+        for name in table.columns
+        if name in used and _missing(table.columns[name])
     }
     words = [f"{len(table.unusable)} lines: {'; '.join(table.unusable[:3])}"]
     words = words if table.unusable else []
@@ -224,6 +224,10 @@ def _skipped(table: Table, used: set[str]) -> list[str]:
         first = int(np.argmin(np.isfinite(table.columns[name].values)))
         words.append(f"{count} values of {_quoted(name)}, the first at {table.sample(first)}")
     return [visible(f"skip_unusable: true  # leaves out {'; '.join(words)}")] if words else []
+
+
+def _missing(column: Column) -> float:
+    return float(np.mean(~np.isfinite(column.values)))
 
 
 def _alike(table: Table, one: str, other: str | None) -> bool:

@@ -329,7 +329,8 @@ def _stamps(texts: Sequence[str]) -> tuple[np.ndarray | None, str]:
     plain = [re.sub(r",(\d+)$", r".\1", text) for text in plain]
     form: dict[str, Any] = {"format": "ISO8601"}
     if not re.match(r"\d{4}", plain[0]):
-        form = {"format": "mixed", "dayfirst": "/" not in plain[0]}
+        days_first = "/" not in plain[0] or any(re.match(r"(1[3-9]|[23]\d)/", d) for d in plain)
+        form = {"format": "mixed", "dayfirst": days_first}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = pd.to_datetime(pd.Series(plain), utc=True, errors="coerce", **form)

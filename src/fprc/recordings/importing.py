@@ -91,7 +91,7 @@ def _column(channel: Channel) -> tuple[Any, Any]:
 _FIELDS: dict[str, Any] = {
     channel.name: _column(channel)
     for channel in CHANNELS
-    if channel.kind not in ("time", "tracking")
+    if channel.kind in ("command", "sensor", "valve")
 }
 
 

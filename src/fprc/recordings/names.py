@@ -46,8 +46,9 @@ _WORDS = {
     "ひずみ|~センサ~|~传感器~",
     "other": "current|strom|courant|corriente|corrente|stroom|force|kraft|fuerza|forza|kracht|"
     "moment~|torque|drehmoment|couple|temperature|temp|temperatur|speed|velocity|vel|rate|omega|"
-    "accel|acceleration|flow|durchfluss|debit|voltage|spannung|memory|power|energy|status|"
+    "accel|acceleration|dot|ddot|~dot|flow|durchfluss|debit|voltage|spannung|memory|power|energy|status|"
     "電流|~力矩~|トルク|速度|温度|电流|電圧|电压|流量|~角速度~",
+    "letter": "s",
     "absolute": "abs|absolute|absolut|absolu|absoluto|assoluta|kpaa|bara|psia|~絶対~|~绝对~",
     "gauge": "gauge|gage|rel|relative|relativ|relatif|ueberdruck|uberdruck|barg|psig|kpag|mbarg|"
     "~ゲージ~|~表压~",
@@ -156,17 +157,22 @@ def unit_in(name: str) -> Unit | None:
 
 
 def time_unit_in(name: str) -> str | None:
-    """Return the unit of time in a name: in a bracket, or any of its words; None without one."""
-    bracket = re.search(r"[\[(]([^\[\]()]*)[\])]\s*$", name)
-    inside = parse_unit(bracket[1]) if bracket else None
+    """Return the unit of time in the name of a clock; None without one."""
+    inside = unit_in(name)
     if inside is not None and inside.quantity == "s":
         return inside.text
     return next((unit for unit, words in _TIME_UNITS.items() if _has_word(name, words)), None)
 
 
 def is_time(name: str) -> bool:
-    """Return whether a word in a column's name says that it holds times."""
-    return has(name, "time") or bool(time_unit_in(name))
+    """Return whether a name says that the column holds times.
+
+    A single letter or ``min`` may be something else than a unit of time.
+    """
+    inside, unit = unit_in(name), time_unit_in(name)
+    if has(name, "time") or (inside is not None and inside.quantity == "s"):
+        return inside is None or inside.quantity == "s"
+    return unit in ("ms", "us", "ns") or (unit == "s" and not has(name, "letter"))
 
 
 def has(name: str, what: str) -> bool:

@@ -402,6 +402,10 @@ CASES = {
                      .encode("cp932")),
     "Chinese": Case("a.csv", text(["时间(s)", "弯曲角度(°)", "压力(kPa)", "密封腔压力(kPa)"])
                     .encode("gb18030")),
+    "channels in turn": Case("a.csv", "time_s,angle_deg,pressure_kPa,p_o_kPa\n" + "".join(
+        line for k in range(COUNT) for line in (
+            f"{T[k]:g},{ANGLE[k]:g},,\n", f"{T[k] + 0.003:g},,{PRESSURE[k]:g},\n",
+            f"{T[k] + 0.006:g},,,{P_O[k]:g}\n")), kept=np.arange(1, COUNT), time_s=T[:-1]),
     # as other programs write text
     "ControlDesk": Case("a.csv", '"type","timeplot"\n"path","Root/time","Root/angle",'
                         '"Root/pressure","Root/p_o"\n"trace_values","","","",""\n'

@@ -44,6 +44,7 @@ NAMES = [
     ("free_memory", None, None),
     ("pressure sensor [V]", 1.0, None),
     ("angle temperature", None, None),
+    ("theta_dot", None, None),
     ("angular velocity (deg/s)", 1.0, None),
 ]
 
@@ -53,6 +54,7 @@ def test_name_of_a_column_tells_its_unit_and_channel(name, factor, channel):
     unit, guess = unit_in(name), likely_channel(name)
     assert (guess.channel if guess else None) == channel
     assert (unit.factor if unit else None) == (factor and pytest.approx(factor, rel=1e-6))
+    assert channel is None or unit is None or factor_of(unit.text, channel) == unit.factor
 
 
 def test_factor_beside_a_unit_is_told_apart():
@@ -93,6 +95,8 @@ RAMP = np.linspace(0.0, 1.0, 400)
         ("count", 5.0 * COUNT, None, None),
         ("x", RAMP**4, None, None),
         ("time", 0.0 * COUNT, None, None),
+        ("T [°C]", 20.0 + 0.01 * COUNT, None, None),
+        ("p_min", RAMP**4, None, None),
         ("angle", np.sin(RAMP * 9), None, None),
         ("big", np.append([-1e308], 1e308 + 1e306 * RAMP), None, None),
     ],
