@@ -1,4 +1,4 @@
-"""Write the table of recordings in docs/chamber.md: ``make recordings DATASETS=folder``.
+"""Write the table of recordings in docs/chamber.md: ``python tools/recordings.py folder``.
 
 The folder has the two public recordings of ``config/maps``, each in a folder of its map's name.
 """

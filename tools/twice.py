@@ -1,4 +1,4 @@
-"""Build the paper twice under different conditions and compare every file: `make reproduce-twice`.
+"""Build the paper twice under different conditions and compare every file.
 
 Execution times differ from build to build, so the second build gets the measurements of the first
 and is made again from there. Then every table, figure and page must have the same bytes. Logs

@@ -67,11 +67,6 @@ def typeset(text: str) -> str:
     return _SYMBOL.sub(set_low, text)
 
 
-def unmarkdown(text: str) -> str:
-    """Undo ``markdown``, for text without escapes of ``visible``."""
-    return re.sub(r"\\([\\`*<>|&$])", r"\1", text)
-
-
 def code(text: str) -> str:
     """Return text as Markdown code; the text may contain backticks."""
     text = visible(text)

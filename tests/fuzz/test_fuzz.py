@@ -1,6 +1,6 @@
 """Damaged and odd files: every command refuses them with a message, or reads what was written.
 
-`make fuzz` draws more of them, and others in each run.
+`.ci/weekly` draws more of them, and others in each run.
 """
 
 import json

@@ -43,7 +43,7 @@ def test_markdown_comes_back_and_stays_in_its_cell(text):
     shown = escape.markdown(text)
     assert "\n" not in shown
     assert not re.search(r"(?<!\\)(\\\\)*[|<`*]", shown)
-    assert escape.unmarkdown(shown) == escape.visible(text)
+    assert re.sub(r"\\([\\`*<>|&$])", r"\1", shown) == escape.visible(text)
 
 
 @given(text=TEXTS)

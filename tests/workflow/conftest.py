@@ -17,7 +17,6 @@ SNAKEMAKE = [sys.executable, "-m", "snakemake"]
 #: Runs print what Snakemake and the jobs print, instead of a line for each job.
 MESSAGES = {"FPRC_MESSAGES": "all"}
 STARTS = Path(__file__).parent / "starts.py"
-TRACING = Path(__file__).parent / "tracing"
 ENVIRONMENT = os.environ | {
     "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 }
@@ -120,12 +119,12 @@ class Project:
     ) -> subprocess.CompletedProcess:
         """Run Snakemake in a fork that has it imported; use ``run`` for a process of its own.
 
-        Its jobs are forks too, unless ``environment`` has more than a PYTHONPATH and a trace.
+        Its jobs are forks too, unless ``environment`` has more than a PYTHONPATH.
         Python reads some variables only at its start: give these in ``begun_with``.
         """
         begun_with = begun_with or {}
         environment = MESSAGES | environment
-        forked = environment.keys() <= {"PYTHONPATH", "FPRC_TRACE", *MESSAGES}
+        forked = environment.keys() <= {"PYTHONPATH", *MESSAGES}
         known = ENVIRONMENT | begun_with | environment
         asked = [str(self.folder), [*cores, *arguments], known, forked]
         starts = starter(**begun_with)
@@ -227,28 +226,25 @@ def smoked(shared):
 
 @pytest.fixture(scope="session")
 def rebuilt(tmp_path_factory):
-    """Second cold build under other circumstances, and what its processes wrote of themselves.
+    """Second cold build under other circumstances.
 
     Its first jobs are processes of their own; it is killed after three of them, and goes on.
     """
     folder = tmp_path_factory.mktemp("rebuilt") / "a folder"
-    trace = tmp_path_factory.mktemp("trace")
     folder.mkdir()
     project = Project(folder)
     from tools import twice  # and with it libraries that few files need
 
     cores, circumstances = twice.CIRCUMSTANCES[1]
-    paths = [str(TRACING), *filter(None, [os.environ.get("PYTHONPATH")])]
-    traced = {"FPRC_TRACE": str(trace), "PYTHONPATH": os.pathsep.join(paths)}
-    run = project.begin("--configfile", "config/smoke.yaml", **circumstances, **traced)
+    run = project.begin("--configfile", "config/smoke.yaml", **circumstances)
     while run.process.poll() is None and run.printed().count("Finished jobid") < 3:
         time.sleep(0.05)
     assert run.process.poll() is None, run.printed()
     run.kill()
     project.recover()
-    done = project.smoke("--cores", cores, "all", begun_with=circumstances, **traced)
+    done = project.smoke("--cores", cores, "all", begun_with=circumstances)
     assert done.returncode == 0, done.stdout
-    return project, trace
+    return project
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ imported here: a test may edit a copy of it.
 
 import gc
 import importlib
-import importlib.util
 import json
 import os
 import runpy
@@ -17,7 +16,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
 
 # what Snakemake and the Snakefile import in every run
 import h5py  # noqa: F401
@@ -59,19 +57,10 @@ def run(printed, folder, arguments, environment, forked):
     sys.path[:0] = folders
     script = forking() if forked else None
     sys.argv = sys.orig_argv = [script] if script else ["snakemake", *arguments]
-    for folder in folders:  # Python looks for it only at its start
-        customise(Path(folder, "sitecustomize.py"))
     if script:
         runpy.run_path(script, run_name="__main__")
     else:
         runpy.run_module("snakemake", run_name="__main__")
-
-
-def customise(path):
-    """Import a file ``sitecustomize.py`` if there is one."""
-    if path.exists():
-        spec = importlib.util.spec_from_file_location("sitecustomize", path)
-        spec.loader.exec_module(importlib.util.module_from_spec(spec))
 
 
 def forking():

@@ -53,7 +53,7 @@ def engine():
 
 @pytest.mark.slow
 @pytest.mark.skipif(
-    "FPRC_CONTAINER" not in os.environ, reason="`make test-container` builds the image"
+    "FPRC_CONTAINER" not in os.environ, reason="`FPRC_CONTAINER=1` builds the image"
 )
 def test_image_works_for_a_user_without_a_home():
     name = engine()

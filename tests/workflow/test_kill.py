@@ -1,6 +1,6 @@
 """After a kill at any moment the workflow continues and gives the same results.
 
-FPRC_KILLS is the number of random kills; `make test-kill` makes twenty. Every run of the tests
+FPRC_KILLS is the number of random kills; `.ci/weekly` makes twenty. Every run of the tests
 kills the second build of test_twice.py once.
 """
 
@@ -42,7 +42,7 @@ def wait_for(run, progress, seconds):
         time.sleep(0.05)
 
 
-@pytest.mark.skipif(not KILLS, reason="random kills take long; `make test-kill` makes them")
+@pytest.mark.skipif(not KILLS, reason="random kills take long; `.ci/weekly` makes them")
 def test_killed_at_random_moments_the_run_ends_the_same(smoked, project):
     moments = random.Random(SEED)
     kills = 0

@@ -107,4 +107,4 @@ def test_folder_without_a_configuration_takes_the_defaults(in_folder, tmp_path):
     asked = ["--snakefile", STUDIES, "--directory", "mine", "check", "families"]
     jobs = in_folder(tmp_path).planned(*asked)
     assert (jobs["replicate"], jobs["replicate_on_rig"]) == (10, 20)
-    assert "timing_table" not in jobs  # of README.md, which only a checkout has
+    assert "tabulate_times" not in jobs  # of README.md, which only a checkout has

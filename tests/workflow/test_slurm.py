@@ -1,6 +1,6 @@
 """The workflow gives the same bytes with and without Slurm.
 
-SLURM_TARGETS names the targets; `make test-slurm` runs the whole smoke run. By default there is one
+SLURM_TARGETS names the targets; `all` makes the whole smoke run. By default there is one
 job of each kind: a group of logs and one of drawings, a further seed, and a model.
 """
 
@@ -13,7 +13,7 @@ import pytest
 
 SMALL = "fig4 results/smoke/crossval/sweep_esn.json results/smoke/replicates/grids_101.json"
 TARGETS = os.environ.get("SLURM_TARGETS", SMALL).split()
-#: Where `make slurm` puts the executor.
+#: Where `.ci/programs` puts the executor.
 PLUGIN = Path(sys.prefix) / "slurm"
 ONE_NODE = str(Path(__file__).parents[1] / "slurm/one_node.py")
 #: Snakemake that asks for the state of its jobs every second. The executor would wait ten seconds
@@ -46,10 +46,10 @@ def daemons():
 def slurm():
     """Make sure that Slurm can run here."""
     if not list(PLUGIN.glob("snakemake_executor_plugin_slurm")):
-        pytest.skip("snakemake-executor-plugin-slurm is not installed; `make slurm` does it")
+        pytest.skip("snakemake-executor-plugin-slurm is not installed; `.ci/programs` does it")
     done = subprocess.run([sys.executable, ONE_NODE, "--why-not"], capture_output=True, text=True)
     if done.returncode:
-        pytest.skip(f"Slurm: {done.stdout.strip()}; `make slurm` installs it on Debian, as root")
+        pytest.skip(f"Slurm: {done.stdout.strip()}; `.ci/programs` installs it on Debian, as root")
 
 
 @pytest.mark.usefixtures("slurm")

@@ -10,15 +10,19 @@ rule ledger:
         times=PATHS.below("timing/times.json"),
         times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
         untested=str(VERDICTS),
+        made_from=PLAN.data,
     output:
-        json=PATHS.below("claims.json"),
-        md=PATHS.below("claims.md"),
+        **PLAN.possible(claims=[PATHS.below("claims.json"), PATHS.below("claims.md")]),
     log:
         PATHS.messages("ledger"),
     params:
-        **stage("stages.claims.write_ledger"),
+        stage="stages.claims.write_ledger",
+        code=SHOWS,
         fitted=SETTINGS["fitted"],
     message:
         "Claims C1 to C19"
     script:
         "../scripts/stage.py"
+
+
+SHOWN += [rules.ledger]

@@ -1,13 +1,23 @@
-# Functions that several rules share.
-
-PATHS = PLAN.paths
+# Names that several rules share.
+#
+# A rule's script calls the function of the package that the param `stage` names, with the rule's
+# named inputs, outputs and params as arguments, except `stage`, `code` and `made_from`. The param
+# `code` is a digest, which lets a rule run again when its code has changed.
 
 #: Priorities: LONG starts long jobs early; ALONE is for jobs that need the whole machine. The
 #: scheduler sums the priorities of jobs that start together, so ALONE exceeds LONG on every core.
 LONG, ALONE = 1, workflow.cores + 1
-
-
+#: What tables, figures and pages are made with.
+SHOWS = code_that_shows()
+#: Rules whose named outputs are targets, in the order of the report.
+SHOWN = []
+PATHS = PLAN.paths
 RULES = workflow.current_basedir
+
+
+def computes(*models):
+    """Return the digest of the code that computes with models."""
+    return code_that_computes(*models, settings=SETTINGS["models"])
 
 
 def file_of_workflow(name):
@@ -20,50 +30,11 @@ def file_of_workflow(name):
     return workflow.source_path(name)  # a copy: the module comes from a git repository
 
 
-def code_of(name, *models):
-    """Return the fingerprint of the code of a stage and of the models that it runs."""
-    modules = [class_module(model, SETTINGS["models"]) for model in models]
-    return fingerprint("fprc.stages.run", module_of(name), *modules)
+def table(name):
+    """Return the files of a table, named below the results: numbers, and pages with title and note."""
+    return [PATHS.below(f"{name}.{kind}") for kind in ("csv", "md", "tex", "json")]
 
 
-def stage(name, *models):
-    """Return the params of a stage: its name, and the fingerprint of its code and its models."""
-    # a function, so that a job's process reads the sources of its own stage only
-    return {"stage": name, "code": lambda wildcards: code_of(name, *models)}
-
-
-def result_spec(stem, kind, given, made, *, priority=0, threads=1, resources={}, **params):
-    """Return what is peculiar to a table or a figure; ``stem`` are its files without suffix."""
-    return SimpleNamespace(
-        words=f"{kind.capitalize()} {stem}".replace("{", "{wildcards."),
-        given=given,
-        made=made,
-        log=PATHS.messages("_".join([*Path(stem).parts, kind])),
-        priority=priority,
-        threads=threads,
-        resources=resources,
-        params=params,
-    )
-
-
-def table_spec(stem, given, **params):
-    """Return what is peculiar to a table."""
-    made = {kind: PATHS.below(f"{stem}.{kind}") for kind in ("csv", "md")}
-    return result_spec(stem, "table", given, made, **params)
-
-
-def figure_spec(stem, given, statistics=False, **params):
-    """Return what is peculiar to a figure. With ``statistics`` its numbers are a file too."""
-    path = PATHS.below(stem)
-    made = {"pdf": f"{path}.pdf", "png": f"{path}.png"}
-    made |= {"csv": f"{path}.csv"} if statistics else {}
-    return result_spec(stem, "figure", given, made, **params)
-
-
-def refused(why):
-    """Return an input function that ends the workflow with the reason."""
-
-    def input_of(wildcards):
-        raise WorkflowError(why)
-
-    return input_of
+def figure(name, *numbers):
+    """Return the files of a figure; with "csv" also the numbers that it shows."""
+    return [PATHS.below(f"figures/{name}.{kind}") for kind in ("pdf", "png", *numbers)]

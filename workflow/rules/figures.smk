@@ -1,85 +1,154 @@
-# The figures, drawn from result files only.
+# The figures, drawn from result files only. Each named output is a target.
 
-
-#: The runs of Figs. 12 to 15 that have logs; they share the range of the errors.
-FOLLOWED = [
-    run
-    for number, _ in enumerate(REFERENCES, start=12)
-    if f"fig{number}" not in PLAN.unavailable
-    for run in BY_NAME[f"fig{number}"].logs
-]
-
-
-def drawing_of(name):
-    """Return the PDF and the PNG of a figure that shows no data."""
-    stem = Path(BY_NAME[name].files[0]).stem
-    return [DRAWINGS / f"{stem}.{kind}" for kind in ("pdf", "png")]
-
-
-#: What is peculiar to each figure, by its name in ``fprc.plan.results``.
-ROWS = {
+#: Figures that show no data, by their targets.
+SCHEMATICS = {
+    "fig1": figure("fig01_actuator"),
+    "fig2": figure("fig02_reservoir"),
+    "fig3": figure("fig03_apparatus"),
+    "fig6": figure("fig06_esn_system"),
+    "fig7": figure("fig07_fprc_system"),
+}
+#: Figures of closed loops.
+LOOPS = {
     **{
-        name: {
-            "given": {"drawing": drawing_of(name)},
-            **stage("stages.copy_drawing.copy_drawing"),
-        }
-        for name in ("fig1", "fig2", "fig3", "fig6", "fig7")  # they show no data
-    },
-    "fig4": {
-        "given": {log: PATHS.data(log) for log in EXPERIMENTS},
-        **stage("stages.draw.draw_actuator_hysteresis"),
-    },
-    "fig5": {
-        "given": {log: PATHS.data(log) for log in EXPERIMENTS},
-        **stage("stages.draw.draw_reservoir_hysteresis"),
-    },
-    "fig8": {
-        "given": pick(PATHS.judged("sweep", "fprc"), "fits", "predictions"),
-        **stage("stages.draw.draw_training"),
-        "statistics": True,
-    },
-    "fig9": {
-        "given": {"weights": PATHS.below("weights/fprc.json"), "published": PUBLISHED},
-        **stage("stages.draw.draw_weights"),
-        "statistics": True,
-    },
-    "fig10": {
-        "given": {"grids": PLAN.grids, "times": PATHS.below("timing/times_over_n_c.json")},
-        **stage("stages.draw.draw_settings"),
-        "statistics": True,
-        "priority": LONG,  # its execution times are measured last, and the report waits for it
-    },
-    "fig11": {
-        "given": {"grids": PLAN.grids, "published": PUBLISHED},
-        **stage("stages.draw.draw_taps"),
-        "statistics": True,
-    },
-    **{
-        f"fig{number}": {
-            "given": {
-                "open_loop": PATHS.log(run_log(reference, "fprc")),
-                "closed_loop": PATHS.log(run_log(reference, "fprc_pd")),
-                "runs": [PATHS.log(run) for run in FOLLOWED],
-            },
-            **stage("stages.draw_tracking.draw_following"),
-            "statistics": True,
-        }
+        f"fig{number}": figure(f"fig{number}_{reference}", "csv")
         for number, reference in enumerate(REFERENCES, start=12)
     },
-    "fig16": {
-        "given": {"runs": [PATHS.log(run) for run in BY_NAME["fig16"].logs]},
-        **stage("stages.draw_tracking.draw_loops"),
-    },
-    "fig17": {
-        "given": {"run": PATHS.log(BY_NAME["fig17"].logs[0])},
-        **stage("stages.draw_tracking.draw_disturbance"),
-        "statistics": True,
-        "quiet_s": SETTINGS["tracking"]["pushes"]["quiet_s"],
-    },
+    "fig16": figure("fig16_loops"),
+    "fig17": figure("fig17_disturbance", "csv"),
 }
 
-#: Figures by their rules.
-FIGURES = {
-    f"draw_{name}": figure_spec(BY_NAME[name].files[0].removesuffix(".pdf"), **row)
-    for name, row in ROWS.items()
-}
+
+rule copy_schematics:
+    input:
+        [DRAWINGS / Path(file).name for file in sum(SCHEMATICS.values(), [])],
+    output:
+        **SCHEMATICS,
+    log:
+        PATHS.messages("copy_schematics"),
+    params:
+        folder=lambda wildcards, output: os.path.dirname(output.fig1[0]),
+    message:
+        "Figs. 1, 2, 3, 6 and 7: drawings without data"
+    shell:
+        "cp {input:q} {params.folder:q} 2> {log:q}"
+
+
+rule draw_hysteresis:
+    input:
+        **{log: PATHS.data(log) for log in EXPERIMENTS},
+        made_from=PLAN.data,
+    output:
+        **PLAN.possible(
+            fig4=figure("fig04_hysteresis_actuator"), fig5=figure("fig05_hysteresis_reservoir")
+        ),
+    log:
+        PATHS.messages("draw_hysteresis"),
+    params:
+        stage="stages.draw.draw_hysteresis",
+        code=SHOWS,
+    message:
+        "Figs. 4 and 5: hysteresis of actuator and reservoir"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_training:
+    input:
+        **pick(PATHS.judged("sweep", "fprc"), "fits", "predictions"),
+        made_from=PLAN.data,
+    output:
+        **PLAN.possible(fig8=figure("fig08_training", "csv")),
+    log:
+        PATHS.messages("draw_training"),
+    params:
+        stage="stages.draw.draw_training",
+        code=SHOWS,
+    message:
+        "Fig. 8: FPRC on its training and test logs"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_weights:
+    input:
+        weights=PATHS.below("weights/fprc.json"),
+        published=PUBLISHED,
+        made_from=PLAN.data,
+    output:
+        **PLAN.possible(fig9=figure("fig09_weights", "csv")),
+    log:
+        PATHS.messages("draw_weights"),
+    params:
+        stage="stages.draw.draw_weights",
+        code=SHOWS,
+    message:
+        "Fig. 9: weights of FPRC"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_settings:
+    input:
+        grids=PLAN.grids,
+        times=PATHS.below("timing/times_over_n_c.json"),
+        made_from=PLAN.data,
+    output:
+        **PLAN.possible(fig10=figure("fig10_settings", "csv")),
+    log:
+        PATHS.messages("draw_settings"),
+    priority: LONG  # its execution times are measured last, and the report waits for it
+    params:
+        stage="stages.draw.draw_settings",
+        code=SHOWS,
+    message:
+        "Fig. 10: errors and times over the settings of FPRC"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_taps:
+    input:
+        grids=PLAN.grids,
+        published=PUBLISHED,
+        made_from=PLAN.data,
+    output:
+        **PLAN.possible(fig11=figure("fig11_taps", "csv")),
+    log:
+        PATHS.messages("draw_taps"),
+    params:
+        stage="stages.draw.draw_taps",
+        code=SHOWS,
+    message:
+        "Fig. 11: errors over the numbers of taps"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_tracking:
+    input:
+        runs=[PATHS.log(run) for run in PLAN.runs_of(*LOOPS)],
+        made_from=[*DRIVEN_BY, *PLAN.data] if PLAN.records else [],
+    output:
+        **PLAN.possible(**LOOPS),
+    log:
+        PATHS.messages("draw_tracking"),
+    params:
+        stage="stages.draw_tracking.draw_tracking",
+        code=SHOWS,
+        quiet_s=SETTINGS["tracking"]["pushes"]["quiet_s"],
+    message:
+        "Figs. 12 to 17: closed loops"
+    script:
+        "../scripts/stage.py"
+
+
+SHOWN += [
+    rules.copy_schematics,
+    rules.draw_hysteresis,
+    rules.draw_training,
+    rules.draw_weights,
+    rules.draw_settings,
+    rules.draw_taps,
+    rules.draw_tracking,
+]

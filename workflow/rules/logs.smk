@@ -9,7 +9,8 @@ if PLAN.on_simulated_rig:
         log:
             PATHS.messages("record_{experiment}"),
         params:
-            **stage("stages.record.record"),
+            stage="stages.record.record",
+            code=computes(),
             experiment="{experiment}",
             signal=lambda wildcards: SETTINGS["experiments"][wildcards.experiment],
             control=of_pressures(SETTINGS),
@@ -60,7 +61,8 @@ rule preprocess:
     log:
         PATHS.messages("preprocess_{experiment}"),
     params:
-        **stage("stages.preprocess.preprocess"),
+        stage="stages.preprocess.preprocess",
+        code=computes(),
         experiment="{experiment}",
         target=SETTINGS["evaluation"]["target"],
         sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],

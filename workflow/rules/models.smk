@@ -20,7 +20,7 @@ rule judge:
         name="{model}",
         judgement=lambda wildcards: judgement(SETTINGS, wildcards.model),
         stage="stages.judge.judge",
-        code=lambda wildcards: code_of("stages.judge.judge", wildcards.model),
+        code=lambda wildcards: computes(wildcards.model),
     message:
         "Cross-validation and test of {wildcards.model}, also with the logs reversed"
     script:
@@ -39,7 +39,8 @@ rule replicate:
         mem_mb=2000,
         runtime=60,
     params:
-        **stage("stages.replicate.replicate", *PLAN.models),
+        stage="stages.replicate.replicate",
+        code=computes(*PLAN.models),
         on_rig=on_rig(SETTINGS),
         judgement=lambda wildcards: judgement(SETTINGS, seed=int(wildcards.seed)),
         values=SETTINGS["grids"],
@@ -63,7 +64,8 @@ rule measure_times:
     resources:
         mem_mb=2000,
     params:
-        **stage("stages.timing.measure_times", *PLAN.models),
+        stage="stages.timing.measure_times",
+        code=computes(*PLAN.models),
         models=SETTINGS["models"],
         n_c=SETTINGS["grids"]["n_c"],
         repeats=SETTINGS["evaluation"]["timing_repeats"],
@@ -82,7 +84,8 @@ rule weigh:
     log:
         PATHS.messages("weigh"),
     params:
-        **stage("stages.grid.weigh", "fprc"),
+        stage="stages.grid.weigh",
+        code=computes("fprc"),
         judgement=judgement(SETTINGS, "fprc"),
     message:
         "Weight contributions of the FPRC"
@@ -101,7 +104,8 @@ rule grid:
     resources:
         mem_mb=2000,
     params:
-        **stage("stages.grid.judge", "fprc", "fuzzy_linear"),
+        stage="stages.grid.judge",
+        code=computes("fprc", "fuzzy_linear"),
         values=SETTINGS["grids"],
         judgement=judgement(SETTINGS, "fprc"),
     message:

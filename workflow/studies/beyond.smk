@@ -22,39 +22,61 @@ wildcard_constraints:
     world="|".join(FAMILIES),
 
 
-STUDY_RESULTS["beyond_world"] = judgement_spec(
-    "beyond/{world}",
-    "beyond.contest.judge_models",
-    *COMPETITORS,
-    given={"near_print": NEAR_PRINT, "tuned": TUNED},
-    family=lambda wildcards: family_named(wildcards.world),
-    units=list(range(BEYOND["units"])),
-    how={"contest": CONTEST, "slow": BEYOND["slow"]},
-)
+use rule judge_family as judge_beyond with:
+    input:
+        near_print=NEAR_PRINT,
+        tuned=TUNED,
+    output:
+        judged=PATHS.below("beyond/{world}.json"),
+    log:
+        PATHS.messages("judge_beyond_{world}"),
+    params:
+        version=studies_with(*COMPETITORS),
+        judge="beyond.contest.judge_models",
+        family=lambda wildcards: family_named(wildcards.world),
+        how={"contest": CONTEST, "slow": BEYOND["slow"]},
+        checkpoint=checkpoint_of("beyond/{world}"),
+    message:
+        "Family {wildcards.world}: the paper's models and their competitors"
 
-STUDY_RESULTS["beyond_tables"] = result_spec(
-    "beyond/claims",
-    "tables",
-    {"families": expand(PATHS.below("beyond/{world}.json"), world=FAMILIES)},
-    {
+
+rule tabulate_beyond:
+    input:
+        families=expand(PATHS.below("beyond/{world}.json"), world=FAMILIES),
+    output:
         **{name: PATHS.below(f"beyond/{name}.csv") for name in PAGES_BEYOND[:3]},
-        "pages": expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
-    },
-    **stage("studies.stages.beyond.tabulate_beyond"),
-    family=CONFIGURED_FAMILY,
-)
+        pages=expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
+    log:
+        PATHS.messages("tabulate_beyond"),
+    params:
+        stage="studies.stages.beyond.tabulate_beyond",
+        code=SHOWS,
+        family=CONFIGURED_FAMILY,
+    message:
+        "Claims, models and offsets beyond the paper"
+    script:
+        "../scripts/stage.py"
 
-STUDY_RESULTS["draw_pairs"] = figure_spec(
-    "beyond/figure_pairs",
-    {"claims": PATHS.below("beyond/claims.csv")},
-    **stage("studies.stages.beyond.draw_pairs"),
-)
+
+rule draw_pairs:
+    input:
+        claims=PATHS.below("beyond/claims.csv"),
+    output:
+        pdf=PATHS.below("beyond/figure_pairs.pdf"),
+        png=PATHS.below("beyond/figure_pairs.png"),
+    log:
+        PATHS.messages("draw_pairs"),
+    params:
+        stage="studies.stages.beyond.draw_pairs",
+        code=SHOWS,
+    message:
+        "Figure of the claims beyond the paper"
+    script:
+        "../scripts/stage.py"
 
 
-STUDY_TARGETS |= {
-    "beyond": [
-        PATHS.below("beyond/claims.md"),
-        PATHS.below("beyond/figure_pairs.pdf"),
-        *STUDY_RESULTS["beyond_tables"].given.values(),
-    ],
-}
+STUDY_TARGETS["beyond"] = [
+    PATHS.below("beyond/claims.md"),
+    PATHS.below("beyond/figure_pairs.pdf"),
+    *rules.tabulate_beyond.input,
+]

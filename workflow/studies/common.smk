@@ -1,15 +1,14 @@
 # Names that several rules of the studies share.
 
 BEYOND = SETTINGS["beyond"]
-#: How the paper's models are judged, with any seed.
-EVERY_SEED = judgement(SETTINGS, without="seed", models=paper_models(SETTINGS))
-
 #: Rigs near print; decision 16 says how they were found.
 NEAR_PRINT = file_of_workflow("../../config/rigs/near_print.json")
 # an unrelated folder may have docs/images too
 IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(
     os.path.join(RULES, "../.."), os.curdir
 )
+#: Files of each target; the Snakefile has their rules.
+STUDY_TARGETS = {}
 
 
 @cache
@@ -46,54 +45,19 @@ def family_named(name):
     }
 
 
-#: Results of the studies by their rules, and the files of each target; rows.smk has the rules.
-STUDY_RESULTS, STUDY_TARGETS = {}, {}
-
-
 def memory_of(wildcards, threads):
     """Return the MB of a pool of processes: each holds the logs and one model."""
     return 1000 * (1 + threads)
 
 
-def judgement_spec(stem, judge, *models, given=None, runtime=120, **params):
-    """Return what is peculiar to a job that judges a family of rigs, with a checkpoint.
+def studies_with(*models):
+    """Return the digest of the code that computes a study with models."""
+    return code_that_computes(*models, also=["studies"])
 
-    Parameters
-    ----------
-    stem : str
-        Its file below the results, without suffix.
-    judge : str
-        Function below ``fprc.studies`` that does it, with ``models``.
-    given : dict
-        Its inputs, if it has any.
-    runtime : int
-        Minutes.
-    **params
-        ``family``, ``units`` and ``how``, see ``fprc.studies.stages.judge``.
-    """
-    judged_by = f"fprc.studies.{judge.rpartition('.')[0]}"
-    of_stage = stage("studies.stages.judge.judge_family")
 
-    # the checkpoint depends on it too
-    def version(wildcards):
-        own = fingerprint(judged_by, *map(class_module, models))
-        return f"{of_stage['code'](wildcards)}-{own}"
-
-    params |= {
-        "stage": of_stage["stage"],
-        "judge": judge,
-        "workers": lambda wildcards, threads: threads,
-        "checkpoint": with_prefix(PATHS.below(f"{stem}.partial.jsonl")),
-    }
-    return result_spec(
-        stem,
-        "measurements",
-        given or {},
-        {"judged": PATHS.below(f"{stem}.json")},
-        threads=workflow.cores,
-        resources={"mem_mb": memory_of, "runtime": runtime},
-        **params | {"version": version},
-    )
+def checkpoint_of(name):
+    """Return the file in which a job keeps what it has finished."""
+    return with_prefix(PATHS.below(f"{name}.partial.jsonl"))
 
 
 def by_block(folder, tables):

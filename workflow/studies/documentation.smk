@@ -1,80 +1,91 @@
 # Pages of the documentation that show results; the check of verdicts, pictures and README.
 # Both look at the paper and at its studies.
 
-#: The documentation shows the results of the paper's settings, in the checkout.
-SHOWN = RESULTS == "results" and IN_CHECKOUT
-#: By rule: pages of the documentation, their tables by the blocks, their figures by the pictures in
-#: docs, and the targets that make these.
-SHOWN_ON = {
-    "calibration_page": SimpleNamespace(
-        pages=["docs/calibration.md"],
-        tables=by_block("families", FAMILY_TABLES),
-        figures={},
-        targets=["families"],
-    ),
-    "beyond_page": SimpleNamespace(
-        pages=["docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
-        tables=by_block("beyond", PAGES_BEYOND),
-        figures={"docs/images/beyond_pairs.png": PATHS.below("beyond/figure_pairs.png")},
-        targets=["beyond"],
-    ),
-    "drift_page": SimpleNamespace(
-        pages=["docs/drift.md"],
-        tables=by_block("online", ("verdicts", "errors")),
-        figures={"docs/images/drift.png": PATHS.below("online/figure.png")},
-        targets=["online"],
-    ),
+#: Pictures of the documentation, with the figures that they are copies of.
+PICTURES = {
+    "docs/images/beyond_pairs.png": PATHS.below("beyond/figure_pairs.png"),
+    "docs/images/drift.png": PATHS.below("online/figure.png"),
 }
+
+
+rule calibration_page:
+    input:
+        **by_block("families", FAMILY_TABLES),
+        figures=[],
+        made_from=STUDY_TARGETS["families"],
+    log:
+        PATHS.messages("calibration_page"),
+    localrule: True
+    params:
+        stage="studies.stages.documents.update_pages",
+        code=SHOWS,
+        pages=["docs/calibration.md"],
+        pictures=[],
+    message:
+        "Numbers of docs/calibration.md"
+    script:
+        "../scripts/stage.py"
+
+
+use rule calibration_page as beyond_page with:
+    input:
+        **by_block("beyond", PAGES_BEYOND),
+        figures=[PICTURES["docs/images/beyond_pairs.png"]],
+        made_from=STUDY_TARGETS["beyond"],
+    log:
+        PATHS.messages("beyond_page"),
+    params:
+        pages=["docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
+        pictures=["docs/images/beyond_pairs.png"],
+    message:
+        "Numbers and pictures of the pages on models beyond the paper's"
+
+
+use rule calibration_page as drift_page with:
+    input:
+        **by_block("online", ("verdicts", "errors")),
+        figures=[PICTURES["docs/images/drift.png"]],
+        made_from=STUDY_TARGETS["online"],
+    log:
+        PATHS.messages("drift_page"),
+    params:
+        pages=["docs/drift.md"],
+        pictures=["docs/images/drift.png"],
+    message:
+        "Numbers and pictures of docs/drift.md"
+
 
 # the README gives the numbers of the simulated rig, and the declared verdicts are of it too
 if PLAN.on_simulated_rig:
-    SHOWN_ON["readme"] = SimpleNamespace(
-        pages=["README.md", "docs/results.md"],
-        tables={
-            **{Path(page).stem: page for page in PLAN.pages[1:]},
-            "verdicts": PATHS.below("claims.json"),
-        },
-        figures={},
-        targets=["report"],
-    )
+    SHOWN_IN_README = {Path(page).stem: page.replace(".json", ".md") for page in PAGES[1:]}
 
-for rule_name, shown in SHOWN_ON.items():
-
-    rule:
-        name:
-            rule_name
+    use rule calibration_page as readme with:
         input:
-            **shown.tables,
-            figures=list(shown.figures.values()),
-            made_from=[(STUDY_TARGETS | TARGETS)[target] for target in shown.targets],
+            **SHOWN_IN_README,
+            verdicts=PATHS.below("claims.json"),
+            figures=[],
+            made_from=TARGETS["report"],
         log:
-            PATHS.messages(rule_name),
-        localrule: True
+            PATHS.messages("readme"),
         params:
-            **stage("studies.stages.documents.update_pages"),
-            pages=shown.pages,
-            pictures=list(shown.figures),
+            pages=["README.md", "docs/results.md"],
+            pictures=[],
         message:
-            f"{', '.join(shown.pages)}: numbers and pictures from the results"
-        script:
-            "../scripts/stage.py"
-
-
-PICTURES = dict(pair for shown in SHOWN_ON.values() for pair in shown.figures.items())
-
-if PLAN.on_simulated_rig:
+            "Numbers of README.md and docs/results.md"
 
     rule check:
         input:
             ledger=PATHS.below("claims.json"),
-            pages=PLAN.pages[1:] if SHOWN else [],
+            # the documentation shows the results of the paper's settings, in the checkout
+            pages=list(SHOWN_IN_README.values()) if IN_CHECKOUT and RESULTS == "results" else [],
             verdicts=str(VERDICTS),
         log:
             PATHS.messages("check"),
         localrule: True
         params:
-            **stage("studies.stages.check.check_results"),
-            pictures=lambda wildcards: PICTURES if SHOWN else {},
+            stage="studies.stages.check.check_results",
+            code=SHOWS,
+            pictures=PICTURES if IN_CHECKOUT and RESULTS == "results" else {},
         message:
             "Check of the declared verdicts, of pictures in docs, of README.md"
         script:

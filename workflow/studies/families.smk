@@ -22,7 +22,7 @@ use rule replicate as replicate_on_rig with:
     wildcard_constraints:
         rig="|".join(OTHER_RIGS) or "none",
     params:
-        **stage("stages.replicate.replicate", *MODELS),
+        code=computes(*MODELS),
         on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
         judgement=lambda wildcards: judgement(
             SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
@@ -35,42 +35,60 @@ wildcard_constraints:
     family="|".join(SETS),
 
 
-STUDY_RESULTS["judge_family"] = judgement_spec(
-    "families/{family}",
-    "families.family.judge_tables",
-    *MODELS,
-    given={"near_print": NEAR_PRINT},
-    family=lambda wildcards: family_named(wildcards.family),
-    units=list(range(BEYOND["units"])),
-    how={"tracking": SETTINGS["tracking"], "judgement": EVERY_SEED},
-)
+rule judge_family:
+    input:
+        near_print=NEAR_PRINT,
+    output:
+        judged=PATHS.below("families/{family}.json"),
+    log:
+        PATHS.messages("judge_family_{family}"),
+    threads: workflow.cores
+    resources:
+        mem_mb=memory_of,
+        runtime=120,
+    params:
+        stage="studies.stages.judge.judge_family",
+        version=studies_with(*MODELS),
+        judge="families.family.judge_tables",
+        family=lambda wildcards: family_named(wildcards.family),
+        units=list(range(BEYOND["units"])),
+        how={
+            "tracking": SETTINGS["tracking"],
+            "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        },
+        workers=lambda wildcards, threads: threads,
+        checkpoint=checkpoint_of("families/{family}"),
+    message:
+        "Family {wildcards.family}: the paper's tables on its rigs"
+    script:
+        "../scripts/stage.py"
 
 
-STUDY_RESULTS["families_tables"] = result_spec(
-    "families/tables",
-    "tables",
-    {
+rule tabulate_families:
+    input:
         **{name: PATHS.below(f"families/{name}.json") for name in SETS},
-        "published": PUBLISHED,
-        "models": on_rigs("models"),
-        "grids": on_rigs("grids"),
-        "controls": on_rigs("control"),
-    },
-    {
-        table: [PATHS.below(f"families/{table}.{kind}") for kind in ("csv", "md")]
-        for table in FAMILY_TABLES
-    },
-    **stage("studies.stages.families.tabulate_families"),
-    named=lambda wildcards: {
-        SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
-        **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
-    },
-)
+        published=PUBLISHED,
+        models=on_rigs("models"),
+        grids=on_rigs("grids"),
+        controls=on_rigs("control"),
+    output:
+        **{name: table(f"families/{name}")[:2] for name in FAMILY_TABLES},
+    log:
+        PATHS.messages("tabulate_families"),
+    params:
+        stage="studies.stages.families.tabulate_families",
+        code=SHOWS,
+        named=lambda wildcards: {
+            SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
+            **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
+        },
+    message:
+        "Errors and claims on families of rigs"
+    script:
+        "../scripts/stage.py"
 
 
-STUDY_TARGETS |= {
-    "families": [
-        *expand(PATHS.below("families/{table}.md"), table=FAMILY_TABLES),
-        *STUDY_RESULTS["families_tables"].given.values(),
-    ],
-}
+STUDY_TARGETS["families"] = [
+    *(PATHS.below(f"families/{name}.md") for name in FAMILY_TABLES),
+    *rules.tabulate_families.input,
+]

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-from fprc.paper import DISTURBANCE
 from fprc.registry import settings_of
 
 Settings = Mapping[str, Any]
@@ -61,14 +60,4 @@ def on_rig(settings: Settings) -> dict[str, Any]:
         **pick(settings, "rig", "control"),
         "signals": settings["experiments"],
         "target": settings["evaluation"]["target"],
-    }
-
-
-def tracking(settings: Settings, reference: str) -> dict[str, Any]:
-    """Return the tracking settings for one reference; only the disturbance has pushes."""
-    section = settings["tracking"]
-    pushes = ["pushes"] if reference == DISTURBANCE else []
-    return {
-        **pick(section, "angle_range_deg", "pressure_limit_kpa", *pushes),
-        "references": pick(section["references"], reference),
     }

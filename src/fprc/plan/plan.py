@@ -1,4 +1,4 @@
-"""The workflow's plan: what it makes from the existing logs with the given settings."""
+"""The workflow's plan: what can be made from the existing logs with the given settings."""
 
 import re
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from fprc.logs import Columns, read_columns
 from fprc.logs.columns import read_each
 from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
 from fprc.plan.paths import Paths
-from fprc.plan.results import BY_NAME, RESULTS, Result
+from fprc.plan.results import NEEDS, Need, title_of_result
 from fprc.registry import controllers, entries, feedforward_of, outside_classes
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
@@ -23,7 +23,7 @@ TRAINING = EXPERIMENTS[0]
 
 @dataclass(frozen=True)
 class Plan:
-    """Targets, models and runs of the workflow."""
+    """Models and runs of the workflow, and the results that cannot be made."""
 
     settings: Mapping[str, Any]  #: the whole configuration
     existing: Mapping[str, Columns]  #: the existing raw logs, without samples, by name
@@ -95,15 +95,15 @@ class Plan:
     @cached_property
     def unavailable(self) -> dict[str, str]:
         """Results that cannot be made, with their reasons."""
-        reasons = {result.name: self._why_not(result) for result in RESULTS}
+        reasons = {name: self._why_not(need) for name, need in NEEDS.items()}
         if not self.runs:
             every = f"{self.raw}/{run_log('*', '*')}.h5"
             reasons["table4"] = f"needs closed-loop logs {every}; there is none"
         if not self.on_simulated_rig:
-            reasons |= {result.name: result.on_rigs for result in RESULTS if result.on_rigs}
+            reasons |= {name: need.on_rigs for name, need in NEEDS.items() if need.on_rigs}
         return {name: reason for name, reason in reasons.items() if reason}
 
-    def _why_not(self, need: Result) -> str | None:
+    def _why_not(self, need: Need) -> str | None:
         """Return why a result cannot be made from the logs; None if it can."""
         logs = self.contents
         absent = [f"{name}.h5" for name in need.logs if name not in logs]
@@ -120,9 +120,13 @@ class Plan:
             reasons.append(f"{in_words(channels)}, which {in_words(files)} {verb} not have")
         return "needs " + "; and ".join(reasons) if reasons else None
 
+    def possible(self, **files: list[str]) -> dict[str, list[str]]:
+        """Return those of the results, named with their files, that can be made."""
+        return {name: made for name, made in files.items() if name not in self.unavailable}
+
     def refusal(self, target: str) -> str:
-        """Return the error message for a target that cannot be made."""
-        why = f"{BY_NAME[target].title} {self.unavailable[target]}"
+        """Return the message on a target that cannot be made."""
+        why = f"{title_of_result(target)} {self.unavailable[target]}"
         return f"{target}: not available for this data: {why}"
 
     @cached_property
@@ -132,8 +136,7 @@ class Plan:
             return {}
         reasons = {}
         for model, entry in entries(self.settings["models"]).items():
-            need = Result(model, "", (), logs=EXPERIMENTS, channels=entry.inputs)
-            if reason := self._why_not(need):
+            if reason := self._why_not(Need(EXPERIMENTS, entry.inputs)):
                 reasons[model] = reason
         return reasons
 
@@ -148,44 +151,15 @@ class Plan:
         models = (feedforward_of(name) for name in self.controllers)
         return list(dict.fromkeys(name for name in models if name))
 
-    @cached_property
-    def targets(self) -> dict[str, list[str]]:
-        """Files of each target that can be made: the result first, then its intermediate files.
+    def source_of(self, target: str) -> str:
+        """Return the source of the data that a figure shows; ``none`` if it shows none."""
+        logs = NEEDS[target].logs if target in NEEDS else ()
+        return self.contents[logs[0]].attributes.get("source", "none") if logs else "none"
 
-        The intermediate files are listed because, when a job fails, Snakemake removes only that
-        job's outputs: the final file of an earlier run stays, and a target of this file alone would
-        count as complete although it is stale.
-        """
-        return {
-            result.name: self._files_of(result)
-            for result in RESULTS
-            if result.name not in self.unavailable
-        }
-
-    @cached_property
-    def figures(self) -> dict[str, str]:
-        """Pictures of the paper's figures that can be made, with the sources of their data."""
-        return {
-            self.paths.below(result.files[0].replace(".pdf", ".png")): (
-                self.contents[result.logs[0]].attributes.get("source", "none")
-                if result.logs
-                else "none"
-            )
-            for result in RESULTS
-            if result.name.startswith("fig") and result.name in self.targets
-        }
-
-    @cached_property
-    def pages(self) -> list[str]:
-        """Tables of the report."""
-        # the claims have a place of their own
-        return [
-            self.paths.below(file)
-            for result in RESULTS
-            if result.name in self.targets and result.name != "claims"
-            for file in result.files
-            if file.endswith(".md")
-        ]
+    def runs_of(self, *targets: str) -> list[str]:
+        """Return the logs of the runs that those of the results show that can be made."""
+        possible = [NEEDS[target].logs for target in targets if target not in self.unavailable]
+        return [run for run in self.runs if run in sum(possible, ())]
 
     def replicates(self, part: str) -> list[str]:
         """Return one part of each further seed's report."""
@@ -203,37 +177,12 @@ class Plan:
         further = self.further if experiment == TRAINING else []
         return [self.paths.log(name) for name in (experiment, *further)]
 
-    def _files_of(self, result: Result) -> list[str]:
-        made_of = [
-            file
-            for name in result.made_of
-            for file in self._groups.get(name, [self.paths.below(name)])
-        ]
-        if "loops" in result.made_of:
-            # Table IV names no logs: it shows those that are there
-            made_of += map(self.paths.log, result.logs or self.runs)
-        return list(dict.fromkeys([*map(self.paths.below, result.files), *made_of]))
-
-    @cached_property
-    def _groups(self) -> dict[str, list[str]]:
-        """Files for which a word stands in ``Result.made_of``."""
-        paths, logs = self.paths, self.experiments
+    @property
+    def data(self) -> list[str]:
+        """Raw and preprocessed logs of the experiments."""
+        logs = self.experiments
         raw = [file for log in logs for file in self.logs_of(log)]
-        data = [*raw, *map(paths.data, logs), *map(paths.quality, logs)]
-        judged = {
-            f"judged/{log}": [
-                file for model in self.models for file in paths.judged(log, model).values()
-            ]
-            for log in EXPERIMENTS
-        }
-        parts = ("models", "grids", "control") if self.on_simulated_rig else ()
-        return {
-            "data": data,
-            **judged,
-            "loops": [*data, *judged[f"judged/{TRAINING}"]] if self.records else [],
-            "grids": self.grids,
-            "seeds": [file for part in parts for file in self.replicates(part)],
-        }
+        return [*raw, *map(self.paths.data, logs)]
 
 
 def read_plan(settings: Mapping[str, Any], raw: str) -> Plan:

@@ -24,8 +24,7 @@ def write_ledger(
     times: str,
     times_over_n_c: str,
     untested: str,
-    json: str,
-    md: str,
+    claims: Sequence[str],
     *,
     fitted: Mapping[str, Any],
 ) -> None:
@@ -33,6 +32,8 @@ def write_ledger(
 
     Parameters
     ----------
+    claims : sequence of str
+        JSON and Markdown of the ledger.
     untested : str
         File whose ``not_tested`` has the sentences that cannot be tested, with reasons.
     fitted : Mapping
@@ -55,6 +56,7 @@ def write_ledger(
         "contains a limit."
     )
     reasons = read_yaml(untested)["not_tested"]
+    json, md = claims
     write_json(json, {"source": source, "note": origin, "claims": ledger, "not_tested": reasons})
     counts = pd.Series([row["verdict"] for row in ledger]).value_counts()
     note = (

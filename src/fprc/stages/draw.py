@@ -1,4 +1,7 @@
-"""Draw the figures of hysteresis and models from result files."""
+"""Draw the figures of hysteresis and models from result files.
+
+The files of a figure are its PDF and PNG, and the CSV with the statistics that it shows, if any.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -66,9 +69,20 @@ def _plot_loops(logs: Sequence[Columns], axes: Sequence[Axes], x: str, y: str) -
     return colours
 
 
-def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> None:
+def draw_hysteresis(
+    sweep: str, complex: str, fig4: Sequence[str] = (), fig5: Sequence[str] = ()
+) -> None:
+    """Figures 4 and 5, those that are asked for."""
+    if fig4:
+        _draw_actuator([read_columns(path, _DATA) for path in (sweep, complex)], fig4)
+    if fig5:
+        _draw_reservoir(
+            [read_columns(path, (*_DATA, "p_o_kpa")) for path in (sweep, complex)], fig5
+        )
+
+
+def _draw_actuator(logs: Sequence[Columns], files: Sequence[str]) -> None:
     """Figure 4: pressure commands, each as wide as the column, and the actuator's loops."""
-    logs = [read_columns(path, _DATA) for path in (sweep, complex)]
     fig, axes = style.figure(3, 2, style.COLUMN_IN, 4.6, height_ratios=(1, 1, 2), sharey="row")
     commands = [fig.add_subplot(axes[row, 0].get_gridspec()[row, :]) for row in (0, 1)]
     for ax in axes[:2].ravel():
@@ -85,26 +99,26 @@ def draw_actuator_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> No
     for ax, title in zip((*commands, *axes[2]), titles, strict=True):
         style.letter(ax, title)
     add_frequency_bar(colours, axes[2], "(a)")
-    style.save(fig, logs[0].attributes, pdf, png)
+    style.save(fig, logs[0].attributes, *files)
 
 
-def draw_reservoir_hysteresis(sweep: str, complex: str, pdf: str, png: str) -> None:
+def _draw_reservoir(logs: Sequence[Columns], files: Sequence[str]) -> None:
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
-    logs = [read_columns(path, (*_DATA, "p_o_kpa")) for path in (sweep, complex)]
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.4, sharex=True, sharey=True)
     colours = _plot_loops(logs, axes, "theta_deg", "p_o_kpa")
     for ax, title in zip(axes, ("(a) Sweep", "(b) Complex"), strict=True):
         ax.label_outer()
         style.letter(ax, title)
     add_frequency_bar(colours, axes, "(a)")
-    style.save(fig, logs[0].attributes, pdf, png)
+    style.save(fig, logs[0].attributes, *files)
 
 
-def draw_training(fits: str, predictions: str, csv: str, pdf: str, png: str) -> None:
+def draw_training(fits: str, predictions: str, fig8: Sequence[str]) -> None:
     """Figure 8: the model on its training and on its test data."""
     names = ("time_s", "p_target_kpa", "p_ff_kpa")
     logs = {"train": read_columns(fits, names), "test": read_columns(predictions, names)}
     table = fit_errors(logs)
+    *pictures, csv = fig8
     write_csv(csv, table)
     fig, axes = style.figure(4, 2, style.COLUMN_IN, 4.4, sharey="row", height_ratios=(3, 2, 3, 2))
     grid = axes[0, 0].get_gridspec()
@@ -130,17 +144,18 @@ def draw_training(fits: str, predictions: str, csv: str, pdf: str, png: str) -> 
         end.set_ylabel("")
     fig.align_ylabels()
     style.share_legend(fig, whole[0])
-    style.save(fig, logs["train"].attributes, pdf, png)
+    style.save(fig, logs["train"].attributes, *pictures)
 
 
-def draw_weights(weights: str, published: str, csv: str, pdf: str, png: str) -> None:
+def draw_weights(weights: str, published: str, fig9: Sequence[str]) -> None:
     """Figure 9: proportional contribution of the normalised weights."""
     report = read_json(weights)
     table = weight_shares(report, read_yaml(published))
+    *pictures, csv = fig9
     write_csv(csv, table)
     fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.8)
     plot_shares(table, ax)
-    style.save(fig, report, pdf, png)
+    style.save(fig, report, *pictures)
 
 
 def _seeds_of(reports: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
@@ -149,7 +164,7 @@ def _seeds_of(reports: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
     return {"seeds": seeds} if len(seeds) > 1 else reports[0]
 
 
-def draw_settings(grids: Sequence[str], times: str, csv: str, pdf: str, png: str) -> None:
+def draw_settings(grids: Sequence[str], times: str, fig10: Sequence[str]) -> None:
     """Figure 10: errors over epsilon and n_c, execution times over n_c.
 
     The errors are over further seeds, or over the folds of one report. Without errors over
@@ -163,6 +178,7 @@ def draw_settings(grids: Sequence[str], times: str, csv: str, pdf: str, png: str
     }
     if panels["a"].empty:
         del panels["a"]
+    *pictures, csv = fig10
     write_csv(csv, pd.concat(panels, names=["panel"]).reset_index("panel"))
     fig, axes = style.figure(len(panels), 1, style.COLUMN_IN, 4.6 if "a" in panels else 3.4)
     for (panel, table), ax in zip(panels.items(), axes, strict=True):
@@ -178,14 +194,15 @@ def draw_settings(grids: Sequence[str], times: str, csv: str, pdf: str, png: str
             ax.xaxis.set_major_formatter("{x:g}")
     spread = f"± std over {'seeds' if len(reports) > 1 else 'folds'}"
     explain_lines(fig, list(panels["b"]["model"].unique()), spread)
-    style.save(fig, _seeds_of(reports), pdf, png)
+    style.save(fig, _seeds_of(reports), *pictures)
 
 
-def draw_taps(grids: Sequence[str], published: str, csv: str, pdf: str, png: str) -> None:
+def draw_taps(grids: Sequence[str], published: str, fig11: Sequence[str]) -> None:
     """Figure 11: errors over the tap sizes."""
     reports = [read_json(path) for path in grids]
     printed = read_yaml(published)["table_1_configuration"]
     table = grid_errors(reports, "taps")
+    *pictures, csv = fig11
     write_csv(csv, table)
     fig, axes = style.figure(1, 3, style.COLUMN_IN, 2.5, sharey=True)
     colours = plot_grids(table, axes, (printed["fprc"]["n_u"], printed["shared"]["n_y"]))
@@ -193,4 +210,4 @@ def draw_taps(grids: Sequence[str], published: str, csv: str, pdf: str, png: str
         ax.label_outer()
         style.letter(ax, f"({letter}) {ax.get_title('left')}")
     explain_grids(fig, axes, colours, table["unit"].iloc[0])
-    style.save(fig, _seeds_of(reports), pdf, png)
+    style.save(fig, _seeds_of(reports), *pictures)

@@ -1,6 +1,6 @@
 """Draw the closed-loop figures from raw logs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -14,9 +14,9 @@ from fprc.figures.tracking import (
     plot_following,
     plot_reference_loops,
 )
-from fprc.logs import read_run
+from fprc.logs import Columns, read_run
 from fprc.logs.columns import read_each
-from fprc.paper import LOOPS, REFERENCE_NAMES
+from fprc.paper import DISTURBANCE, LOOPS, REFERENCE_NAMES, REFERENCES
 from fprc.signals import settled
 from fprc.tables.figure_data import error_summary
 
@@ -24,22 +24,48 @@ from fprc.tables.figure_data import error_summary
 _END_S = 5.0
 
 
-def draw_following(
-    open_loop: str, closed_loop: str, runs: Sequence[str], csv: str, pdf: str, png: str
+def draw_tracking(runs: Sequence[str], *, quiet_s: float, **figures: Sequence[str]) -> None:
+    """Figures 12 to 17, those that are asked for.
+
+    Parameters
+    ----------
+    runs : sequence of str
+        Raw logs of the runs that they show.
+    quiet_s : float
+        Time before the reservoir is pushed.
+    **figures : sequence of str
+        Files by figure: PDF and PNG, of all but Fig. 16 also CSV.
+    """
+    logs = {
+        (run.attributes["reference"], run.attributes["controller"]): run
+        for run in read_each(read_run, runs)
+    }
+    pairs = {
+        f"fig{number}": [logs[reference, "fprc"], logs[reference, "fprc_pd"]]
+        for number, reference in enumerate(REFERENCES, start=12)
+        if f"fig{number}" in figures
+    }
+    shown = [run for pair in pairs.values() for run in pair]
+    for name, pair in pairs.items():
+        _draw_following(pair, shown, figures[name])
+    if "fig16" in figures:
+        _draw_loops(logs, figures["fig16"])
+    if "fig17" in figures:
+        _draw_disturbance(logs[DISTURBANCE, "fprc_pd"], quiet_s, figures["fig17"])
+
+
+def _draw_following(
+    pair: Sequence[Columns], shown: Sequence[Columns], files: Sequence[str]
 ) -> None:
     """Figures 12 to 15: open loop, closed loop, their errors, P_ff and P_fb.
 
     Narrow panels on the right show the end of the run, where lines that seem one are apart. The
-    axes of errors and P_fb span those of all ``runs``, so that the figures can be compared.
+    axes of errors and P_fb span those of all runs ``shown``, so that the figures can be compared.
     """
-    # once, because each file has its error
-    paths = list(dict.fromkeys([open_loop, closed_loop, *runs]))
-    logs = dict(zip(paths, read_each(read_run, paths), strict=True))
-    pair = [logs[open_loop], logs[closed_loop]]
+    *pictures, csv = files
     table = error_summary(pair)
     write_csv(csv, table)
-    every = error_summary([logs[run] for run in runs])
-    limit = 1.05 * every["max_abs_error_deg"].max()
+    limit = 1.05 * error_summary(shown)["max_abs_error_deg"].max()
     fig, axes = style.figure(
         5, 2, style.COLUMN_IN, 5.8, sharex="col", sharey="row", width_ratios=(3, 1),
         height_ratios=(4, 4, 4, 3, 3),
@@ -53,7 +79,7 @@ def draw_following(
         for ax, name in zip(column[3:], ("p_ff", "p_fb"), strict=True):
             ax.plot(time_s, closed[f"{name}_kpa"], color=style.SIGNALS[name], linewidth=0.7)
             ax.set_ylabel(rf"$P_\mathrm{{{name[2:]}}}$ [kPa]")
-    efforts = [settled(logs[run].channels, settle_s)["p_fb_kpa"] for run in runs]
+    efforts = [settled(run.channels, settle_s)["p_fb_kpa"] for run in shown]
     axes[4, 0].set_ylim(1.05 * min(map(np.min, efforts)), 1.05 * max(map(np.max, efforts)))
     titles = "(a) FPRC", "(b) FPRC+PD", "(c) Errors", "(d) Outputs in (b)", ""
     for (ax, end), title in zip(axes, titles, strict=True):
@@ -72,33 +98,29 @@ def draw_following(
     axes[-1, 0].set_xlabel("Time [s]")
     axes[-1, 1].set_xlabel(f"Last {_END_S:g} s")
     axes[-1, 1].xaxis.set_major_locator(MaxNLocator(2, integer=True))
-    style.save(fig, pair[1].attributes, pdf, png)
+    style.save(fig, pair[1].attributes, *pictures)
 
 
-def draw_loops(runs: Sequence[str], pdf: str, png: str) -> None:
-    """Figure 16: actual angle over reference, PD against FPRC+PD.
-
-    ``runs`` are the logs of PD and of FPRC+PD for each of ``LOOPS``, in this order.
-    """
-    logs = read_each(read_run, runs)
+def _draw_loops(logs: Mapping[tuple[str, str], Columns], files: Sequence[str]) -> None:
+    """Figure 16: actual angle over reference, PD against FPRC+PD."""
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.2, sharex=True, sharey=True)
-    pairs = zip(axes, "ab", LOOPS, logs[::2], logs[1::2], strict=True)
-    for ax, letter, reference, *pair in pairs:
+    for ax, letter, reference in zip(axes, "ab", LOOPS, strict=True):
+        pair = (logs[reference, controller] for controller in ("pd", "fprc_pd"))
         alone, both = (settled(log.channels, log.attributes["settle_s"]) for log in pair)
         plot_reference_loops([("PD alone", "pd", alone), ("FPRC+PD", "fprc_pd", both)], ax)
         ax.label_outer()
         style.letter(ax, f"({letter}) {REFERENCE_NAMES[reference]}")
     style.share_legend(fig, axes[0], 3)
-    style.save(fig, logs[0].attributes, pdf, png)
+    style.save(fig, logs[LOOPS[0], "pd"].attributes, *files)
 
 
 #: Panels of Fig. 17 (b), below those of (a).
 _RESERVOIR = {"p_i_kpa": "$P_i$", "phi_deg": r"$\phi$", "p_o_kpa": "$P_o$"}
 
 
-def draw_disturbance(run: str, csv: str, pdf: str, png: str, *, quiet_s: float) -> None:
+def _draw_disturbance(log: Columns, quiet_s: float, files: Sequence[str]) -> None:
     """Figure 17: tracking and reservoir while random forces push the reservoir."""
-    (log,) = read_each(read_run, [run])
+    *pictures, csv = files
     channels, time_s = log.channels, log.channels["time_s"]
     table = error_summary([log])
     write_csv(csv, table)
@@ -121,4 +143,4 @@ def draw_disturbance(run: str, csv: str, pdf: str, png: str, *, quiet_s: float) 
     style.share_legend(fig, axes[0], 5)
     fig.align_ylabels(axes)
     axes[-1].set_xlabel("Time [s]")
-    style.save(fig, log.attributes, pdf, png)
+    style.save(fig, log.attributes, *pictures)

@@ -20,9 +20,8 @@ from fprc.artifacts import read_json, write_text
 from fprc.config import Settings
 from fprc.escape import in_words, typeset
 from fprc.paper import SOURCES
-from fprc.plan.results import BY_NAME
+from fprc.plan.results import title_of_result
 from fprc.provenance import commit_of, hash_of, versions
-from fprc.tables.text import read_markdown
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
@@ -49,7 +48,7 @@ def write_report(
     ledger : sequence of str
         The claims ledger, JSON; empty if there is none.
     tables : sequence of str
-        The tables, Markdown.
+        The tables, JSON.
     figures : sequence of str
         The figures, PNG.
     captions : str
@@ -158,10 +157,8 @@ def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    note, table = read_markdown(Path(path).read_text(encoding="utf-8"))
-    # the sentence on the data follows some titles at once
-    title, rest = [*re.split(r": |\. (?=Data: )", note, maxsplit=1), ""][:2]
-    name = Path(path).stem
+    table, name = read_json(path), Path(path).stem
+    title, note = table["title"], table["note"]
     kinds = _kinds(name.removesuffix("_seeds"), fitted)
     same = len(set(kinds.values())) < 2
     return {
@@ -170,25 +167,26 @@ def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         "kind": next(iter(kinds.values()), "") if same else "half fitted",
         "rows": {} if same else kinds,
         "title": title,
-        "note": rest[:1].upper() + rest[1:],
+        "note": note[:1].upper() + note[1:],
         "table": table,
         "one_seed": None,
-        **_origin(path, folder, (".csv",)),
+        **_origin(path, folder, (".csv", ".tex")),
     }
 
 
 def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path) -> dict[str, Any]:
     with Image.open(picture) as image:
         width, height = image.size
-    number, name = re.findall(r"^fig0?(\d+)_(\w+)", Path(picture).stem)[0]
+    stem = Path(picture).stem
+    target, name = _target(stem), _readable(re.sub(r"^fig\d+_", "", stem))
     return {
-        "anchor": f"fig{number}",
-        "short": f"Fig. {number}",
-        "name": _readable(name),
+        "anchor": target,
+        "short": title_of_result(target),
+        "name": name,
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
         "width": width,
         "height": height,
-        "caption": captions[f"fig{number}"],
+        "caption": captions.get(target, name),
         "data": SOURCES.get(source, "drawing, no data"),
         **_origin(picture, folder, (".csv", ".pdf")),
     }
@@ -200,15 +198,19 @@ def _readable(name: str) -> str:
     return re.sub(r"\b(esn|fprc)\b", lambda match: match[0].upper(), words)
 
 
-#: Targets by their files, without folder and suffix.
-_TARGETS = {Path(file).stem: name for name, result in BY_NAME.items() for file in result.files}
+def _target(stem: str) -> str:
+    """Return the target of a file, given without folder and suffix."""
+    if stem.endswith("_seeds"):
+        return "seeds"
+    known = {"table2_timing": "timing"}
+    return known.get(stem, re.sub(r"^fig0?(\d+)_.*", r"fig\1", stem))
 
 
 def _origin(path: str, folder: Path, kinds: Sequence[str]) -> dict[str, Any]:
     """Return the target that makes a result, and links to its files from the page's folder."""
     files = map(Path(path).with_suffix, kinds)
     return {
-        "target": _TARGETS.get(Path(path).stem, "report"),
+        "target": _target(Path(path).stem),
         "files": {
             file.suffix[1:].upper(): quote(os.path.relpath(file, folder))
             for file in files

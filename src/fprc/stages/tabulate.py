@@ -1,4 +1,4 @@
-"""Write the paper's tables as CSV and Markdown: ``files`` are named csv and md."""
+"""Write the paper's tables, each as ``write_table`` does."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,17 +12,19 @@ from fprc.logs.columns import read_each
 from fprc.logs.quality import warnings, warnings_of_run
 from fprc.paper import SOURCES
 from fprc.registry import title_of
-from fprc.tables import timing, tracking
+from fprc.tables import tracking
 from fprc.tables.models import comparison, comparison_page, configuration, over_seeds
 from fprc.tables.text import write_table
+from fprc.tables.timing import timing as times_of
+from fprc.tables.timing import timing_page
 from fprc.yaml_file import read_yaml
 
 
-def tabulate_configuration(published: str, *, models: Mapping[str, Any], **files: str) -> None:
+def tabulate_settings(published: str, table1: Sequence[str], *, models: Mapping[str, Any]) -> None:
     """Table I: the settings of the models."""
     table = configuration(models, read_yaml(published))
-    note = "Table I. Configuration of the models: ours and as published."
-    write_table(table, table.astype(str), note, **files)
+    title, note = "Table I. Configuration of the models", "ours and as published."
+    write_table(table, table.astype(str), note, *table1, title=title)
 
 
 _COMPARISONS = {
@@ -32,29 +34,39 @@ _COMPARISONS = {
 }
 
 
-def tabulate_comparison(
+def tabulate_models(
     published: str,
-    errors: Sequence[str],
+    sweep: Sequence[str],
+    complex: Sequence[str],
     quality: Sequence[str],
+    table2: Sequence[str],
+    table3: Sequence[str],
     *,
     left_out: Mapping[str, str],
-    **files: str,
 ) -> None:
     """Tables II and III: errors of the models, one seed, spread over folds.
 
-    ``quality`` are the quality records of the logs; failed checks stand below the table.
-    ``left_out`` has the models that are not in the table, with reasons.
+    Parameters
+    ----------
+    sweep, complex : sequence of str
+        Reports of the models that were trained on this log.
+    quality : sequence of str
+        Quality records of the logs; failed checks stand below the tables.
+    left_out : Mapping
+        The models that are not in the tables, with reasons.
     """
-    reports = [read_json(path) for path in errors]
-    table = comparison(reports, read_yaml(published))
-    first = reports[0]
-    note = (
-        f"{_COMPARISONS[first['trained_on']]}: mean ± standard deviation over "
-        f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
-        f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
-        f"{_without(left_out)}{_failed(failed_checks(quality))}"
-    )
-    write_table(table, comparison_page(table), note, **files)
+    for errors, files in ((sweep, table2), (complex, table3)):
+        reports = [read_json(path) for path in errors]
+        table = comparison(reports, read_yaml(published))
+        first = reports[0]
+        note = (
+            "mean ± standard deviation over "
+            f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
+            f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
+            f"{_without(left_out)}{_failed(failed_checks(quality))}"
+        )
+        title = _COMPARISONS[first["trained_on"]]
+        write_table(table, comparison_page(table), note, *files, title=title)
 
 
 def failed_checks(quality: Sequence[str]) -> list[str]:
@@ -75,17 +87,44 @@ def _without(left_out: Mapping[str, str]) -> str:
 
 
 def tabulate_seeds(
-    published: str, replicates: Sequence[str], *, trained_on: str, **files: str
+    published: str,
+    models: Sequence[str],
+    loops: Sequence[str],
+    seeds: Sequence[str],
+    *,
+    feedback: str,
 ) -> None:
-    """Tables II and III over further seeds."""
-    reports = [read_json(path) for path in replicates]
-    table = over_seeds(reports, read_yaml(published), trained_on)
+    """Tables II, III and IV over further seeds.
+
+    Parameters
+    ----------
+    models, loops : sequence of str
+        Reports of the further seeds on the models and on the closed loops.
+    seeds : sequence of str
+        Files of the three tables.
+    feedback : str
+        Describes the PD controller.
+    """
+    printed = read_yaml(published)
+    reports = [read_json(path) for path in models]
+    each = len(seeds) // 3
+    for k, (trained_on, title) in enumerate(_COMPARISONS.items()):
+        files = seeds[k * each :][:each]
+        table = over_seeds(reports, printed, trained_on)
+        note = (
+            f"mean and its 95 % interval over {len(reports)} further seeds.\n"
+            f"Data: {SOURCES[reports[0]['source']]}; each seed is another draw of "
+            f"sensors, noise and models. {_over_starts(reports, trained_on)}"
+        )
+        write_table(table, comparison_page(table), note, *files, title=title)
+    tracked = [read_json(path) for path in loops]
+    table = tracking.tracking_over_seeds(tracked, printed)
     note = (
-        f"{_COMPARISONS[trained_on]}: mean and its 95 % interval over {len(reports)} "
-        f"further seeds.\nData: {SOURCES[reports[0]['source']]}; each seed is another "
-        f"draw of sensors, noise and models. {_over_starts(reports, trained_on)}"
+        f"mean RMSE and its 95 % interval over {len(tracked)} further seeds.\n"
+        f"Data: {SOURCES[tracked[0]['source']]}. {feedback} {_tracking_over_starts(tracked)}"
     )
-    write_table(table, comparison_page(table), note, **files)
+    page = tracking.tracking_page(table)
+    write_table(table, page, note, *seeds[-each:], title="Table IV, over seeds")
 
 
 def _over_starts(reports: Sequence[Mapping[str, Any]], trained_on: str) -> str:
@@ -106,11 +145,11 @@ def _over_starts(reports: Sequence[Mapping[str, Any]], trained_on: str) -> str:
 def tabulate_tracking(
     published: str,
     runs: Sequence[str],
+    table4: Sequence[str],
     *,
     left_out: Sequence[str],
     limits: Mapping[str, Any],
     feedback: str,
-    **files: str,
 ) -> None:
     """Table IV: errors of the closed-loop runs; failed checks of their logs stand below it.
 
@@ -129,28 +168,13 @@ def tabulate_tracking(
         raise LogError(f"closed-loop logs of different sources: {named}; use logs of one kind")
     (source,) = kinds
     table = tracking.tracking(logs, read_yaml(published))
-    title = "Table IV. RMSE of tracking"
-    if source == "sim":
-        title += ", with the same noise and drift for all controllers"
-    note = f"{title}.\nData: {SOURCES[source]}. {feedback}"
+    same = ", with the same noise and drift for all controllers" if source == "sim" else ""
+    note = f"one run each{same}.\nData: {SOURCES[source]}. {feedback}"
     if left_out:
         note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
     note += _failed([line for run in logs for line in warnings_of_run(run, limits)])
-    write_table(table, tracking.tracking_page(table), note, **files)
-
-
-def tabulate_tracking_seeds(
-    published: str, replicates: Sequence[str], *, feedback: str, **files: str
-) -> None:
-    """Table IV over further seeds; ``feedback`` describes the PD controller."""
-    reports = [read_json(path) for path in replicates]
-    table = tracking.tracking_over_seeds(reports, read_yaml(published))
-    note = (
-        f"Table IV, over seeds: mean RMSE and its 95 % interval over {len(reports)} further "
-        f"seeds.\nData: {SOURCES[reports[0]['source']]}. {feedback} "
-        f"{_tracking_over_starts(reports)}"
-    )
-    write_table(table, tracking.tracking_page(table), note, **files)
+    page = tracking.tracking_page(table)
+    write_table(table, page, note, *table4, title="Table IV. RMSE of tracking")
 
 
 def _tracking_over_starts(reports: Sequence[Mapping[str, Any]]) -> str:
@@ -171,17 +195,17 @@ def _tracking_over_starts(reports: Sequence[Mapping[str, Any]]) -> str:
 
 
 def tabulate_times(
-    published: str, times: str, *, left_out: Mapping[str, str], **files: str
+    published: str, times: str, timing: Sequence[str], *, left_out: Mapping[str, str]
 ) -> None:
     """Table II, execution times."""
     report = read_json(times)
-    table = timing.timing(report, read_yaml(published))
+    table = times_of(report, read_yaml(published))
     note = (
-        f"Table II, execution times: mean ± standard deviation of {table['repeats'].iloc[0]} "
+        f"mean ± standard deviation of {table['repeats'].iloc[0]} "
         f"alternating repeats on {report['cpu']}, {report['threads']} thread.\n"
         "Sequential is sample by sample, as in a controller: the fit of the whole log, and steps, "
         "of which some thousand are timed, in proportion to its samples. Batch is a whole log at "
         "once. The paper does not say which mode it timed, nor on which machine."
         f"{_without(left_out)}"
     )
-    write_table(table, timing.timing_page(table), note, **files)
+    write_table(table, timing_page(table), note, *timing, title="Table II, execution times")

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from fprc import escape
-from fprc.artifacts import write_csv, write_text
+from fprc.artifacts import write_csv, write_json, write_text
 
 
 def spread(mean: float, std: float | None) -> str:
@@ -44,17 +44,52 @@ def markdown(page: pd.DataFrame, note: str) -> str:
     return f"{note}\n\n{page.to_markdown(index=False, disable_numparse=True)}\n"
 
 
-def read_markdown(text: str) -> tuple[str, pd.DataFrame]:
-    """Return note and page of a text that ``markdown`` rendered; every cell is text."""
-    note, _, grid = text.partition("\n\n")
-    columns, _, *rows = [
-        [escape.unmarkdown(cell.strip()) for cell in re.split(r"(?<!\\)\|", line.strip())[1:-1]]
-        for line in grid.strip().splitlines()
-    ]
-    return " ".join(note.split()), pd.DataFrame(rows, columns=columns)
+def latex(page: pd.DataFrame, title: str) -> str:
+    """Render a page as a LaTeX table with the rules of booktabs; ``title`` is its caption."""
+    text = page.to_latex(index=False, escape=True, caption=_tex(title) if title else None)
+    return _symbols(text)
 
 
-def write_table(table: pd.DataFrame, page: pd.DataFrame, note: str, csv: str, md: str) -> None:
-    """Write a table as CSV, and its page under a note as Markdown."""
+def _tex(text: str) -> str:
+    return re.sub(r"([&%$#_{}])", r"\\\1", text)
+
+
+def _symbols(text: str) -> str:
+    """Return LaTeX with the paper's symbols in formulas, as theta_d, P_o and n_c."""
+
+    def typeset(found: re.Match[str]) -> str:
+        name, index = found.groups()
+        letter = r"\theta" if name == "theta" else name
+        return rf"${letter}_\mathrm{{{index}}}$"
+
+    return re.sub(r"\b(theta|P|n)\\_([a-z]+)", typeset, text)
+
+
+def write_table(
+    table: pd.DataFrame,
+    page: pd.DataFrame,
+    note: str,
+    csv: str,
+    md: str,
+    tex: str = "",
+    json: str = "",
+    *,
+    title: str = "",
+) -> None:
+    """Write a table as CSV, and its page with title and note.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Tidy numbers.
+    page : DataFrame
+        What readers see: texts.
+    md, tex, json : str
+        Files of the page in Markdown, in LaTeX and, for the report, in JSON.
+    """
     write_csv(csv, table)
-    write_text(md, markdown(page, note))
+    write_text(md, markdown(page, f"{title}: {note}" if title else note))
+    if tex:
+        write_text(tex, latex(page, title))
+    if json:
+        write_json(json, {"title": title, "note": note, **page.to_dict("split", index=False)})

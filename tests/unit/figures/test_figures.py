@@ -1,4 +1,3 @@
-import inspect
 from pathlib import Path
 
 import matplotlib
@@ -34,10 +33,10 @@ def log(tmp_path):
     return write
 
 
-def written(drawing, pdf, png):
-    """Return the files that a drawing writes, its table first if it has one."""
-    tables = [pdf.with_suffix(".csv")] if "csv" in inspect.signature(drawing).parameters else []
-    return [str(path) for path in (*tables, pdf, png)]
+@pytest.fixture
+def files(tmp_path):
+    """PDF, PNG and CSV of a figure."""
+    return [str(tmp_path / f"f.{kind}") for kind in ("pdf", "png", "csv")]
 
 
 @pytest.mark.parametrize(
@@ -66,21 +65,16 @@ def test_figure_is_the_same_whatever_the_users_matplotlibrc_says(tmp_path):
     assert pictures[0] == pictures[1]
 
 
-@pytest.mark.parametrize(
-    "drawing",
-    [draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis, draw.draw_training],
-    ids=lambda drawing: drawing.__name__,
-)
-def test_drawing_is_saved_with_the_source_and_the_seed_of_its_log(drawing, log, tmp_path, figures):
+def test_drawing_is_saved_with_the_source_and_the_seed_of_its_log(log, files, figures):
     logs = log("one.h5", seed=9), log("two.h5", seed=9)
-    drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
-    assert (figures[0].data["source"], figures[0].data["seed"]) == ("sim", 9)
+    draw.draw_hysteresis(*logs, fig4=files[:2], fig5=files[:2])
+    draw.draw_training(*logs, files)
+    assert [(fig.data["source"], fig.data["seed"]) for fig in figures] == [("sim", 9)] * 3
 
 
-def test_loops_show_the_start_until_the_command_turns(log, tmp_path, figures):
+def test_loops_show_the_start_until_the_command_turns(log, files, figures):
     logs = log("one.h5", speed=3.0), log("two.h5", speed=4.0)
-    for drawing in (draw.draw_actuator_hysteresis, draw.draw_reservoir_hysteresis):
-        drawing(*logs, *written(drawing, tmp_path / "f.pdf", tmp_path / "f.png"))
+    draw.draw_hysteresis(*logs, fig4=files[:2], fig5=files[:2])
     for fig, panels in zip(figures, (slice(0, 2), slice(0, 2)), strict=True):
         starts = [ax.lines[-1] for ax in fig.axes[panels]]
         # the command turns after a quarter of a period of 2 pi / 3 or 2 pi / 4 seconds
@@ -114,10 +108,9 @@ def test_a_recording_that_never_turns_is_one_loop():
 
 
 def test_training_is_shown_by_its_first_and_its_last_tenth_and_the_test_is_whole(
-    log, tmp_path, figures
+    log, files, figures
 ):
-    logs = log("one.h5"), log("two.h5")
-    draw.draw_training(*logs, *written(draw.draw_training, tmp_path / "f.pdf", tmp_path / "f.png"))
+    draw.draw_training(log("one.h5"), log("two.h5"), files)
     spans = [ax.get_xlim() for ax in figures[0].axes]
     expected = np.ravel([[0.0, 0.395, 3.555, 3.95]] * 2 + [[0.0, 3.95, 0.0, 3.95]])
     assert np.ravel(spans) == pytest.approx(expected)

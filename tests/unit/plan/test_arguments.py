@@ -9,7 +9,6 @@ from fprc.plan.arguments import (
     of_pressures,
     on_rig,
     paper_models,
-    tracking,
 )
 
 SETTINGS = Settings().model_dump(mode="json")
@@ -43,13 +42,6 @@ def test_rig_settings_take_the_target_of_the_evaluation():
     rig = RigSettings(**on_rig(SETTINGS))
     assert (rig.rig, rig.signals) == (SETTINGS["rig"], SETTINGS["experiments"])
     assert rig.target == "command"
-
-
-def test_only_the_disturbance_has_pushes():
-    for reference, has_pushes in (("disturbance", True), ("sweep", False)):
-        found = tracking(SETTINGS, reference)
-        assert found["references"].keys() == {reference}
-        assert ("pushes" in found) is has_pushes
 
 
 POSITIONAL = {"feedback": "positional", "pd": {"kp_kpa_per_deg": 2.5, "kd_kpa_s_per_deg": 0.07}}

@@ -26,7 +26,7 @@ def settings():
 
 def follow(folder, model, settings, controllers=CONTROLLERS, reference="sine_0p5", **more):
     paths = [str(folder / f"{name}.h5") for name in controllers]
-    chosen = {"reference": reference, "controllers": controllers, "seed": 1} | settings | more
+    chosen = {"references": [reference], "controllers": controllers, "seed": 1} | settings | more
     track([model], paths, names=["fprc"], **chosen)
     return {name: read_columns(path, NAMES) for name, path in zip(controllers, paths, strict=True)}
 

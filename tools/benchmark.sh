@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# Compare speed with other libraries and write docs/running.md: `make benchmark`.
+#
+# The libraries have their own folder, so that nothing else finds them. Variables can select kernels
+# of BLAS that are older than the processor, which a measurement of speed does not want.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
+  --target .venv/benchmark --requirement tools/benchmark/requirements.txt
+PYTHONPATH=".venv/benchmark:${PYTHONPATH:-}" env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE \
+  python -m tools.benchmark.speed
