@@ -30,12 +30,15 @@ from fprc.models import FPRC, EchoStates
 from fprc.models.fcm import fuzzy_c_means
 from fprc.studies.blocks import replace_block
 from fprc.tables.text import three_digits, within
-from tools.benchmark.peers import PEERS, Peer
+from tools.benchmark.peers import PEERS, Peer, limit
 
 PAGE = Path(__file__).parents[2] / "docs/running.md"
 #: States that differ by less are the same.
 SAME = 1e-12
-OURS, FUZZY = "fprc", "scikit-fuzzy"
+OURS, FUZZY, LIMIT = "fprc", "scikit-fuzzy", "W_r x alone, by BLAS"
+
+#: Column of the processor, with its kernels of BLAS and the date.
+PROCESSOR = "Processor"
 
 #: What is compared takes so many turns.
 ROUNDS = 5
@@ -77,6 +80,8 @@ def networks(features: EchoStates, X: np.ndarray) -> pd.DataFrame:
     features.reset(few[0])
     for run in steps.values():
         run()
+    sides[LIMIT] = limit(features)
+    steps[LIMIT] = partial(_stepped, sides[LIMIT].step, few)
     seconds = {
         "log": interleaved({n: partial(p.states, X) for n, p in sides.items()}),
         "step": interleaved(steps),
@@ -86,10 +91,10 @@ def networks(features: EchoStates, X: np.ndarray) -> pd.DataFrame:
     for name in sides:
         row = {"Library": name}
         for what, taken in seconds.items():
-            known = name in taken and off[name] <= SAME
+            known = name in taken and off.get(name, 0.0) <= SAME
             row[f"{what}, us a sample"] = _us(taken[name], samples[what]) if known else ""
             row[f"{what}, times ours"] = _ratio(taken[name], taken[OURS]) if known else ""
-        rows.append(row | {"States differ by": f"{off[name]:.0e}" if name != OURS else ""})
+        rows.append(row | {"States differ by": f"{off[name]:.0e}" if off.get(name) else ""})
     return pd.DataFrame(rows)
 
 
@@ -141,46 +146,57 @@ def clusterings(rows: np.ndarray, clusters: int, starts: int) -> pd.DataFrame:
     return pd.DataFrame(table)
 
 
-def circumstances() -> str:
-    """Return a sentence on the machine, the kernels of BLAS that run, and how busy it is.
+def processor() -> str:
+    """Return processor and kernels of BLAS, date, and how busy the machine is.
 
     This process keeps one core busy itself.
     """
     here, load = machine(), os.getloadavg()[0]
-    busy = ": others used the machine, so compare ratios, not times" if load > 1.5 else ""
-    return (
-        f"Measured on {date.today().isoformat()} on one core of {os.cpu_count()} of {here['cpu']}, "
-        f"with the BLAS kernels {here['blas']}; load average {load:.1f}{busy}."
-    )
+    busy = f", load {load:.0f}" if load > 1.5 else ""
+    return f"{here['cpu']}, {here['blas']}, {date.today().isoformat()}{busy}"
 
 
-def report() -> str:
-    """Measure everything; return it in Markdown."""
+def with_others(table: pd.DataFrame, block: str) -> pd.DataFrame:
+    """Return a table of this processor, and below it the rows of others that a page has."""
+    lines = [line for line in block.splitlines() if line.startswith("|")]
+    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
+    here = table[PROCESSOR][0]
+    kept, ours = [], False
+    for row in cells:
+        if row[0] == PROCESSOR:
+            ours = row == list(table)
+        elif ours and row[0].split(",")[:2] != here.split(",")[:2] and row[0][:1].isalpha():
+            kept.append(dict(zip(table, row, strict=True)))
+    return pd.concat([table, pd.DataFrame(kept)])
+
+
+def report(block: str) -> str:
+    """Measure everything; return it in Markdown, with what ``block`` has of other processors."""
     X = load_hysteresis("sweep").data
     theta = X[:, :1]
     features = EchoStates(washout=0, random_state=1).fit(theta)
     fuzzy = FPRC(random_state=1)
     rows = fuzzy.make_features().fit(X).transform(X)
-    plain = {"index": False, "disable_numparse": True}
-    parts = [
-        circumstances(),
+    here, tables = processor(), []
+    for table in (networks(features, theta), clusterings(rows, fuzzy.n_c, starts=5)):
+        table.insert(0, PROCESSOR, here)
+        tables.append(with_others(table, block).to_markdown(index=False, disable_numparse=True))
+    return (
         f"ESN with {features.r} states, float64, {len(theta)} samples, medians of {ROUNDS} rounds "
-        "in turn; in brackets the smallest and largest ratio of a round:",
-        networks(features, theta).to_markdown(**plain),
-        f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:",
-        clusterings(rows, fuzzy.n_c, starts=5).to_markdown(**plain),
-    ]
-    return "\n\n".join(parts)
+        f"in turn; in brackets the smallest and largest ratio of a round:\n\n{tables[0]}\n\n"
+        f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:"
+        f"\n\n{tables[1]}"
+    )
 
 
 def main() -> None:
     """Measure, print the tables, and write them to the page."""
     if hasattr(os, "sched_setaffinity"):  # before JAX counts the cores
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-    with threadpool_limits(1):
-        found = report()
-    print(found)
     text = PAGE.read_text(encoding="utf-8")
+    with threadpool_limits(1):
+        found = report(text.partition("<!-- benchmark: generated")[2].partition("<!-- ")[0])
+    print(found)
     write_text(PAGE, replace_block(text, "benchmark", found, str(PAGE)))
 
 

@@ -1,6 +1,7 @@
 """The comparisons of `make benchmark`."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from fprc.models import EchoStates
@@ -19,8 +20,17 @@ def network():
 def test_states_and_steps_of_other_libraries_are_ours(network, package, make):
     features, X = network
     expected = speed.ours(features).states(X)
-    assert expected == pytest.approx(features.transform(np.vstack([X, X[:1]]))[1:, 5:], abs=1e-14)
     pytest.importorskip(package)
     assert make(features).states(X) == pytest.approx(expected, abs=1e-12)
     if step := make(features).step:
         assert np.array([np.ravel(step(x)) for x in X]) == pytest.approx(expected, abs=1e-12)
+
+
+def test_rows_of_other_processors_stay_and_those_of_this_one_are_replaced():
+    old, other = "EPYC, Zen, 2026-01-01", "Xeon, SkylakeX, 2026-01-02"
+    first = pd.DataFrame({speed.PROCESSOR: [old, other, other], "s": ["1", "2", ""]})
+    second = pd.DataFrame({speed.PROCESSOR: [other], "objective": ["4"]})
+    plain = {"index": False, "disable_numparse": True}
+    block = f"\n{first.to_markdown(**plain)}\n\nwords\n\n{second.to_markdown(**plain)}\n"
+    new = pd.DataFrame({speed.PROCESSOR: ["EPYC, Zen, 2026-02-02"], "s": ["5"]})
+    assert speed.with_others(new, block)["s"].tolist() == ["5", "2", ""]
