@@ -61,7 +61,8 @@ def doubts(mapping: ImportMap, table: Table, recording: Recording) -> list[str]:
         column = table.pick(spec["column"])
         header, factor = stated_unit(spec["column"], column), factor_of(spec["unit"], channel)
         plain = spec["scale"] == 1.0 and spec["unit"] != "1"
-        if header and plain and factor and header.factor != factor:
+        same = header is None or (header.quantity, header.factor) == (unit_of(channel), factor)
+        if header and plain and not same:
             unlike = f"the file says {header.text} of {spec['column']}, the map {spec['unit']}"
             found.append(f"{channel}: {unlike}")
         elif plain and factor:

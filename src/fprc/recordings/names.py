@@ -101,7 +101,8 @@ def parse_unit(text: str) -> Unit | None:
     text = unicodedata.normalize("NFKC", text).strip().replace("µ", "u").replace("μ", "u")
     text = re.sub(_REFERENCE, "", text, flags=re.IGNORECASE).strip()
     plain = re.sub(r"(bar|psi|kpa|mbar)[ag]$", r"\1", text.lower())
-    plain = _SPELLINGS.get(plain.replace("^", "").replace("·", ""), plain)
+    known_spelling = _SPELLINGS.get(plain.replace("^", "").replace("·", ""))
+    plain = known_spelling or plain
     for known, seconds in SECONDS.items():
         if re.fullmatch(_TIME_UNITS[known], plain):
             return Unit(known, "s", seconds)
@@ -109,7 +110,7 @@ def parse_unit(text: str) -> Unit | None:
     if multiple and (inner := parse_unit(multiple[2])):
         base, _, power = multiple[1].partition("^")
         return inner._replace(multiple=float(base) ** float(power or 1))
-    for spelled in dict.fromkeys((plain, text)):
+    for spelled in (known_spelling,) if known_spelling else (text, plain):
         if re.fullmatch(r"[A-Za-z°%][\w°%/*^ .-]*", spelled) is None:
             continue
         try:
@@ -145,7 +146,7 @@ def unit_in(name: str) -> Unit | None:
     bracket = re.search(r"[\[({<]([^\[\](){}<>]*(?:\([a-z]+\))?)[\])}>]$", name)
     if bracket and (unit := parse_unit(bracket[1])):
         return unit
-    words = re.findall(r"[^\W\d_]+(?:/[^\W\d_]+2?)?\d*|[°%]", re.sub(_REFERENCE, "", name))
+    words = re.findall(r"[^\W\d_]+(?:/(?:s|min|[cm]?m2)\b)?\d*|[°%]", re.sub(_REFERENCE, "", name))
     for word in reversed(words):
         humps = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\W", word)
         for bare in dict.fromkeys((word, "".join(humps[-2:]), "".join(humps[-1:]))):

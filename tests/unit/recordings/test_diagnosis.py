@@ -45,18 +45,6 @@ def test_clean_recording_has_an_even_clock_and_nothing_else():
         assert (channel["frozen"], channel["clipped"]) == ([], [])
 
 
-def test_even_clock_is_described_without_a_sign():
-    for time_s, ms in ((np.arange(8000.0), 1000), (TIME_S, 5)):
-        found = diagnose(time_s, {"theta_deg": wave()})
-        lines = describe(found, {"theta_deg": "deg"})
-        assert f"clock: steps of {ms} ms, 98 % of them within 0.001 % of that" in lines
-
-
-def test_record_is_json():
-    found = diagnose(TIME_S, {"theta_deg": wave(), "p_i_kpa": wave(), "p_o_kpa": wave()})
-    assert json.loads(json.dumps(found, allow_nan=False)) == found
-
-
 def test_gap_has_its_place_and_its_missing_samples():
     time_s = np.delete(TIME_S, slice(1000, 1030))
     (gap,) = diagnose(time_s, {"theta_deg": wave(time_s)})["clock"]["gaps"]
@@ -90,21 +78,12 @@ def test_frozen_stretch_has_its_place_unless_it_is_short(samples):
     assert of(values)["frozen"] == ([] if samples == 300 else expected)
 
 
-def test_log_of_few_samples_a_minute_is_not_frozen():
-    assert of(wave()[:300], 5.0 * np.arange(300))["frozen"] == []
-
-
 @pytest.mark.parametrize(("low", "high"), [(-40.0, 25.0), (-25.0, 40.0), (-20.0, 20.0)])
 def test_clipping_is_found_at_the_side_where_it_is(low, high):
     clipped = of(np.clip(wave(), low, high))["clipped"]
     assert clipped
     at = np.clip(wave(), low, high)[[round(stretch["from_s"] * RATE_HZ) for stretch in clipped]]
     assert set(at) == {limit for limit in (low, high) if abs(limit) < 30.0}
-
-
-def test_clipping_of_a_held_signal_is_found():
-    held = np.repeat(np.clip(wave(), -40.0, 20.0)[::10], 10)
-    assert of(held)["clipped"]
 
 
 @given(
@@ -203,6 +182,7 @@ def test_every_finding_is_described_with_its_channel(squeezed, unit):
     time_s, channels = time_s[kept], {name: values[kept] for name, values in channels.items()}
     channels["same_deg"] = channels["phi_deg"]
     found = diagnose(time_s, channels)
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
     lines = describe(found, dict.fromkeys(channels, unit))
     for begin, finding in (
         ("clock", "gaps"), ("theta_deg", "clipped"), ("theta_deg", "frozen"),

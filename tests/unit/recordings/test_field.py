@@ -18,10 +18,21 @@ field = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(field)
 
 
+#: Packages of the extra ``formats``, by ending.
+NEEDED = {
+    ".tdms": ["nptdms"],
+    ".parquet": ["pyarrow"],
+    ".mcap": ["mcap", "mcap_ros2"],
+    ".bag": ["rosbags"],
+}
+
+
 @pytest.mark.parametrize("name", field.CASES)
 def test_draft_of_a_file_leads_to_the_motion_that_was_recorded(name, tmp_path):
     case = field.CASES[name]
     path = tmp_path / case.file
+    for package in NEEDED.get(path.suffix, ()):
+        pytest.importorskip(package, reason="of the extra `formats`")
     if callable(case.content):
         case.content(path)
     else:

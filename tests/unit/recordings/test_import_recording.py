@@ -1,5 +1,4 @@
 import logging
-import re
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ from fprc.cli import main
 from fprc.config import Settings
 from fprc.errors import ConfigError, LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
-from fprc.logs import assess, read_columns, read_raw
+from fprc.logs import assess, read_raw
 from fprc.models import FPRC
 from fprc.recordings.draft import _line
 from fprc.recordings.import_recording import import_or_draft
@@ -127,11 +126,11 @@ def test_column_of_any_name_is_imported_and_drawn(tmp_path, name):
     ]  # fmt: skip
 
 
-def imported(folder, channels, time=None, source="log.csv"):
-    """Import a file of a folder by the command line, and return the log."""
-    mapping = {"experiment": "sweep", "time": time or {"column": "t"}, "channels": channels}
+def imported(folder, channels, **more):
+    """Import a CSV of a folder by the command line, and return the log."""
+    mapping = {"experiment": "sweep", "time": {"column": "t"}, "channels": channels} | more
     (folder / "map.yaml").write_text(yaml.safe_dump(mapping))
-    names = [str(folder / name) for name in (source, "map.yaml", "sweep.h5")]
+    names = [str(folder / name) for name in ("log.csv", "map.yaml", "sweep.h5")]
     assert main(["import", names[0], "--map", names[1], "--out", names[2]]) == 0
     return folder / "sweep.h5"
 
@@ -167,27 +166,43 @@ def test_newtons_are_not_taken_for_kilopascals_and_not_mixed_with_them(bring, ca
         refuse_mixture(data, plain)
 
 
-# --- command line ---------------------------------------------------------------------------
+# --- what the import says -------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_words_of_the_draft_are_those_of_the_map(tmp_path, capsys, matlab_files):
-    """Names of nested parts: tests/unit/logs/test_arrays.py."""
-    count = np.arange(50.0)
-    both, empty = np.column_stack([count, -count]), np.zeros((0, 0))
-    content = {"run": {"t": 0.01 * count, "q": both}, "none": empty}
-    matlab_files.write_matlab5(tmp_path / "log.mat", content)
-    assert main(["import", str(tmp_path / "log.mat"), "--draft"]) == 0
-    printed = capsys.readouterr().out
-    assert set(re.findall(r'"(run\..*?)"', printed)) == {"run.q[:, 0]", "run.q[:, 1]", "run.t"}
-    assert "# none: cannot be a channel: empty" in printed.splitlines()
-    theta, p_exp = (
-        {"column": f"run.q[:, {k}]", "unit": unit} for k, unit in ((1, "deg"), (0, "kPa"))
+@pytest.mark.parametrize(
+    ("header", "spec", "doubt"),
+    [
+        ("p [bar]", {"unit": "kPa"}, "p_exp_kpa: the file says bar of p [bar], the map kPa"),
+        ("p [A]", {"unit": "kPa"}, "p_exp_kpa: the file says A of p [A], the map kPa"),
+        ("p", {"unit": "kPa"}, "p_exp_kpa: 0.2 to 2.2 kPa are unusual; is p in bar or psi?"),
+        ("p", {"unit": "bar"}, None),
+        ("p [bar]", {"unit": "kPa", "scale": 100.0}, None),
+        ("p [A]", {"unit": "1", "note": "current [A]"}, None),
+    ],
+)
+def test_import_repeats_what_it_took_and_doubts_what_the_file_denies(
+    tmp_path, capsys, header, spec, doubt
+):
+    table = pd.DataFrame({"t": np.arange(40) / 200.0, "a [deg]": np.arange(40.0)})
+    table.assign(**{header: np.linspace(0.2, 2.2, 40)}).to_csv(tmp_path / "log.csv", index=False)
+    theta = {"column": "a [deg]", "unit": "deg"}
+    imported(tmp_path, {"theta_deg": theta, "p_exp_kpa": {"column": header, **spec}})
+    said = capsys.readouterr().out
+    assert f"taken: time from t (s); p_exp_kpa from {header} ({spec['unit']}); " in said
+    assert [line.strip()[10:] for line in said.splitlines() if "doubtful: " in line] == (
+        [doubt] if doubt else []
     )
-    channels = {"theta_deg": theta, "p_exp_kpa": p_exp}
-    log = read_raw(imported(tmp_path, channels, {"column": "run.t"}, "log.mat"), **RATE)
-    assert log.channels["theta_deg"][::2] == pytest.approx(-count)
-    assert log.channels["p_exp_kpa"][::2] == pytest.approx(count)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_samples_that_were_left_out_are_noted_in_the_log(tmp_path):
+    lines = [f"{k / 200:g},{k},5\n" for k in range(40)]
+    (tmp_path / "log.csv").write_text("t,a,p\n" + "".join([*lines[:9], "pump\n", *lines[9:]]))
+    channels = {name: {"column": column, "unit": unit} for name, column, unit in (
+        ("theta_deg", "a", "deg"), ("p_exp_kpa", "p", "kPa"))}  # fmt: skip
+    raw = imported(tmp_path, channels, skip_unusable=True)
+    assert "line 11: 'pump'" in read_raw(raw, **RATE).attributes["notes"]["time_s"]
 
 
 # --- the page that explains it --------------------------------------------------------------
@@ -210,29 +225,6 @@ def test_several_recordings_of_the_page_are_fitted_both_ways():
     again = FPRC(random_state=1).make_readout().fit(np.vstack(rows), y)
     np.testing.assert_allclose(names["model"].readout_.predict(rows[2]), again.predict(rows[2]))
     assert len(names["errors"]) == 3
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_draft_of_names_that_tell_all_is_a_map_that_imports(recorded, tmp_path, capsys):
-    sweep = recorded["sweep"]
-    columns = {
-        "t [ms]": 1e3 * sweep["time_s"],
-        'bend "angle" [rad]': np.deg2rad(sweep["theta_deg"]),
-        "Pressure [bar]": sweep["p_exp_kpa"] / 100.0,
-        "sealed chamber, kPa": sweep["p_o_kpa"],
-        "room \U0001f321": np.zeros(len(sweep["time_s"])),
-    }
-    pd.DataFrame(columns).to_csv(tmp_path / "arm.csv", index=False)
-    assert main(["import", str(tmp_path / "arm.csv"), "--draft"]) == 0
-    text = capsys.readouterr().out
-    assert '"?"' not in text
-    (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
-    given = [str(tmp_path / name) for name in ("arm.csv", "arm.yaml", "sweep.h5")]
-    assert main(["import", given[0], "--map", given[1], "--out", given[2]]) == 0
-    log = read_columns(given[2], ("time_s", "theta_deg", "p_exp_kpa", "p_o_kpa"))
-    assert log.attributes["sample_rate_hz"] == 200.0
-    for name, values in log.channels.items():
-        np.testing.assert_allclose(values, sweep[name], atol=1e-6)
 
 
 @given(name=st.text())

@@ -45,6 +45,8 @@ NAMES = [
     ("pressure sensor [V]", 1.0, None),
     ("angle temperature", None, None),
     ("theta_dot", None, None),
+    ("arm/pressure_kPa/data", 1.0, "p_exp_kpa"),
+    ("angle_rate_deg/s", 1.0, None),
     ("angular velocity (deg/s)", 1.0, None),
 ]
 
