@@ -72,7 +72,8 @@ def write_report(
         over = {"title": f"{one['title']}, over seeds", "short": one["short"]}
         one["short"] += " with one seed"
         pages[name] = pages.pop(f"{name}_seeds") | over | {"one_seed": one}
-    names = {part["anchor"]: part["short"] for part in (*pages.values(), *shown)}
+    parts = {part["anchor"]: part for part in (*pages.values(), *shown)}
+    configuration = pages.pop("table1", None)
     drawn_from = set(sources) - {"none"}
     kinds = in_words(SOURCES[source] for source in sorted(drawn_from))
     page = (
@@ -84,6 +85,8 @@ def write_report(
             simulated="sim" in drawn_from,
             missing=missing,
             pages=pages.values(),
+            configuration=configuration,
+            lines=_lines(pages),
             figures=shown,
             settings=settings,
             changed=_changed(settings),
@@ -91,8 +94,8 @@ def write_report(
             config=hash_of(settings),
             commit=commit_of(Path(fprc.__path__[0])),
             versions=versions(),
-            names=names,
-            **_claims(ledger, folder, names),
+            parts=parts,
+            **_claims(ledger, folder, parts),
         )
     )
     write_text(html, page)
@@ -127,18 +130,52 @@ def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     }
 
 
-def _claims(ledger: Sequence[str], folder: Path, names: Container[str]) -> dict[str, Any]:
-    """Return the claims, with their evidence on the page, their note and their files."""
+#: Kinds of claims, in the order of the page's first lines.
+_KINDS = ("predicted", "half fitted", "fitted", "assumed", "timed")
+
+
+def _claims(ledger: Sequence[str], folder: Path, shown: Container[str]) -> dict[str, Any]:
+    """Return the claims, with their evidence on the page, their code, and how many hold."""
     if not ledger:
         return {"claims": None}
     report = read_json(ledger[0])
+    kinds: dict[str, list[bool]] = {kind: [] for kind in _KINDS}
     for claim in report["claims"]:
-        claim["evidence"] = [name for name in claim["shown_in"] if name in names]
+        claim["evidence"] = [name for name in claim["shown_in"] if name in shown]
+        kinds.setdefault(claim["rig"], []).append(claim["verdict"] == "reproduced")
+    code, here = Path(fprc.__path__[0]) / "claims" / "paper.py", Path.cwd()
+    # a link where page and code are in one project, not where the package is installed elsewhere
+    beside = code.is_relative_to(here) and folder.absolute().is_relative_to(here)
     return {
         "claims": report["claims"],
+        "holding": {kind: (sum(held), len(held)) for kind, held in kinds.items() if held},
+        "code": quote(os.path.relpath(code, folder)) if beside else "",
         "note": report["note"],
         "ledger": {"short": "Claims", **_origin(ledger[0], folder, (".json", ".md"))},
     }
+
+
+def _lines(pages: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple[str, str]]:
+    """Return of Tables II and IV what a reader asks first, by anchor: what it is, and numbers."""
+    found = {}
+    if "table2" in pages:
+        table = pages["table2"]["table"]
+        (_, *models), (what, *cells) = table["columns"], table["data"][-1]
+        found["table2"] = f"{what} of the models [kPa]", list(zip(models, cells, strict=True))
+    if "table4" in pages:
+        columns, rows = (pages["table4"]["table"][key] for key in ("columns", "data"))
+        at = columns.index("Sweep") if "Sweep" in columns else -1
+        ours = [(row[0], row[at]) for row in rows if "paper" not in row]
+        found["table4"] = f"RMSE of tracking, {columns[at].lower()} [deg]", ours
+    return {
+        pages[table]["anchor"]: (
+            what,
+            # the means, without interval or deviation
+            ", ".join(f"{name.removesuffix(', ours')} {re.split(' [(±]', cell)[0]}"
+                      for name, cell in cells if "paper" not in name),
+        )
+        for table, (what, cells) in found.items()
+    }  # fmt: skip
 
 
 def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
