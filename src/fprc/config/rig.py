@@ -94,7 +94,10 @@ class Chamber(Section):
         0.3, (0, 0.6), "growth of the volume with the bending angle", "size of the muscle"
     )
     polytropic_index: float = quantity(
-        1.1, (1.0, 1.4), "1 isothermal, 1.4 adiabatic", "between the two at 1 Hz"
+        1.1,
+        (1.0, 1.4),
+        "polytropic exponent: 1 isothermal, 1.4 adiabatic",
+        "between the two at 1 Hz",
     )
 
 
@@ -103,7 +106,10 @@ class ReservoirChamber(Section):
 
     volume_ml: float = quantity(20, (11, 40), "volume at rest, tube included", "size of the muscle")
     polytropic_index: float = quantity(
-        1.1, (1.0, 1.4), "1 isothermal, 1.4 adiabatic", "between the two at 1 Hz"
+        1.1,
+        (1.0, 1.4),
+        "polytropic exponent: 1 isothermal, 1.4 adiabatic",
+        "between the two at 1 Hz",
     )
 
 

@@ -120,8 +120,7 @@ def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     _decimal_ticks(ax, table["low"].min(), table["high"].max())
     # what is measured is on a second line
     pairs = [style.symbols(part).replace(" (", "\n", 1).removesuffix(")") for _, part in rows]
-    labels = [f"{name}  {pair}" for (name, _), pair in zip(rows, pairs, strict=True)]
-    ax.set_yticks(range(len(rows)), labels)
+    ax.set_yticks(range(len(rows)), pairs)
     ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
     ax.tick_params(axis="y", length=0)
     for row in range(1, len(rows)):

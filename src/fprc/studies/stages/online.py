@@ -5,6 +5,7 @@ from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullLocator
 
 from fprc.artifacts import read_json
 from fprc.figures import style
@@ -169,21 +170,23 @@ def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
         level = other.loc[other["learns"] == learns, "mean_deg"]
         if len(level):
             label = "Fuzzy-linear, learning" if learns else "Fuzzy-linear as trained"
-            ax.axhline(level.iloc[0], color="tab:blue", linestyle=dashes, linewidth=0.9,
+            ax.axhline(level.iloc[0], color=style.SIGNALS["theta"], linestyle=dashes, linewidth=0.9,
                        label=label)  # fmt: skip
-    ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", ylim=(0, None))
+    ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", yscale="log")
 
 
 def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> None:
     """Draw the tracking error over the offset of P_o, with and without learning."""
     table = pd.read_csv(errors)
-    fig, axes = style.figure(2, len(names), style.PAGE_IN, 3.6, sharex=True)
+    fig, axes = style.figure(2, len(names), style.PAGE_IN, 3.6, sharex=True, sharey=True)
     for column, name in enumerate(names):
         for row, loop in enumerate(LOOPS):
             ax = axes[row][column]
             plot_offsets(table[(table["family"] == name) & (table["loop"] == loop)], ax)
-            ax.set_title(f"{family_title(name)}, {LOOPS[loop]}", fontsize=7)
-            # the scales of the panels differ, so every panel shows its numbers
-            ax.set(xlabel=ax.get_xlabel() if row else "", ylabel="" if column else ax.get_ylabel())
+            ax.set_title(f"{family_title(name)}, {LOOPS[loop]}")
+            ax.label_outer()
+    axes[0][0].yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes[0][0].yaxis.set_major_formatter("{x:g}")
+    axes[0][0].yaxis.set_minor_locator(NullLocator())
     style.share_legend(fig, axes[0][0])
     style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
