@@ -131,7 +131,7 @@ def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
 
 
 #: Kinds of claims, in the order of the page's first lines.
-_KINDS = ("predicted", "half fitted", "fitted", "assumed", "timed")
+_KINDS = ("predicted", "half fitted", "fitted", "assumed", "counted")
 
 
 def _claims(ledger: Sequence[str], folder: Path, shown: Container[str]) -> dict[str, Any]:

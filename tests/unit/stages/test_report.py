@@ -217,7 +217,7 @@ def test_page_opens_with_what_holds_and_what_was_measured(tmp_path):
     page = project.page()
     _, claims, two, four, _, _, *_ = page.texts("dd")[:1] + page.texts("dd")
     assert "1 of 3 claims hold" in claims
-    assert "0 of 1 predicted, 1 of 1 fitted, 0 of 1 timed" in claims
+    assert "0 of 1 predicted, 1 of 1 fitted, 0 of 1 counted" in claims
     assert two.endswith("over seeds: ESN 16.0, FPRC 12.1")
     assert four.endswith("FPRC 2.3")
 
