@@ -14,9 +14,9 @@ from fprc.registry import build
 
 def main() -> None:
     """Simulate a short experiment, train every model on it, and track a reference with one."""
-    settings = check({}).model_dump(mode="json")
-    control, rig, models = settings["control"], settings["rig"], settings["models"]
-    signal = settings["experiments"]["sweep"] | {"duration_s": 2.0}
+    settings = check({})
+    control, rig, models = settings.control, settings.rig.model_dump(), settings.models.model_dump()
+    signal = settings.experiments.sweep.changed(duration_s=2.0)
     log = acquire("sweep", signal, control, rig, seed=1)
     data = Data(log | {"p_target_kpa": log["p_exp_kpa"]}, {})
     for name in (*chain(*FAMILIES.values()), "fuzzy_linear"):
@@ -28,11 +28,11 @@ def main() -> None:
     X, y, _ = data.samples("fprc")
     fprc = build("fprc", models, 1).fit(X, y).remember(X)
     for adapt in (False, True):
-        feedforward = control["feedforward"] | {"adapt": adapt}
-        bench = Track(settings["tracking"], control | {"feedforward": feedforward}, rig, 1)
+        learning = control.changed(feedforward=control.feedforward.changed(adapt=adapt))
+        bench = Track(settings.tracking, learning, rig, 1)
         bench.follow("sine_0p5", ["fprc_pd"], {"fprc": fprc})
         law = bench.law(bench.reference("sine_0p5")[:100], "fprc_pd", fprc)
-        device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=control["sample_rate_hz"])
+        device = SimulatedRig(rig, seed=1, run=0, sample_rate_hz=control.sample_rate_hz)
         extra = bench.channels("fprc_pd")
         run(device, device, law, 100, control, extra=extra)
 

@@ -22,7 +22,7 @@ from fprc.signals import multisine
 # ``remember`` keeps what the model needs to go on learning.
 train = load_hysteresis("sweep")
 fprc = FPRC(random_state=1).fit(train.data, train.target).remember(train.data)
-settings = check({"rig": "paper", "control": {"feedforward": {"p_o_shift_kpa": 5.0}}}).model_dump()
+settings = check({"rig": "paper", "control": {"feedforward": {"p_o_shift_kpa": 5.0}}})
 period_s = 0.005
 time_s = np.arange(12000) * period_s
 theta_d = multisine(time_s, f_hz=[0.12, 0.04, 0.31, 0.29, 0.25], amplitude=6.5, offset=40.5)
@@ -33,10 +33,10 @@ theta_d = multisine(time_s, f_hz=[0.12, 0.04, 0.31, 0.29, 0.25], amplitude=6.5, 
 def track(learns):
     fprc.reset((theta_d[0], train.data[0, 1]))
     online = Online(fprc, Learning(), period_s, pressure_limit_kpa=450.0) if learns else None
-    law = tracking_law(theta_d, settings["control"], 450.0, model=fprc, online=online)
-    rig = SimulatedRig(settings["rig"], seed=1, run=40, sample_rate_hz=1.0 / period_s)
+    law = tracking_law(theta_d, settings.control, 450.0, model=fprc, online=online)
+    rig = SimulatedRig(settings.rig.model_dump(), seed=1, run=40, sample_rate_hz=1.0 / period_s)
     extra = TRACKING_CHANNELS + LEARNING_CHANNELS * learns
-    return run(rig, rig, law, len(theta_d), settings["control"], extra=extra)["theta_deg"]
+    return run(rig, rig, law, len(theta_d), settings.control, extra=extra)["theta_deg"]
 
 
 # %%

@@ -20,8 +20,8 @@ from fprc.signals import multisine
 
 train = load_hysteresis("sweep")
 fprc = FPRC(random_state=1).fit(train.data, train.target)
-settings = check({"rig": "paper"}).model_dump()
-control, period_s, limit_kpa = settings["control"], 0.005, 450.0
+settings = check({"rig": "paper"})
+control, period_s, limit_kpa = settings.control, 0.005, 450.0
 
 # %%
 # A law returns the setpoints of both chambers at each sample. The reference begins with 5 s at its
@@ -34,7 +34,7 @@ def follow(with_fprc, with_pd):
     fprc.reset((theta_d[0], train.data[0, 1]))
     model = fprc if with_fprc else None
     law = tracking_law(theta_d, control, limit_kpa, model=model, feedback=with_pd)
-    rig = SimulatedRig(settings["rig"], seed=1, run=20, sample_rate_hz=1.0 / period_s)
+    rig = SimulatedRig(settings.rig.model_dump(), seed=1, run=20, sample_rate_hz=1.0 / period_s)
     return run(rig, rig, law, len(theta_d), control, extra=TRACKING_CHANNELS)
 
 

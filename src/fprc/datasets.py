@@ -126,8 +126,8 @@ def _refuse(experiment: str, seed: Any, rig: Any, raw: Path | str | None, target
 
 
 def _simulate(experiment: str, seed: int, rig: str | Mapping[str, Any]) -> Columns:
-    settings = from_files([], {"rig": rig}).model_dump(mode="json")
-    control, signal = settings["control"], settings["experiments"][experiment]
-    channels = acquire(experiment, signal, control, settings["rig"], seed)
-    attributes = {"source": "sim", "sample_rate_hz": control["sample_rate_hz"]}
+    settings = from_files([], {"rig": rig})
+    control, signal = settings.control, dict(settings.experiments)[experiment]
+    channels = acquire(experiment, signal, control, settings.rig.model_dump(), seed)
+    attributes = {"source": "sim", "sample_rate_hz": control.sample_rate_hz}
     return Columns(Path(f"{experiment}, simulated"), channels, attributes)

@@ -2,11 +2,15 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fprc.errors import EvaluationError
+
+if TYPE_CHECKING:
+    from fprc.config.settings import Signal
+    from fprc.config.tracking import Reference
 
 
 def sample_times(duration_s: float, sample_rate_hz: float) -> np.ndarray:
@@ -37,28 +41,31 @@ def multisine(
     return amplitude * np.sin(phases).sum(axis=-1) + offset
 
 
-def pressure_command(experiment: Mapping[str, Any], sample_rate_hz: float) -> np.ndarray:
+def pressure_command(signal: "Signal", sample_rate_hz: float) -> np.ndarray:
     """Return P_exp of a hysteresis experiment in kPa, one value per sample (Fig. 4)."""
-    return _signal(experiment, "kpa", sample_rate_hz)
+    return _sines(signal, signal.amplitude_kpa, signal.offset_kpa, sample_rate_hz)
 
 
-def reference_angle(reference: Mapping[str, Any], sample_rate_hz: float) -> np.ndarray:
+def reference_angle(reference: "Reference", sample_rate_hz: float) -> np.ndarray:
     """Return theta_d of a tracking experiment in deg, one value per sample (Sec. IV).
 
     It begins at its lowest value, which it holds for ``settle_s``.
     """
-    moving = _signal(reference, "deg", sample_rate_hz)
-    settling = np.full(round(reference["settle_s"] * sample_rate_hz), moving[0])
+    moving = _sines(reference, reference.amplitude_deg, reference.offset_deg, sample_rate_hz)
+    settling = np.full(round(reference.settle_s * sample_rate_hz), moving[0])
     return np.concatenate([settling, moving])
 
 
-def _signal(settings: Mapping[str, Any], unit: str, sample_rate_hz: float) -> np.ndarray:
-    f_hz, duration_s = settings["f_hz"], settings["duration_s"]
-    t_s = sample_times(duration_s, sample_rate_hz)
-    level = {"amplitude": settings[f"amplitude_{unit}"], "offset": settings[f"offset_{unit}"]}
-    if settings["form"] == "chirp":
-        return chirp(t_s, duration_s=duration_s, f_start_hz=f_hz[0], f_end_hz=f_hz[1], **level)
-    return multisine(t_s, f_hz=f_hz, **level)
+def _sines(
+    shape: "Signal | Reference", amplitude: float, offset: float, sample_rate_hz: float
+) -> np.ndarray:
+    level = {"amplitude": amplitude, "offset": offset}
+    t_s = sample_times(shape.duration_s, sample_rate_hz)
+    if shape.form == "chirp":
+        first, last = shape.f_hz
+        ends = {"f_start_hz": first, "f_end_hz": last}
+        return chirp(t_s, duration_s=shape.duration_s, **ends, **level)
+    return multisine(t_s, f_hz=shape.f_hz, **level)
 
 
 def random_pushes(

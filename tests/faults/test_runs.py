@@ -8,6 +8,8 @@ import pytest
 from fprc.apparatus import process
 from fprc.apparatus.recovery import read_journal
 from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, TRACKING_CHANNELS
+from fprc.config.settings import Control, Signal
+from fprc.config.tracking import Tracking
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import TRACKING_RUNS, Track
 from fprc.logs import read_columns, read_raw, read_run
@@ -45,8 +47,8 @@ def test_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by
     raw = tmp_path / "sweep.h5"
     process.record("sweep", str(raw), settings=settings, stop=asking())
     log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=1e-6)
-    signal, control = settings["experiments"]["sweep"], settings["control"]
-    assert len(log.channels["time_s"]) == round(signal["duration_s"] * 200.0) == 4_000
+    signal, control = Signal(**settings["experiments"]["sweep"]), Control(**settings["control"])
+    assert len(log.channels["time_s"]) == round(signal.duration_s * 200.0) == 4_000
     compare(log.channels, acquire("sweep", signal, control, settings["rig"], seed=1))
     assert (log.attributes["source"], log.attributes["complete"]) == ("rig", True)
     assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
@@ -59,8 +61,9 @@ def test_closed_loop_is_that_of_the_simulator(
     settings["control"]["feedforward"]["adapt"] = adapt
     reference = settings["tracking"]["references"]["sine_0p5"]
     reference |= {"duration_s": 5.0, "settle_s": 0.5}
-    signal = settings["experiments"]["sweep"] | {"duration_s": 20.0}
-    log = acquire("sweep", signal, settings["control"], settings["rig"], seed=1)
+    signal = Signal(**settings["experiments"]["sweep"]).changed(duration_s=20.0)
+    control, tracking = Control(**settings["control"]), Tracking(**settings["tracking"])
+    log = acquire("sweep", signal, control, settings["rig"], seed=1)
     X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
     model = tmp_path / "fprc.h5"
     save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]).remember(X), model)
@@ -71,7 +74,7 @@ def test_closed_loop_is_that_of_the_simulator(
     learned = LEARNING_CHANNELS if adapt else ()
     found = read_columns(raw, (*RAW_CHANNELS, *TRACKING_CHANNELS, *learned))
 
-    simulator = Track(settings["tracking"], settings["control"], settings["rig"], settings["seed"])
+    simulator = Track(tracking, control, settings["rig"], settings["seed"])
     theta_d = simulator.reference("sine_0p5")
     expected = simulator.follow("sine_0p5", ["fprc_pd"], {"fprc": load_model(model)})["fprc_pd"]
     compare(found.channels, expected)

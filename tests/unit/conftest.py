@@ -55,22 +55,21 @@ def quiet_rig(rig):
 
 @pytest.fixture
 def control():
-    return Settings().control.model_dump()
+    return Settings().control
 
 
 @pytest.fixture(scope="session")
 def signals():
     """Both experiments, cut to 20 s."""
-    experiments = Settings().experiments.model_dump()
-    return {name: signal | {"duration_s": 20.0} for name, signal in experiments.items()}
+    return {name: signal.changed(duration_s=20.0) for name, signal in Settings().experiments}
 
 
 @pytest.fixture(scope="session")
 def recorded(signals):
     """Channels of both experiments on the default rig. Read only."""
-    settings = Settings().model_dump()
+    settings = Settings()
     channels = {
-        name: acquire(name, signal, settings["control"], settings["rig"], seed=1)
+        name: acquire(name, signal, settings.control, settings.rig.model_dump(), seed=1)
         for name, signal in signals.items()
     }
     for values in (array for log in channels.values() for array in log.values()):

@@ -15,7 +15,7 @@ from fprc.signals import (
     sample_times,
 )
 
-COMPLEX = Settings().experiments.complex.model_dump()
+COMPLEX = Settings().experiments.complex
 
 
 @given(st.floats(1.0, 200.0), st.floats(0.01, 2.0), st.floats(0.01, 2.0), st.floats(0.0, 200.0))
@@ -57,9 +57,9 @@ REFERENCES = {
 
 @pytest.mark.parametrize("name", REFERENCES)
 def test_reference_is_the_printed_angle_after_settling(name):
-    reference = getattr(Settings().tracking.references, name).model_dump() | {"settle_s": 5.0}
+    reference = Settings().tracking.reference(name).changed(settle_s=5.0)
     angle = reference_angle(reference, 200.0)
-    printed = REFERENCES[name](sample_times(reference["duration_s"], 200.0))
+    printed = REFERENCES[name](sample_times(reference.duration_s, 200.0))
     np.testing.assert_allclose(angle[1000:], printed, atol=1e-9)
     np.testing.assert_array_equal(angle[:1000], angle[1000])
     assert angle.min() == pytest.approx(angle[0], abs=1e-6)

@@ -5,6 +5,8 @@ from typing import Any, NamedTuple
 
 from fprc import __version__
 from fprc.channels import RAW_CHANNELS, unit_of
+from fprc.config.settings import Control, Signal
+from fprc.config.tracking import Tracking
 from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
@@ -79,16 +81,16 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     from fprc.experiments.trained import refuse_other_data
     from fprc.models import load_model
 
-    bench = Track(settings["tracking"], settings["control"], settings["hardware"], settings["seed"])
+    control, limits = Control(**settings["control"]), settings["hardware"]["limits"]
+    bench = Track(Tracking(**settings["tracking"]), control, {}, settings["seed"])
     hint = ""
     reference, controller = reference_and_controller(name)
     if reference == "disturbance":
-        hint = f"push the reservoir by hand from {bench.tracking['pushes']['quiet_s']:g} s on"
+        hint = f"push the reservoir by hand from {bench.tracking.pushes.quiet_s:g} s on"
     theta_d = bench.reference(reference)
-    control, limits = settings["control"], settings["hardware"]["limits"]
-    p_i_kpa = min(control["reservoir_limit_kpa"], control["k_in_kpa_per_deg"] * theta_d.max())
+    p_i_kpa = min(control.reservoir_limit_kpa, control.k_in_kpa_per_deg * theta_d.max())
     _refuse_beyond(limits, "p_i_kpa", p_i_kpa, "lower control.reservoir_limit_kpa")
-    p_d_kpa = bench.tracking["pressure_limit_kpa"]
+    p_d_kpa = bench.tracking.pressure_limit_kpa
     _refuse_beyond(limits, "p_exp_kpa", p_d_kpa, "lower tracking.pressure_limit_kpa")
     driver = feedforward_of(controller)
     attributes, fitted = bench.describe(reference, controller), None
@@ -97,7 +99,7 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
         which, inputs = f"{model}, the model of {name}", entries(settings["models"])[driver].inputs
         _refuse_other(fitted, driver, settings["models"], which)
         units = [unit_of(channel) for channel in ("p_target_kpa", *inputs)]
-        refuse_other_data(fitted, which, settings["control"]["sample_rate_hz"], units)
+        refuse_other_data(fitted, which, control.sample_rate_hz, units)
         try:  # which also compiles the step before the first tick
             fitted.step((0.0,) * fitted.n_features_in_)
         except Exception as error:  # a class from outside may raise any error
@@ -135,18 +137,19 @@ def _refuse_beyond(limits: Mapping[str, Any], sensor: str, highest: float, remed
 
 
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
-    control, signal = settings["control"], settings["experiments"][name]
-    p_exp_kpa = pressure_command(signal, control["sample_rate_hz"])
+    control = Control(**settings["control"])
+    signal = Signal(**settings["experiments"][name])
+    p_exp_kpa = pressure_command(signal, control.sample_rate_hz)
     limits = settings["hardware"]["limits"]
     lower = f"experiments.{name}: lower its amplitude_kpa or offset_kpa"
     _refuse_beyond(limits, "p_exp_kpa", p_exp_kpa.max(), lower)
     lower = "lower control.reservoir_limit_kpa"
-    _refuse_beyond(limits, "p_i_kpa", control["reservoir_limit_kpa"], lower)
+    _refuse_beyond(limits, "p_i_kpa", control.reservoir_limit_kpa, lower)
     attributes = {
         "experiment": name,
-        "sample_rate_hz": control["sample_rate_hz"],
+        "sample_rate_hz": control.sample_rate_hz,
         "seed": settings["seed"],
-        "rig": {"control": control, "signal": signal},
+        "rig": {"control": settings["control"], "signal": settings["experiments"][name]},
     }
     law = hysteresis_law(p_exp_kpa, control)
     return Experiment(law, len(p_exp_kpa), RAW_CHANNELS, attributes)

@@ -16,6 +16,7 @@ from fprc.apparatus.clock import Metronome
 from fprc.apparatus.guardian import ARMED, BEAT_S, HEARTBEAT, OPENING, SAFE, vent_until_shown
 from fprc.apparatus.hardware import HardwareRig
 from fprc.apparatus.safety import CheckedRig
+from fprc.config.settings import Control
 from fprc.control import Law, RunAbortedError, run
 from fprc.errors import DeviceError
 
@@ -57,8 +58,8 @@ def on_rig(
     DeviceError
         A part cannot be opened; or an unexpected exception came, and closing failed too.
     """
-    control, hardware = settings["control"], settings["hardware"]
-    limits, period_s = hardware["limits"], 1.0 / control["sample_rate_hz"]
+    control, hardware = Control(**settings["control"]), settings["hardware"]
+    limits, period_s = hardware["limits"], 1.0 / control.sample_rate_hz
     clock = Metronome(
         period_s, overruns_in_a_row=limits["overruns_in_a_row"], spin_s=hardware["loop"]["spin_s"]
     )

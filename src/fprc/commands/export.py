@@ -20,18 +20,18 @@ def export_c(model: str, *, c: str, learn: bool = False, config: Sequence[str] =
     """Turn a trained model into C code for a controller."""
     path = Path(c)
     refuse_output(path, ".h", ours=lambda old: GENERATED.encode() in read_given(old))
-    settings = from_files(config or local_files()).model_dump(mode="json")
-    fitted = load_model(model, outside_classes(settings["models"]))
+    settings = from_files(config or local_files())
+    fitted = load_model(model, outside_classes(settings.models.model_dump()))
     if learn:
         units = getattr(fitted, "units_", ())  # whatever they are, the header names them
-        rate_hz = settings["control"]["sample_rate_hz"]
+        rate_hz = settings.control.sample_rate_hz
         refuse_other_data(fitted, f"{model}, the model", rate_hz, units)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
     try:
         online = None
         if learn:
-            parts = (settings[key] for key in ("tracking", "control", "rig", "seed"))
-            online = Track(*parts).online(fitted)
+            bench = Track(settings.tracking, settings.control, {}, settings.seed)
+            online = bench.online(fitted)
         text = c_header(fitted, path.stem, origin=origin, online=online)
     except FprcError as error:
         raise FprcError(f"{model}: {error}") from error

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from types import UnionType
-from typing import Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, Self, TypeVar, Union, get_args, get_origin
 
 from pydantic import (
     AfterValidator,
@@ -27,6 +27,10 @@ class Section(BaseModel):
         allow_inf_nan=False,
         validate_default=True,
     )
+
+    def changed(self, **values: Any) -> Self:
+        """Return a copy with other values, which are not checked."""
+        return self.model_copy(update=values)
 
     @field_validator("*", mode="before")
     @classmethod

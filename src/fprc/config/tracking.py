@@ -69,6 +69,10 @@ class Tracking(Section):
     )
     pushes: Pushes = Pushes()
 
+    def reference(self, name: str) -> Reference:
+        """Return the reference of that name."""
+        return dict(self.references)[name]
+
     @model_validator(mode="after")
     def _pushes_begin_within_the_evaluated_part(self) -> "Tracking":
         reference, quiet_s = self.references.disturbance, self.pushes.quiet_s

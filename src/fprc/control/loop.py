@@ -1,8 +1,8 @@
 """The sampled control loop: wait, read, compute, write, record."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +10,9 @@ from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
 from fprc.control_laws import NEUTRAL_V, clamp, pressure_step
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError, FprcError
+
+if TYPE_CHECKING:
+    from fprc.config.settings import Control
 
 #: Returns the setpoints P_exp and P_i of sample k in kPa, then any further values to record.
 Law = Callable[[int, Readings], Sequence[float]]
@@ -32,7 +35,7 @@ def run(
     clock: Clock,
     law: Law,
     samples: int,
-    control: Mapping[str, Any],
+    control: "Control",
     *,
     neutral_v: float = NEUTRAL_V,
     extra: tuple[str, ...] = (),
@@ -47,8 +50,8 @@ def run(
 
     Parameters
     ----------
-    control : Mapping
-        Section ``control`` of the configuration, for the PI loops.
+    control : Control
+        Sample rate, and gains of the PI loops.
     neutral_v : float
         Voltage that closes a valve.
     extra : tuple of str
@@ -74,10 +77,10 @@ def run(
     names = (*RAW_CHANNELS, *extra)
     rows = np.empty((samples, len(names)))
     done = k = 0
-    period_s = 1.0 / control["sample_rate_hz"]
+    period_s = 1.0 / control.sample_rate_hz
     gains = [
-        (control[name]["kp_v_per_kpa"], control[name]["ki_v_per_kpa_s"])
-        for name in ("main_loop", "reservoir_loop")
+        (loop.kp_v_per_kpa, loop.ki_v_per_kpa_s)
+        for loop in (control.main_loop, control.reservoir_loop)
     ]
     integrals: Sequence[float] = (0.0, 0.0)
 
@@ -135,14 +138,14 @@ def _make_safe(device: Device) -> str:
     return ""
 
 
-def hysteresis_law(p_exp_kpa: np.ndarray, control: Mapping[str, Any]) -> Law:
+def hysteresis_law(p_exp_kpa: np.ndarray, control: "Control") -> Law:
     """Return the law with setpoints P_exp(k) and P_i(k) = K_in theta(k).
 
     P_i is Eq. (1), clamped between 0 and the reservoir's limit (Sec. II-B). ``p_exp_kpa`` has one
     number per sample.
     """
     commands = np.asarray(p_exp_kpa, dtype=float).tolist()
-    k_in_kpa_per_deg, limit_kpa = control["k_in_kpa_per_deg"], control["reservoir_limit_kpa"]
+    k_in_kpa_per_deg, limit_kpa = control.k_in_kpa_per_deg, control.reservoir_limit_kpa
 
     def law(k: int, now: Readings) -> tuple[float, float]:
         return commands[k], clamp(k_in_kpa_per_deg * now.theta_deg, 0.0, limit_kpa)

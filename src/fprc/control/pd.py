@@ -1,10 +1,12 @@
 """Feedback of the bending angle: the paper's PD controller."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fprc.control_laws import pd_step
+
+if TYPE_CHECKING:
+    from fprc.config.settings import Control
 
 
 class PD:
@@ -27,17 +29,17 @@ class PD:
 
     Parameters
     ----------
-    control : Mapping
-        Section ``control`` of the configuration: the gains ``pd`` (paper, Sec. IV), the law
+    control : Control
+        The gains ``pd`` (paper, Sec. IV), the law
         ``feedback``, and the sample rate, 1 / T.
     highest_kpa : float, default=inf
         Highest P_d; the lowest is 0.
     """
 
-    def __init__(self, control: Mapping[str, Any], highest_kpa: float = math.inf):
-        self._incremental = control["feedback"] == "incremental"
-        gains = control["pd"]["kp_kpa_per_deg"], control["pd"]["kd_kpa_s_per_deg"]
-        self._settings = *gains, 1.0 / control["sample_rate_hz"], 0.0, highest_kpa
+    def __init__(self, control: "Control", highest_kpa: float = math.inf):
+        self._incremental = control.feedback == "incremental"
+        gains = control.pd.kp_kpa_per_deg, control.pd.kd_kpa_s_per_deg
+        self._settings = *gains, 1.0 / control.sample_rate_hz, 0.0, highest_kpa
         self._last: float | None = None
         self._p_fb_kpa = 0.0
 

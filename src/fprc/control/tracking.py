@@ -1,8 +1,8 @@
 """Control law of the tracking experiments: feedforward, feedback, or both (Sec. IV)."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,12 +13,13 @@ from fprc.control_laws import clamp
 from fprc.errors import ControlError
 
 if TYPE_CHECKING:  # the real rig's loop starts sooner without scikit-learn
+    from fprc.config.settings import Control
     from fprc.models import Online, SequenceModel
 
 
 def tracking_law(
     theta_d_deg: np.ndarray,
-    control: Mapping[str, Any],
+    control: "Control",
     pressure_limit_kpa: float,
     *,
     model: "SequenceModel | None" = None,
@@ -31,8 +32,8 @@ def tracking_law(
     ----------
     theta_d_deg : ndarray of shape (n_samples,)
         Reference; see ``refuse_impossible``.
-    control : Mapping
-        Section ``control`` of the configuration.
+    control : Control
+        K_in, gains of the feedback, shift of P_o.
     pressure_limit_kpa : float
         Highest P_d; the lowest is 0.
     model : SequenceModel, optional
@@ -53,8 +54,8 @@ def tracking_law(
         raise ControlError("a control law needs feedforward, feedback, or both; both are missing")
     references = np.asarray(theta_d_deg, dtype=float).tolist()
     pd = PD(control, pressure_limit_kpa) if feedback else None
-    k_in_kpa_per_deg = control["k_in_kpa_per_deg"]
-    p_o_shift_kpa = control["feedforward"]["p_o_shift_kpa"]
+    k_in_kpa_per_deg = control.k_in_kpa_per_deg
+    p_o_shift_kpa = control.feedforward.p_o_shift_kpa
     reads_p_o = source is not None and source.n_features_in_ > 1
 
     def law(k: int, now: Readings) -> Sequence[float]:
@@ -80,14 +81,14 @@ def tracking_law(
 
 
 def refuse_impossible(
-    theta_d_deg: np.ndarray, control: Mapping[str, Any], angle_range_deg: tuple[float, float]
+    theta_d_deg: np.ndarray, control: "Control", angle_range_deg: tuple[float, float]
 ) -> None:
     """Check a reference before the rig moves.
 
     Parameters
     ----------
-    control : Mapping
-        Section ``control`` of the configuration.
+    control : Control
+        Sample rate, K_in, and limit of P_i.
 
     Raises
     ------
@@ -95,7 +96,7 @@ def refuse_impossible(
         Names the first time and value at which the reference leaves the
         actuator's range, or P_i = K_in theta_d exceeds its limit.
     """
-    (low, high), rate_hz = angle_range_deg, control["sample_rate_hz"]
+    (low, high), rate_hz = angle_range_deg, control.sample_rate_hz
     problems = []
     outside = np.flatnonzero(~((theta_d_deg >= low) & (theta_d_deg <= high)))
     if outside.size:
@@ -104,7 +105,7 @@ def refuse_impossible(
             f"theta_d = {theta_d_deg[k]:.2f} deg at t = {k / rate_hz:.3f} s leaves the "
             f"actuator's range of {low:g} to {high:g} deg; reduce amplitude or offset"
         )
-    p_i_kpa, limit_kpa = control["k_in_kpa_per_deg"] * theta_d_deg, control["reservoir_limit_kpa"]
+    p_i_kpa, limit_kpa = control.k_in_kpa_per_deg * theta_d_deg, control.reservoir_limit_kpa
     beyond = np.flatnonzero(p_i_kpa > limit_kpa)
     if beyond.size:
         k = beyond[0]

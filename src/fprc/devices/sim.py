@@ -21,6 +21,7 @@ from fprc.rig.simulator import (
 )
 
 if TYPE_CHECKING:
+    from fprc.config.settings import Control
     from fprc.models import Online
 
 _GAINS = ("kp_kpa_per_deg", "kd_kpa_s_per_deg")
@@ -88,7 +89,7 @@ class SimulatedRig:
 
     def follow(
         self,
-        control: Mapping[str, Any],
+        control: "Control",
         p_ff_kpa: np.ndarray,
         theta_d_deg: np.ndarray | None = None,
         pressure_limit_kpa: float = math.inf,
@@ -105,8 +106,8 @@ class SimulatedRig:
 
         Parameters
         ----------
-        control : Mapping
-            Section ``control`` of the configuration.
+        control : Control
+            Gains and limits.
         p_ff_kpa, theta_d_deg, push_kpa : ndarrays of shape (n_samples,)
             Feedforward, reference, and push on the reservoir, which is 0 by default.
         pressure_limit_kpa : float, default=inf
@@ -145,21 +146,21 @@ class SimulatedRig:
             learning |= {"delay_samples": online.delay, "mixing": online.mixing}
             learner = regressors, online.learned, online.covariance, online.prior
         controllers = {
-            "main": control["main_loop"],
-            "reservoir": control["reservoir_loop"],
+            "main": control.main_loop.model_dump(),
+            "reservoir": control.reservoir_loop.model_dump(),
             "feedback": {
                 # a hysteresis experiment is given nothing of the feedback
-                **(control["pd"] if feedback else dict.fromkeys(_GAINS, 0.0)),
-                "incremental": feedback and control["feedback"] == "incremental",
+                **(control.pd.model_dump() if feedback else dict.fromkeys(_GAINS, 0.0)),
+                "incremental": feedback and control.feedback == "incremental",
                 "acts": feedback,
             },
             "learning": learning,
-            "k_in_kpa_per_deg": control["k_in_kpa_per_deg"],
-            "p_i_limits_kpa": (0.0, control["reservoir_limit_kpa"]),
+            "k_in_kpa_per_deg": control.k_in_kpa_per_deg,
+            "p_i_limits_kpa": (0.0, control.reservoir_limit_kpa),
             "p_exp_limits_kpa": limits_kpa,
         }
         pushes = np.zeros(samples) if push_kpa is None else push_kpa
-        p_i_kpa = control["k_in_kpa_per_deg"] * theta_d
+        p_i_kpa = control.k_in_kpa_per_deg * theta_d
         rows = np.full(samples, math.nan, RECORDED)
         failed, done = close_loop(
             self._state,

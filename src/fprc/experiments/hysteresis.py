@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from fprc.channels import TARGETS
+from fprc.config.settings import Control, Signal
 from fprc.devices.sim import SimulatedRig
 from fprc.experiments.data import Data
 from fprc.experiments.settings import RigSettings
@@ -28,8 +29,8 @@ def simulate(settings: RigSettings, seed: int) -> dict[str, Data]:
 
 def acquire(
     experiment: str,
-    signal: Mapping[str, Any],
-    control: Mapping[str, Any],
+    signal: Signal,
+    control: Control,
     rig: Mapping[str, Any],
     seed: int,
 ) -> dict[str, np.ndarray]:
@@ -40,6 +41,6 @@ def acquire(
     SimulationError
         The simulation diverges.
     """
-    rate_hz = control["sample_rate_hz"]
+    rate_hz = control.sample_rate_hz
     device = SimulatedRig(rig, seed=seed, run=RUNS[experiment], sample_rate_hz=rate_hz)
     return device.follow(control, pressure_command(signal, rate_hz))

@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from fprc.config.section import Section
+from fprc.config.settings import Control, Signal
 from fprc.experiments.data import Data
 
 if TYPE_CHECKING:
@@ -29,14 +31,13 @@ class Judgement:
         return split_rows(samples, self.folds, self.split, self.seed, purge)
 
 
-@dataclass(frozen=True)
-class RigSettings:
+class RigSettings(Section):
     """Settings for the simulation of the hysteresis experiments (Sec. II-B)."""
 
-    rig: Mapping[str, Any]  #: section of the configuration, as is ``control``
-    control: Mapping[str, Any]
-    signals: Mapping[str, Any]  #: pressure signal of each experiment
-    target: str  #: P_exp that the models learn: ``command`` or ``measured``
+    rig: dict[str, Any]  #: section of the configuration, or a rig of a search
+    control: Control
+    signals: dict[str, Signal]  #: pressure signal of each experiment
+    target: Literal["command", "measured"]  #: P_exp that the models learn
 
 
 class Unit(NamedTuple):

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.channels import LEARNING_CHANNELS, TRACKING_CHANNELS
+from fprc.config.settings import Control
+from fprc.config.tracking import Tracking
 from fprc.control import Law, refuse_impossible, tracking_law
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
@@ -49,8 +51,8 @@ class Precomputed(NamedTuple):
 class Track(NamedTuple):
     """Settings that every tracking run shares."""
 
-    tracking: Mapping[str, Any]
-    control: Mapping[str, Any]
+    tracking: Tracking
+    control: Control
     rig: Mapping[str, Any]
     seed: int
 
@@ -62,28 +64,35 @@ class Track(NamedTuple):
         ControlError
             The rig cannot follow the reference.
         """
-        rate_hz = self.control["sample_rate_hz"]
-        theta_d = reference_angle(self.tracking["references"][name], rate_hz)
-        refuse_impossible(theta_d, self.control, self.tracking["angle_range_deg"])
+        rate_hz = self.control.sample_rate_hz
+        theta_d = reference_angle(self.tracking.reference(name), rate_hz)
+        refuse_impossible(theta_d, self.control, self.tracking.angle_range_deg)
         return theta_d
 
     def describe(self, reference: str, controller: str) -> dict[str, Any]:
         """Return the log attributes of a controller's run, without those of the rig."""
+        tracking = self.tracking.model_dump(mode="json")
+        pushes = ["pushes"] if reference == DISTURBANCE else []
+        read = {name: tracking[name] for name in ("angle_range_deg", "pressure_limit_kpa", *pushes)}
+        shape = tracking["references"][reference]
         return {
             "experiment": run_log(reference, controller),
             "reference": reference,
             "controller": controller,
-            "settle_s": self.tracking["references"][reference]["settle_s"],
-            "sample_rate_hz": self.control["sample_rate_hz"],
+            "settle_s": self.tracking.reference(reference).settle_s,
+            "sample_rate_hz": self.control.sample_rate_hz,
             "seed": self.seed,
-            "rig": {"control": self.control, "tracking": self.tracking},
+            "rig": {
+                "control": self.control.model_dump(mode="json"),
+                "tracking": read | {"references": {reference: shape}},
+            },
         }
 
     def pushes(self, samples: int) -> np.ndarray:
         """Return the pushes of the disturbance test, kPa."""
         rng = np.random.default_rng([self.seed, 4711])
-        rate_hz = self.control["sample_rate_hz"]
-        return random_pushes(samples, rate_hz, rng=rng, **self.tracking["pushes"])
+        rate_hz = self.control.sample_rate_hz
+        return random_pushes(samples, rate_hz, rng=rng, **dict(self.tracking.pushes))
 
     def law(self, theta_d: np.ndarray, controller: str, model: SequenceModel | None) -> Law:
         """Return the law of a controller; its model is reset.
@@ -101,11 +110,11 @@ class Track(NamedTuple):
         used, online = model if driver else None, None
         if used is not None:
             used.reset()
-            online = self.online(used) if self.control["feedforward"]["adapt"] else None
+            online = self.online(used) if self.control.feedforward.adapt else None
         return tracking_law(
             theta_d,
             self.control,
-            self.tracking["pressure_limit_kpa"],
+            self.tracking.pressure_limit_kpa,
             model=used,
             online=online,
             feedback=has_feedback(controller),
@@ -113,7 +122,7 @@ class Track(NamedTuple):
 
     def channels(self, controller: str) -> tuple[str, ...]:
         """Return the names of what the law of a controller returns after the two setpoints."""
-        learns = self.control["feedforward"]["adapt"] and feedforward_of(controller)
+        learns = self.control.feedforward.adapt and feedforward_of(controller)
         return (*TRACKING_CHANNELS, *LEARNING_CHANNELS) if learns else TRACKING_CHANNELS
 
     def follow(
@@ -149,8 +158,8 @@ class Track(NamedTuple):
     def precompute(self, model: SequenceModel, inputs: np.ndarray) -> Precomputed:
         """Return P_ff of a model for a whole reference, and the model that learns, if it does."""
         X = inputs[:, : model.n_features_in_]
-        X = X + np.array([0.0, self.control["feedforward"]["p_o_shift_kpa"]])[: X.shape[1]]
-        if not self.control["feedforward"]["adapt"]:
+        X = X + np.array([0.0, self.control.feedforward.p_o_shift_kpa])[: X.shape[1]]
+        if not self.control.feedforward.adapt:
             return Precomputed(model.predict(X))
         online = self.online(model)
         rows = model.features_.transform(X)
@@ -159,11 +168,11 @@ class Track(NamedTuple):
 
     def online(self, model: SequenceModel) -> Online:
         """Return the model as it learns in a run, by the section ``control.feedforward``."""
-        chosen = self.control["feedforward"]
-        learning = Learning(**{name: chosen[name] for name in Learning._fields})
-        period_s = 1.0 / self.control["sample_rate_hz"]
+        chosen = self.control.feedforward
+        learning = Learning(*(getattr(chosen, name) for name in Learning._fields))
+        period_s = 1.0 / self.control.sample_rate_hz
         try:
-            return Online(model, learning, period_s, self.tracking["pressure_limit_kpa"])
+            return Online(model, learning, period_s, self.tracking.pressure_limit_kpa)
         except ValueError as error:
             raise ControlError(f"control.feedforward.adapt: {error}") from error
 
@@ -182,12 +191,12 @@ class Track(NamedTuple):
         """
         theta_d = self.reference(reference)
         given = precomputed or Precomputed(np.zeros(len(theta_d)))
-        rate_hz, number = self.control["sample_rate_hz"], TRACKING_RUNS[reference]
+        rate_hz, number = self.control.sample_rate_hz, TRACKING_RUNS[reference]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
         return device.follow(
             self.control,
             theta_d_deg=theta_d,
-            pressure_limit_kpa=self.tracking["pressure_limit_kpa"],
+            pressure_limit_kpa=self.tracking.pressure_limit_kpa,
             feedback=feedback,
             push_kpa=self.pushes(len(theta_d)) if reference == DISTURBANCE else None,
             **given._asdict(),
@@ -196,7 +205,7 @@ class Track(NamedTuple):
     def error(self, reference: str, precomputed: Precomputed | None, *, feedback: bool) -> float:
         """Follow a reference as ``simulate`` does, and return the RMSE, deg."""
         run = self.simulate(reference, precomputed, feedback=feedback)
-        return tracking_rmse(run, self.tracking["references"][reference]["settle_s"])
+        return tracking_rmse(run, self.tracking.reference(reference).settle_s)
 
 
 def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
@@ -227,21 +236,21 @@ def measure_control(
 
     def follow(bench: Track, reference: str, names: Sequence[str]) -> dict[str, Any]:
         runs = bench.follow(reference, names, models)
-        settle_s = bench.tracking["references"][reference]["settle_s"]
+        settle_s = bench.tracking.reference(reference).settle_s
         return {name: settled(channels, settle_s) for name, channels in runs.items()}
 
     runs = {
         f"{reference}/{name}": run
-        for reference in bench.tracking["references"]
+        for reference, _ in bench.tracking.references
         for name, run in follow(bench, reference, controllers).items()
     }
-    pushes = {**bench.tracking["pushes"], "sigma_kpa": 0.0}
-    quiet = bench._replace(tracking={**bench.tracking, "pushes": pushes})
+    still = bench.tracking.pushes.changed(sigma_kpa=0.0)
+    quiet = bench._replace(tracking=bench.tracking.changed(pushes=still))
     unpushed = follow(quiet, DISTURBANCE, ["fprc_pd"])["fprc_pd"]
     return {
         "hysteresis": measure_hysteresis(sweep.channels),
         "pressure_error": measure_pressure_error(sweep.channels),
-        **measure_runs(runs, unpushed, bench.tracking["pushes"]["quiet_s"]),
+        **measure_runs(runs, unpushed, bench.tracking.pushes.quiet_s),
     }
 
 
@@ -267,10 +276,10 @@ def tracking_errors(
     errors: dict[str, dict[str, np.ndarray]] = {name: {} for name in loops}
     for reference in REFERENCES:
         inputs = bench.inputs(reference)
-        settle_s = bench.tracking["references"][reference]["settle_s"]
+        settle_s = bench.tracking.reference(reference).settle_s
         for name, gains in loops.items():
-            pd = {gain: gains * value for gain, value in bench.control["pd"].items()}
-            loop = bench._replace(control={**bench.control, "pd": pd})
+            pd = bench.control.pd.changed(**{key: gains * gain for key, gain in bench.control.pd})
+            loop = bench._replace(control=bench.control.changed(pd=pd))
             precomputed = loop.precompute(model, inputs)
             run = settled(loop.simulate(reference, precomputed, feedback=gains > 0.0), settle_s)
             errors[name][reference] = run["theta_deg"] - run["theta_d_deg"]

@@ -4,6 +4,7 @@ import logging
 from collections.abc import Mapping
 from typing import Any
 
+from fprc.config.settings import Control, Signal
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import write_raw
 
@@ -20,7 +21,7 @@ def record(
     seed: int,
 ) -> None:
     """Record one hysteresis experiment (Sec. II-B) on the simulated rig."""
-    channels = acquire(experiment, signal, control, rig, seed)
+    channels = acquire(experiment, Signal(**signal), Control(**control), rig, seed)
     write_raw(
         raw,
         channels,

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fprc.artifacts import write_json
+from fprc.config.tracking import Tracking
 from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.grids import judge_grids
 from fprc.experiments.hysteresis import simulate
@@ -47,7 +48,7 @@ def replicate(
     starts, started = errors_over_starts(data, how, _STARTS)
     write_json(compared, described | comparison | {"fprc_rmse_over_starts": starts})
     write_json(cells, described | judge_grids(data, values, how, folds=1))
-    bench = Track(tracking, settings.control, settings.rig, how.seed)
+    bench = Track(Tracking(**tracking), settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     loops = {"fprc": 0.0, "fprc_pd": 1.0}
     tracked = [rms_of(tracking_errors(bench, model, loops)) for model in started[:_TRACKED]]

@@ -4,10 +4,11 @@ import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fprc.config.settings import Control
+from fprc.config.tracking import Tracking
 from fprc.experiments.tracking import Track, describe_model, tracking_rmse
 from fprc.logs import write_raw
 from fprc.models import load_model
-from fprc.paper import DISTURBANCE
 from fprc.registry import feedforward_of, outside_classes
 
 log = logging.getLogger(__name__)
@@ -45,13 +46,8 @@ def track(
     files = dict(zip(names, models, strict=True))
     outside = outside_classes(classes or {})
     fitted = {name: load_model(path, outside) for name, path in files.items()}
-    runs = iter(raw)
+    bench, runs = Track(Tracking(**tracking), Control(**control), rig, seed), iter(raw)
     for reference in references:
-        # a log keeps the settings of its own reference; only the disturbed one has pushes
-        names_of = ("angle_range_deg", "pressure_limit_kpa", "pushes")
-        own = {name: tracking[name] for name in names_of[: 2 + (reference == DISTURBANCE)]}
-        own["references"] = {reference: tracking["references"][reference]}
-        bench = Track(own, control, rig, seed)
         for controller, channels in bench.follow(reference, controllers, fitted).items():
             described = bench.describe(reference, controller)
             described |= {"source": "sim", "rig": {"rig": rig, **described["rig"]}}

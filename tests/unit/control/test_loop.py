@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from fprc.channels import NEEDED_SENSORS, Readings
+from fprc.config.settings import Control
 from fprc.control import RunAbortedError, run
 
 
@@ -42,9 +43,7 @@ def law(k, now):
 
 
 def go(bench, samples=3, law=law, **options):
-    gains = {"kp_v_per_kpa": 0.03, "ki_v_per_kpa_s": 0.0}
-    control = {"sample_rate_hz": 200.0, "main_loop": gains, "reservoir_loop": gains}
-    return run(bench, bench, law, samples, control, **options)
+    return run(bench, bench, law, samples, Control(), **options)
 
 
 class Stuttering(Bench):

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from fprc.config.settings import Control, Gains
 from fprc.control import PD
 
 PERIOD_S = 0.005
@@ -10,8 +11,8 @@ KP, KD = 0.5, 0.005  # paper, Sec. IV
 
 
 def controller(kp, kd, period_s=PERIOD_S, feedback="incremental", highest_kpa=math.inf):
-    gains = {"kp_kpa_per_deg": kp, "kd_kpa_s_per_deg": kd}
-    control = {"pd": gains, "feedback": feedback, "sample_rate_hz": 1.0 / period_s}
+    gains = Gains(kp_kpa_per_deg=kp, kd_kpa_s_per_deg=kd)
+    control = Control(pd=gains, feedback=feedback, sample_rate_hz=1.0 / period_s)
     return PD(control, highest_kpa)
 
 

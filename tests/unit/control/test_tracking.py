@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from fprc.channels import Readings
+from fprc.config.settings import Control, Feedforward, Gains
 from fprc.control import refuse_impossible, tracking_law
 from fprc.errors import ControlError
 
@@ -23,13 +24,11 @@ class Model:
 
 
 def law_of(theta_d, kp=2.0, **options):
-    control = {
-        "sample_rate_hz": 200.0,
-        "k_in_kpa_per_deg": 7.0,
-        "feedback": "positional",
-        "pd": {"kp_kpa_per_deg": kp, "kd_kpa_s_per_deg": 0.0},
-        "feedforward": {"p_o_shift_kpa": 1.0},
-    }
+    control = Control(
+        feedback="positional",
+        pd=Gains().changed(kp_kpa_per_deg=kp, kd_kpa_s_per_deg=0.0),
+        feedforward=Feedforward(p_o_shift_kpa=1.0),
+    )
     return tracking_law(np.asarray(theta_d), control, 450.0, **options)
 
 
@@ -62,7 +61,7 @@ def test_controller_without_a_number_is_refused_and_shown(value):
 
 
 def refuse(theta_d, low=0.0, high=65.0, limit=450.0):
-    control = {"sample_rate_hz": 200.0, "k_in_kpa_per_deg": 7.0, "reservoir_limit_kpa": limit}
+    control = Control().changed(reservoir_limit_kpa=limit)
     refuse_impossible(np.asarray(theta_d), control, (low, high))
 
 

@@ -59,7 +59,7 @@ def test_tracking_run_is_that_of_the_loop_bit_by_bit(rig, control, feedback):
     time_s = np.arange(SAMPLES) / 200.0
     theta_d = 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.4 * time_s)
     p_ff, pushes = 12.0 * theta_d - 100.0, 100.0 * np.sin(3.0 * time_s)
-    control["feedback"] = feedback or control["feedback"]
+    control = control.changed(feedback=feedback or control.feedback)
     law = tracking_law(theta_d, control, 300.0, model=Line(), feedback=bool(feedback))
     slow = device(rig)
 

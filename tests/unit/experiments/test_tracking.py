@@ -3,6 +3,7 @@ import pytest
 from sklearn.ensemble import HistGradientBoostingRegressor
 
 from fprc.config import Settings
+from fprc.config.tracking import Pushes
 from fprc.control import run
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
@@ -14,18 +15,18 @@ from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, tra
 from fprc.models import FPRC, FeatureModel, FuzzyLinear, TapFeatures
 from fprc.paper import CONTROLLERS, REFERENCES
 
-NO_PUSHES = {"quiet_s": 8.0, "every_s": 1.0, "sigma_kpa": 0.0}
+NO_PUSHES = Pushes(quiet_s=8.0, every_s=1.0, sigma_kpa=0.0)
 
 
 @pytest.fixture(scope="module")
 def bench():
     """Every reference for 16 s."""
-    settings = Settings().model_dump()
-    tracking = settings["tracking"]
-    for described in tracking["references"].values():
-        described |= {"duration_s": 16.0}
-    tracking["pushes"] |= {"quiet_s": 8.0}
-    return Track(tracking, settings["control"], settings["rig"], 7)
+    settings = Settings()
+    references = settings.tracking.references
+    shorter = {name: reference.changed(duration_s=16.0) for name, reference in references}
+    pushes = settings.tracking.pushes.changed(quiet_s=8.0)
+    tracking = settings.tracking.changed(references=references.changed(**shorter), pushes=pushes)
+    return Track(tracking, settings.control, settings.rig.model_dump(), 7)
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +50,7 @@ def tick_by_tick(bench, reference, name, model):
         bench.rig,
         seed=bench.seed,
         run=TRACKING_RUNS[reference],
-        sample_rate_hz=bench.control["sample_rate_hz"],
+        sample_rate_hz=bench.control.sample_rate_hz,
     )
 
     class Clock:
@@ -62,8 +63,8 @@ def tick_by_tick(bench, reference, name, model):
 
 
 def changed(bench, **feedforward):
-    control = bench.control | {"feedforward": bench.control["feedforward"] | feedforward}
-    return bench._replace(control=control)
+    changes = {"feedforward": bench.control.feedforward.changed(**feedforward)}
+    return bench._replace(control=bench.control.changed(**changes))
 
 
 @pytest.mark.parametrize("feedforward", [{}, {"adapt": True}, {"p_o_shift_kpa": -2.0}])
@@ -101,10 +102,9 @@ def follow(bench, model, **feedforward):
 
 
 def test_model_that_learns_or_is_re_zeroed_stands_an_offset_of_p_o(bench, models):
-    bench = bench._replace(tracking={**bench.tracking, "references": {
-        **bench.tracking["references"],
-        "sine_0p5": {**bench.tracking["references"]["sine_0p5"], "duration_s": 40.0},
-    }})  # fmt: skip
+    references = bench.tracking.references
+    longer = references.changed(sine_0p5=references.sine_0p5.changed(duration_s=40.0))
+    bench = bench._replace(tracking=bench.tracking.changed(references=longer))
     model = models["fprc"]
     alone, learning = follow(bench, model), follow(bench, model, adapt=True)
     rezeroed = follow(bench, model, p_o_shift_kpa=-5.0)
@@ -140,7 +140,7 @@ def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, 
     runs, unpushed, quiet_s = given
     assert quiet_s == 8.0
     assert list(runs) == [f"{name}/{law}" for name in TRACKING_RUNS for law in CONTROLLERS]
-    no_push = bench._replace(tracking=bench.tracking | {"pushes": NO_PUSHES})
+    no_push = bench._replace(tracking=bench.tracking.changed(pushes=NO_PUSHES))
     for found, at, reference, name in (
         (runs["complex/pd"], bench, "complex", "pd"),
         (runs["disturbance/fprc_pd"], bench, "disturbance", "fprc_pd"),
@@ -155,10 +155,10 @@ def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, 
 @pytest.mark.slow
 def test_an_hour_of_learning_with_a_leak_stays_bounded():
     """Half a kPa a minute, mixed references, one model that learns all the time."""
-    settings = Settings().model_dump(mode="json")
-    settings["control"]["feedforward"]["adapt"] = True
-    bench = Track(settings["tracking"], settings["control"], settings["rig"], 7)
-    log = acquire("sweep", settings["experiments"]["sweep"], bench.control, bench.rig, seed=7)
+    settings = Settings()
+    bench = Track(settings.tracking, settings.control, settings.rig.model_dump(), 7)
+    bench = changed(bench, adapt=True)
+    log = acquire("sweep", settings.experiments.sweep, bench.control, bench.rig, seed=7)
     X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
     model = FPRC(random_state=1).fit(X, log["p_exp_command_kpa"]).remember(X)
     online, errors, largest, begin_s = bench.online(model), [], [], 0.0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
+from fprc.config.settings import Control, Signal
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import Columns, assess
 from fprc.logs.quality import noted_unit, warnings
@@ -119,14 +120,14 @@ def test_channel_unchanged_for_less_than_the_limit_is_not_stuck(log):
 @pytest.mark.parametrize("experiment", ["sweep", "complex"])
 def test_leak_of_twice_the_limit_is_found_in_a_log_of_full_length(experiment):
     settings = Settings().model_dump()
-    rig, signal = copy.deepcopy(settings["rig"]), settings["experiments"][experiment]
+    rig, signal = copy.deepcopy(settings["rig"]), Signal(**settings["experiments"][experiment])
     limit = settings["quality"]["leak_kpa_per_min"]
     volume = rig["reservoir"]["passive_volume_ml"]
     # P_o is about 120 kPa on average
     leak = 2.0 * limit / 60.0 * volume / (ATMOSPHERE_KPA * 120.0)
     for leak_ml_per_s_kpa, expected in ((leak, {"leak"}), (0.0, set())):
         rig["reservoir"]["leak_ml_per_s_kpa"] = leak_ml_per_s_kpa
-        log = log_of(acquire(experiment, signal, settings["control"], rig, seed=1))
+        log = log_of(acquire(experiment, signal, Control(**settings["control"]), rig, seed=1))
         assert failed(log) == expected
 
 

@@ -4,6 +4,8 @@ from numpy.testing import assert_allclose
 
 from fprc.artifacts import read_json
 from fprc.config import Settings
+from fprc.config.settings import Control
+from fprc.config.tracking import Tracking
 from fprc.experiments.data import read_data
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
@@ -143,7 +145,9 @@ def test_starts_drive_the_loops_of_table_4(errors, settings, on_rig, judgement):
     seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])
     readout = model.make_readout().set_params(random_state=seed)
     readout.fit(features.transform(X)[part], y[part])
-    bench = Track(settings["tracking"], settings["control"], settings["rig"], SEED)
+    bench = Track(
+        Tracking(**settings["tracking"]), Control(**settings["control"]), settings["rig"], SEED
+    )
     for run in ("sweep/fprc", "complex/fprc_pd"):
         reference, name = run.split("/")
         fitted = {"fprc": model.assembled(features, readout)}

@@ -14,5 +14,6 @@ def family(signals):
         "fitted": ["tables"],
         "first_seed": 601,
         "seeds_per_rig": 1,
-        "on_rig": on_rig(settings) | {"signals": signals},
+        "on_rig": on_rig(settings)
+        | {"signals": {name: signal.model_dump() for name, signal in signals.items()}},
     }

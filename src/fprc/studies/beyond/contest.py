@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.config.tracking import Tracking
 from fprc.errors import FprcError, in_one_line
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import prepare
@@ -95,7 +96,7 @@ def judge_rig(
     """
     logs = simulate(on_rig, seed)
     sweep, complex_ = logs["sweep"], logs["complex"]
-    bench = Track(contest.tracking, on_rig.control, on_rig.rig, seed)
+    bench = Track(Tracking(**contest.tracking), on_rig.control, on_rig.rig, seed)
     followed = {name: bench.inputs(name) for name in REFERENCES}
     judged = {}
     for name in names:

@@ -9,7 +9,6 @@ correct them.
 import logging
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
@@ -75,7 +74,7 @@ class Bench(NamedTuple):
     def rig_at(self, share: np.ndarray) -> RigSettings:
         """Return the rig at a point of the unit cube."""
         rig = resolved(decode(share, self.on_rig.rig, self.free))
-        return replace(self.on_rig, rig=rig)
+        return self.on_rig.changed(rig=rig)
 
     def loops(self, share: np.ndarray, seed: int) -> dict[str, Any] | None:
         """Return the properties of a rig's loops; None if the rig is impossible."""
@@ -83,7 +82,7 @@ class Bench(NamedTuple):
         try:
             Rig.model_validate(on_rig.rig)
             signals = {"sweep": on_rig.signals["sweep"]}
-            sweep = simulate(replace(on_rig, signals=signals), seed)["sweep"]
+            sweep = simulate(on_rig.changed(signals=signals), seed)["sweep"]
             return {"properties": properties(sweep.channels)}
         except (FprcError, ValueError):
             return None

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from sklearn.base import RegressorMixin
 
+from fprc.config.tracking import Tracking
 from fprc.evaluation.crossval import Prepared, prepare
 from fprc.experiments.comparison import judge_directions
 from fprc.experiments.data import Data
@@ -70,7 +71,7 @@ def judge_by_surrogate(
         for train, _ in DIRECTIONS
         for name in MODELS
     }
-    bench = Track(tracking, on_rig.control, on_rig.rig, seed)
+    bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, seed)
     model = prepared["fprc"].fitted(readouts["sweep", "fprc"])
     return {
         "errors": {
@@ -95,7 +96,7 @@ def judge_fully(
     reports = [report for directions in of_models.values() for _, report, _ in directions]
     shares = weight_shares(data["sweep"], judgement)["mean_share"]
     (trained_on_sweep, *_), _ = of_models["fprc"]
-    bench = Track(tracking, on_rig.control, on_rig.rig, judgement.seed)
+    bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, judgement.seed)
     return {
         "errors": errors_of({"models": reports}),
         "shares": {"p_o_over_theta_d": shares["p_o"] / shares["theta_d"]},

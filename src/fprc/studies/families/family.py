@@ -4,7 +4,6 @@ A unit of a family is a seed, if it has one rig, else a rig.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from pydantic import ValidationError
 
 from fprc.artifacts import read_json
 from fprc.config.rig import Rig
+from fprc.config.tracking import Tracking
 from fprc.errors import EvaluationError, FprcError, in_one_line
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.hysteresis import simulate
@@ -56,7 +56,7 @@ def unit_of(number: int, family: Mapping[str, Any], near_print: str = "") -> Uni
                 f"{near_print}: has {len(known)} rigs, and rig {number} is needed; reduce "
                 "beyond.units"
             )
-        on_rig = replace(on_rig, rig=Rig.model_validate(known[number]).model_dump(mode="json"))
+        on_rig = on_rig.changed(rig=Rig.model_validate(known[number]).model_dump(mode="json"))
     elif family["rigs"] == "drawn":
         on_rig = draw_rig(FIRST_DRAWN + number, free_parameters(**family["free"]), on_rig)
     first = family["first_seed"] + number * family["seeds_per_rig"]
@@ -82,7 +82,7 @@ def judge_tables(
     """
     on_rig, seed = unit.rigs[0]
     how = Judgement(**judgement, seed=seed)
-    bench = Track(tracking, on_rig.control, on_rig.rig, seed)
+    bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, seed)
     try:
         data = simulate(on_rig, seed)
         compared, models = compare_models(data, how)
@@ -111,12 +111,12 @@ def draw_rig(seed: int, free: Sequence[Free], on_rig: RigSettings) -> RigSetting
         rig = decode(rng.uniform(size=len(free)), on_rig.rig, free)
         try:
             Rig.model_validate(rig)
-            logs = simulate(replace(on_rig, rig=rig, signals=sweep), seed)
+            logs = simulate(on_rig.changed(rig=rig, signals=sweep), seed)
             measured = properties(logs["sweep"].channels)
         except (ValidationError, FprcError):
             continue
         if all(low <= measured[name] <= high for name, (low, high) in ACCEPTED.items()):
-            return replace(on_rig, rig=rig)
+            return on_rig.changed(rig=rig)
     raise EvaluationError(
         f"none of {_MOST_DRAWS} rigs bends by {ACCEPTED['angle_deg']} deg and swings P_o by "
         f"{ACCEPTED['p_o_swing_kpa']} kPa; change calibration.ranges or calibration.free"

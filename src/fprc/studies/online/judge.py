@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from fprc.config.tracking import Tracking
 from fprc.errors import FprcError, in_one_line
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Unit
@@ -66,7 +66,7 @@ def judge_online(
     """
     on_rig, seed = unit.rigs[0]
     try:
-        sweep = simulate(replace(on_rig, signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
+        sweep = simulate(on_rig.changed(signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
         fitted = {}
         for name in MODELS:
             X, y, _ = sweep.samples(name)
@@ -74,7 +74,7 @@ def judge_online(
         rows = []
         for condition in CONDITIONS:
             rig = changed_rig(on_rig.rig, condition)
-            bench = Track(tracking, on_rig.control, rig, seed)
+            bench = Track(Tracking(**tracking), on_rig.control, rig, seed)
             chosen = {"fprc": fitted["fprc"]} if condition in OF_P_O else fitted
             rows += _followed(bench, condition, chosen)
     except (FprcError, ValueError, np.linalg.LinAlgError) as error:
@@ -87,20 +87,19 @@ def _followed(
     bench: Track, condition: str, models: Mapping[str, SequenceModel]
 ) -> list[tuple[Any, ...]]:
     rows = []
-    trained = bench.control["feedforward"]
+    trained = bench.control.feedforward
     benches = {
         learns: bench._replace(
-            control={
-                **bench.control,
-                "feedforward": {**trained, "adapt": learns, "p_o_shift_kpa": 0.0},
-            }
+            control=bench.control.changed(
+                feedforward=trained.changed(adapt=learns, p_o_shift_kpa=0.0)
+            )
         )
         for learns in (False, True)
     }
-    for reference in bench.tracking["references"]:
+    for reference, _ in bench.tracking.references:
         inputs = bench.inputs(reference)
-        p_o_kpa = inputs[:, 1] + trained["p_o_shift_kpa"]  # of P_o only, whatever a model gets
-        inputs[:, 1] = disturbed(p_o_kpa, condition, bench.control["sample_rate_hz"])
+        p_o_kpa = inputs[:, 1] + trained.p_o_shift_kpa  # of P_o only, whatever a model gets
+        inputs[:, 1] = disturbed(p_o_kpa, condition, bench.control.sample_rate_hz)
         for name, model in models.items():
             given = columns_for(name, inputs)
             for learns, bench in benches.items():

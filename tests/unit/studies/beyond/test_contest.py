@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
+from fprc.config.tracking import Tracking
 from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
 from fprc.experiments.hysteresis import simulate
@@ -28,7 +29,9 @@ pytestmark = pytest.mark.slow  # whole fits
 
 @pytest.fixture(scope="module")
 def on_rig(signals):
-    return RigSettings(SETTINGS["rig"], SETTINGS["control"], signals, "command")
+    return RigSettings(
+        rig=SETTINGS["rig"], control=SETTINGS["control"], signals=signals, target="command"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -76,9 +79,9 @@ def test_errors_are_those_of_the_model_by_itself(judged, fprc, logs):
 
 def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, contest):
     own = judged["fprc"]
-    control = on_rig.control | {"feedforward": on_rig.control["feedforward"]}
-    control["feedforward"] = control["feedforward"] | {"p_o_shift_kpa": -2.0}
-    bench = Track(contest.tracking, control, on_rig.rig, SEED)
+    shifted = on_rig.control.feedforward.changed(p_o_shift_kpa=-2.0)
+    control = on_rig.control.changed(feedforward=shifted)
+    bench = Track(Tracking(**contest.tracking), control, on_rig.rig, SEED)
     expected = rms_of(tracking_errors(bench, fprc, {"open_loop": False, "closed_loop": True}))
     for loop, errors in expected.items():
         assert own[f"{loop}/0"] == own[loop]

@@ -1,5 +1,4 @@
 import copy
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,7 +47,9 @@ def settings():
         described |= {"f_hz": f_hz, "duration_s": 2.0, "settle_s": 0.5}
     few = {"free": FREE, "ranges": {}, "members": 10, "assimilations": 2, "rounds": 1}
     return {
-        "on_rig": RigSettings(found["rig"], found["control"], signals, "command"),
+        "on_rig": RigSettings(
+            rig=found["rig"], control=found["control"], signals=signals, target="command"
+        ),
         "judgement": {"models": models, "folds": 2, "split": "shuffled"},
         "calibration": found["calibration"] | few | {"seeds": 1, "full_seeds": 2},
         "tracking": tracking,
@@ -64,7 +65,7 @@ def fitted(settings):
 def test_fit_does_not_depend_on_the_rig_that_it_is_given(settings, fitted):
     other = copy.deepcopy(settings["on_rig"].rig)
     other["bending"] |= {"friction_kpa": 14.0, "friction_per_kpa": 0.2}
-    found = fit_rig(PRINTED, **settings | {"on_rig": replace(settings["on_rig"], rig=other)})
+    found = fit_rig(PRINTED, **settings | {"on_rig": settings["on_rig"].changed(rig=other)})
     assert found[0] == fitted[0]
     assert found[1]["residuals"] == fitted[1]["residuals"]
 
@@ -81,7 +82,7 @@ def test_fitted_rig_is_valid_and_its_file_gives_it_back(fitted):
 
 def test_outcome_is_that_of_the_full_models(settings, fitted):
     rig, summary = fitted
-    on_rig = replace(settings["on_rig"], rig=rig)
+    on_rig = settings["on_rig"].changed(rig=rig)
     first = fit.FIRST_SEED + fit.SEEDS_PER_FIT + fit._FULL
     errors = []
     for seed in (first, first + 1):

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
+from fprc.config.tracking import Tracking
 from fprc.evaluation import prepare
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.grids import normalised, shares_of
@@ -33,7 +34,9 @@ def on_rig():
     signals = settings["experiments"]
     signals["sweep"] |= {"duration_s": 8.0, "f_hz": [0.8, 1.0]}
     signals["complex"] |= {"duration_s": 7.0}
-    return RigSettings(settings["rig"], settings["control"], signals, "command")
+    return RigSettings(
+        rig=settings["rig"], control=settings["control"], signals=signals, target="command"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -155,7 +158,7 @@ def test_shares_are_those_of_the_published_formula(judge, logs):
 def test_open_loop_errors_are_those_of_the_model_in_the_loop(judged, logs, on_rig, tracking):
     features, readout = fitted(logs, "sweep", "fprc")
     model = build("fprc").assembled(features, readout)
-    bench = Track(tracking, on_rig.control, on_rig.rig, SEED)
+    bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, SEED)
     assert list(judged["open_loop"]) == list(REFERENCES)
     for reference, found in judged["open_loop"].items():
         log = bench.follow(reference, ["fprc"], {"fprc": model})["fprc"]

@@ -1,5 +1,4 @@
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -107,12 +106,12 @@ def test_first_plausible_draw_within_the_ranges_is_taken(on_rig, seed, monkeypat
     plausible = False
     while not plausible:
         rig = decode(rng.uniform(size=len(FREE)), on_rig.rig, FREE)
-        moved = replace(on_rig, rig=rig, signals={"sweep": on_rig.signals["sweep"]})
+        moved = on_rig.changed(rig=rig, signals={"sweep": on_rig.signals["sweep"]})
         log = simulate(moved, seed)["sweep"].channels
         plausible = (
             52.0 <= log["theta_deg"].max() <= 66.0 and 50.0 <= np.ptp(log["p_o_kpa"]) <= 85.0
         )
-    assert drawn == replace(on_rig, rig=moved.rig)
+    assert drawn == on_rig.changed(rig=moved.rig)
     assert 2.5 <= drawn.rig["bending"]["stiffness_kpa_per_deg"] <= 4.0
 
 

@@ -6,6 +6,8 @@ import pytest
 
 from fprc.artifacts import write_json
 from fprc.config import Settings
+from fprc.config.settings import Control, Feedforward
+from fprc.config.tracking import Tracking
 from fprc.experiments.tracking import Track
 from fprc.models import FPRC
 from fprc.paper import REFERENCES
@@ -61,9 +63,8 @@ def test_shift_of_p_o_moves_no_low_passed_angle():
     model = FPRC(n_c=2, random_state=1).fit(X, X[:, 0]).remember(X)
     rows = {}
     for shift in (0.0, -2.0):
-        feedforward = SETTINGS["control"]["feedforward"] | {"p_o_shift_kpa": shift}
-        control = SETTINGS["control"] | {"feedforward": feedforward}
-        bench = Track(shortened(1.5), control, SETTINGS["rig"], 1)
+        control = Control(feedforward=Feedforward(p_o_shift_kpa=shift))
+        bench = Track(Tracking(**shortened(1.5)), control, SETTINGS["rig"], 1)
         rows[shift] = [_followed(bench, "none", {name: model}) for name in ("fprc", "fprc_lowpass")]
     assert rows[0.0][1] == rows[-2.0][1]
     assert rows[0.0][0] != rows[-2.0][0]
