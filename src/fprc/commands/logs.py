@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fprc.apparatus.recovery import recover
-from fprc.config import Settings
+from fprc.config.settings import Quality
 from fprc.errors import LogError
 from fprc.logs import assess, read_raw
 from fprc.logs.quality import warnings
@@ -18,7 +18,7 @@ COMPLETE, SOME_LOST = 0, 3
 
 def check(paths: Sequence[str], *, json_: bool = False) -> int:
     """Check raw logs and say what is wrong with them."""
-    limits = Settings().quality.model_dump()
+    limits = Quality()
     records = []
     for path in paths:
         try:
@@ -59,11 +59,9 @@ def _page(path: str, record: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _record(path: str, limits: Mapping[str, Any]) -> dict[str, Any]:
-    log = read_raw(
-        path, experiment=None, sample_rate_hz=None, rate_tolerance=limits["rate_tolerance"]
-    )
-    return assess(log, sample_rate_hz=log.attributes["sample_rate_hz"], **limits)
+def _record(path: str, limits: Quality) -> dict[str, Any]:
+    log = read_raw(path, experiment=None, sample_rate_hz=None, rate_tolerance=limits.rate_tolerance)
+    return assess(log, limits, log.attributes["sample_rate_hz"])
 
 
 def repair(source: str, *, out: str) -> int:

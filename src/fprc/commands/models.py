@@ -9,6 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import refuse_output, replacing, write_text
 from fprc.config import from_files, local_files
+from fprc.config.settings import Quality
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
 from fprc.evaluation import prepare, rmse
@@ -95,7 +96,7 @@ def _read(logs: Sequence[str], settings: Settings, model: str) -> Data:
         experiment=None,
         target=settings["evaluation"]["target"],
         sample_rate_hz=rate_hz,
-        limits=settings["quality"],
+        limits=Quality(**settings["quality"]),
         inputs=entry_of(model, settings["models"]).inputs,
     )
     if len(recordings) == 1:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import reprlib
 from typing import Any
 
@@ -9,7 +10,6 @@ import h5py
 import numpy as np
 
 from fprc.artifacts import parse_object
-from fprc.errors import LogError
 
 #: Type of each known attribute; ``dict``: a JSON object.
 KINDS = {
@@ -51,61 +51,51 @@ def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], list
     """Return the valid attributes of a file or dataset, and an error text for each invalid one.
 
     Values are Python numbers and text; JSON is parsed. Attributes that are not in ``KINDS``
-    and are neither a number nor text are skipped.
+    and are neither a finite number nor text are skipped.
     """
     valid, problems = {}, []
-    for name in filter(is_text, holder):
+    for name in holder:
         try:
-            valid[name] = _read_attribute(holder, name)
-        except (LogError, TypeError) as error:  # TypeError: no Python equivalent of its type
+            valid[name] = _value(name, holder[name])
+        except (ValueError, TypeError, RecursionError) as error:
             if name in KINDS:
-                why = str(error)
-                problems.append(f"attribute {name}{' ' if why.startswith('=') else ': '}{why}")
+                stored = holder[name]
+                shown = stored.decode(errors="replace") if isinstance(stored, bytes) else stored
+                problems.append(
+                    f"attribute {name} = {reprlib.repr(shown)}: must be {_WORDS[KINDS[name]]} "
+                    f"({error}); see data/raw/README.md"
+                )
     return valid, problems
 
 
-def _read_attribute(holder: h5py.AttributeManager, name: str) -> Any:
-    """Return one attribute.
+def _value(name: str, stored: Any) -> Any:
+    """Return the value of an attribute.
 
     Raises
     ------
-    LogError
-        Its type is wrong, or it is neither a finite number nor text. The message does not
-        contain the attribute's name.
+    ValueError, TypeError
+        Its type is wrong, or it is neither a finite number nor text.
     """
-    # an array may be too large for memory, or empty
-    if holder.get_id(name).get_space().get_simple_extent_npoints() != 1:
-        raise LogError("must be one value, not an array")
-    value = np.asarray(holder[name]).item()
-    if isinstance(value, bytes):
-        value = value.decode("utf-8", "surrogateescape")
-    if isinstance(value, str) and not is_text(value):
-        raise LogError(f"= {reprlib.repr(value)}: is not UTF-8; write it again")
+    value = np.asarray(stored).item()  # of an array of several values, an error
+    if isinstance(value, str | bytes):  # of other programs also in other encodings
+        value = (value if isinstance(value, bytes) else os.fsencode(value)).decode("utf-8")
     kind = KINDS.get(name, type(value))
-    if kind is dict and isinstance(value, str):
+    if kind is dict:
         return _object(name, value)
     # not isinstance, for which a bool is an int
-    accepted = type(value) in ((float, int) if kind is float else (kind,)) and kind in _WORDS
-    if not accepted or (isinstance(value, float) and not math.isfinite(value)):
-        must = _WORDS.get(kind, "text or a number")
-        raise LogError(f"= {reprlib.repr(value)}: must be {must}; see data/raw/README.md")
+    if type(value) not in ((float, int) if kind is float else (kind,)) or kind not in _WORDS:
+        raise TypeError(f"is of type {type(value).__name__}")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError("is not finite")
     return value
 
 
-def is_text(text: str | bytes) -> bool:
-    """Return whether a name or text is UTF-8; if not, h5py returns bytes or lone surrogates."""
-    return isinstance(text, str) and text == text.encode("utf-8", "replace").decode("utf-8")
-
-
 def _object(name: str, text: str) -> dict[str, Any]:
-    try:
-        content = parse_object(text)
-        # refuses NaN and lone surrogates, as \udce9
-        json.dumps(content, ensure_ascii=False, allow_nan=False).encode("utf-8")
-    except (ValueError, RecursionError) as error:
-        raise LogError(f"= {reprlib.repr(text)}: must be a JSON object ({error})") from error
+    content = parse_object(text)
+    # refuses NaN and lone surrogates, as \udce9
+    json.dumps(content, ensure_ascii=False, allow_nan=False).encode("utf-8")
     if name == "notes" and not all(isinstance(note, str) for note in content.values()):
-        raise LogError(f"= {reprlib.repr(content)}: must map each channel to a text")
+        raise ValueError("each channel has a text")
     return content
 
 

@@ -1,8 +1,8 @@
 """Quality record of a raw log: completeness, gaps, ranges, stuck sensors, leak."""
 
 import re
-from collections.abc import Container, Mapping, Sequence
-from typing import Any
+from collections.abc import Container, Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,31 +10,19 @@ from fprc.channels import CHANNELS, NEEDED_SENSORS, unit_of
 from fprc.logs.columns import Columns
 from fprc.logs.sealed_chamber import SHORT_S, fit_sealed
 
+if TYPE_CHECKING:
+    from fprc.config.settings import Quality
 
-def assess(
-    log: Columns,
-    *,
-    sample_rate_hz: float,
-    gap_periods: float,
-    stuck_s: float,
-    leak_kpa_per_min: float,
-    **ranges: Sequence[float],
-) -> dict[str, Any]:
+
+def assess(log: Columns, limits: "Quality", sample_rate_hz: float) -> dict[str, Any]:
     """Return the quality record of a readable raw log.
 
     Each check has ``passed``, the ``finding`` in words, the measured numbers, and the limit. A
     failed check is recorded and printed, and does not stop the workflow. A check skips channels
     that an import left out, or that hold another quantity. ``loop`` has the statistics of a real
     rig's control loop, ``no_checksum`` the channels in which damage would go unnoticed.
-
-    Parameters
-    ----------
-    **ranges
-        Lowest and highest plausible value: ``pressure_range_kpa`` of commanded and measured
-        pressures, ``angle_range_deg`` of theta and theta_d. Other channels have theirs in
-        ``fprc.channels``; other keys are ignored.
     """
-    outside = _outside(log, ranges)
+    outside = _outside(log, limits)
     plausible = [name for name, count in outside["samples"].items() if not count]
     record = {
         "log": log.path.name,
@@ -44,10 +32,10 @@ def assess(
         "sample_rate_hz": sample_rate_hz,
         "checks": {
             "complete": _complete(log),
-            "gaps": _gaps(log, gap_periods / sample_rate_hz),
+            "gaps": _gaps(log, limits.gap_periods / sample_rate_hz),
             "range": outside,
-            "stuck": _stuck(log, stuck_s * sample_rate_hz),
-            "leak": _leak(log, leak_kpa_per_min, plausible),
+            "stuck": _stuck(log, limits.stuck_s * sample_rate_hz),
+            "leak": _leak(log, limits.leak_kpa_per_min, plausible),
         },
     }
     more = {
@@ -58,15 +46,9 @@ def assess(
     return record | {name: content for name, content in more.items() if content}
 
 
-def warnings_of_run(log: Columns, ranges: Mapping[str, Sequence[float]]) -> list[str]:
-    """Return a line if a closed-loop log is incomplete, and one on channels outside their ranges.
-
-    Parameters
-    ----------
-    ranges : Mapping
-        Ranges as for ``assess``; other keys are ignored.
-    """
-    checks = {"complete": _complete(log), "range": _outside(log, ranges)}
+def warnings_of_run(log: Columns, limits: "Quality") -> list[str]:
+    """Return a line if a closed-loop log is incomplete, and one on values out of range."""
+    checks = {"complete": _complete(log), "range": _outside(log, limits)}
     return warnings({"log": log.path.name, "checks": checks})
 
 
@@ -135,13 +117,13 @@ def _gaps(log: Columns, limit_s: float) -> dict[str, Any]:
     }
 
 
-def _outside(log: Columns, ranges: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+def _outside(log: Columns, limits: "Quality") -> dict[str, Any]:
     counts, first, findings = {}, {}, []
     for name, _, _, plausible, _ in CHANNELS:
         other = substitute(name, log.attributes) is not None
         if plausible is None or name not in log.channels or other:
             continue
-        low, high = ranges[plausible] if isinstance(plausible, str) else plausible
+        low, high = getattr(limits, plausible) if isinstance(plausible, str) else plausible
         values = log.channels[name]
         outside = np.flatnonzero((values < low) | (values > high))
         counts[name] = int(outside.size)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.artifacts import write_json
+from fprc.config.settings import Quality
 from fprc.experiments.data import Data, join, select_channels
 from fprc.logs import assess, read_raw, write_columns
 from fprc.logs.columns import read_each
@@ -38,7 +39,11 @@ def preprocess(
     """
     paths = [raw] if isinstance(raw, str) else list(raw)
     recordings, reports = read_recordings(
-        paths, experiment=experiment, target=target, sample_rate_hz=sample_rate_hz, limits=limits
+        paths,
+        experiment=experiment,
+        target=target,
+        sample_rate_hz=sample_rate_hz,
+        limits=Quality(**limits),
     )
     several = len(paths) > 1
     named = {Path(path).name: recording for path, recording in zip(paths, recordings, strict=True)}
@@ -53,7 +58,7 @@ def read_recordings(
     experiment: str | None,
     target: str,
     sample_rate_hz: float,
-    limits: Mapping[str, Any],
+    limits: Quality,
     inputs: Sequence[str] = ("theta_deg", "p_o_kpa"),
 ) -> tuple[list[Data], list[dict[str, Any]]]:
     """Return the models' channels of raw logs, and their quality records.
@@ -75,11 +80,11 @@ def read_recordings(
         paths,
         experiment=experiment,
         sample_rate_hz=sample_rate_hz,
-        rate_tolerance=limits["rate_tolerance"],
+        rate_tolerance=limits.rate_tolerance,
     )
     recordings, reports = [], []
     for source in sources:
-        report = assess(source, sample_rate_hz=sample_rate_hz, **limits)
+        report = assess(source, limits, sample_rate_hz)
         for warning in warnings(report):
             log.warning("warning: %s", warning)
         reports.append(report)

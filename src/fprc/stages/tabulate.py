@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from fprc.artifacts import read_json
+from fprc.config.settings import Quality
 from fprc.errors import LogError
 from fprc.logs import read_run
 from fprc.logs.columns import read_each
@@ -172,7 +173,7 @@ def tabulate_tracking(
     note = f"one run each{same}.\nData: {SOURCES[source]}. {feedback}"
     if left_out:
         note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
-    note += _failed([line for run in logs for line in warnings_of_run(run, limits)])
+    note += _failed([line for run in logs for line in warnings_of_run(run, Quality(**limits))])
     page = tracking.tracking_page(table)
     write_table(table, page, note, *table4, title="Table IV. RMSE of tracking")
 

@@ -16,6 +16,7 @@ from fprc.apparatus.recovery import read_journal, recover
 from fprc.channels import needed_by
 from fprc.cli import main
 from fprc.config import Settings
+from fprc.config.settings import Quality
 from fprc.errors import LogError
 from fprc.logs import assess, read_columns, read_raw
 
@@ -411,7 +412,7 @@ def test_recovered_log_says_that_it_is_incomplete_and_its_quality_too(closed, pa
     reason = log.attributes["incomplete_reason"]
     assert "1 of 13" in reason
     limits = Settings().quality.model_dump()
-    check = assess(log, sample_rate_hz=200.0, **limits)["checks"]["complete"]
+    check = assess(log, Quality(**limits), 200.0)["checks"]["complete"]
     assert (check["passed"], check["reason"], check["lost_samples"]) == (False, reason, 1)
 
 

@@ -1,4 +1,3 @@
-from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -27,7 +26,9 @@ def fit(monkeypatch):
     """Replace the fit by one that ends at once; ``fit.calls`` are its arguments."""
 
     def fit_rig(printed, on_rig, **settings):
-        fit_rig.calls.append({"printed": printed, "on_rig": asdict(on_rig)} | settings)
+        fit_rig.calls.append(
+            {"printed": printed, "on_rig": on_rig.model_dump(mode="json")} | settings
+        )
         return Rig(drift={"time_s": 3.5}).model_dump(mode="json"), SUMMARY
 
     fit_rig.calls = []

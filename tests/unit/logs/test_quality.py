@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
-from fprc.config.settings import Control, Signal
+from fprc.config.settings import Control, Quality, Signal
 from fprc.experiments.hysteresis import acquire
 from fprc.logs import Columns, assess
 from fprc.logs.quality import noted_unit, warnings
@@ -27,7 +27,7 @@ def log(recorded):
 
 
 def judge(log, **limits):
-    return assess(log, sample_rate_hz=200.0, **Settings().quality.model_dump() | limits)
+    return assess(log, Quality().changed(**limits), 200.0)
 
 
 def failed(log, **limits):

@@ -12,6 +12,7 @@ from sklearn.model_selection import LeaveOneGroupOut
 from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
 from fprc.config import Settings
+from fprc.config.settings import Quality
 from fprc.errors import ConfigError, LogError, OutputError
 from fprc.experiments.data import Data, read_data, refuse_mixture
 from fprc.logs import assess, read_raw
@@ -142,7 +143,7 @@ def test_gap_that_is_filled_is_noted_in_the_log(bring):
     raw = bring({"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}, lost=slice(1000, 1300))
     log = read_raw(raw, **RATE)
     assert len(log.channels["time_s"]) == 4000
-    noted = assess(log, sample_rate_hz=200.0, **LIMITS)["notes"]["time_s"]
+    noted = assess(log, Quality(**LIMITS), 200.0)["notes"]["time_s"]
     assert "gaps, filled by linear interpolation: 1, about 300 samples" in noted
 
 
@@ -151,7 +152,7 @@ def test_newtons_are_not_taken_for_kilopascals_and_not_mixed_with_them(bring, ca
     raw = bring({"theta_deg": ANGLE, "p_exp_kpa": force})
     note = "not in kPa: motor force F [N]"
     log = read_raw(raw, **RATE)
-    record = assess(log, sample_rate_hz=200.0, **LIMITS)
+    record = assess(log, Quality(**LIMITS), 200.0)
     assert log.channels["p_exp_kpa"].max() > LIMITS["pressure_range_kpa"][1]
     assert record["notes"] == {"p_exp_kpa": note}
     assert record["checks"]["range"]["passed"]
