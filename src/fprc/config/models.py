@@ -6,30 +6,37 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field, field_validator
 
 from fprc.config.section import Distinct, NotEmpty, Section, quantity
+from fprc.limits import MODEL
 from fprc.registry import ANGLE, COMPETITORS, choice_of
 
 
 class Esn(Section):
     """Echo state network, Sec. III-A and Table I."""
 
-    r: int = quantity(800, (1, 4000), "nodes of the reservoir", "paper, Table I")
-    f_input: float = quantity(0.02, (1e-6, 10), "input scaling factor", "paper, Table I")
-    gamma: float = quantity(0.8, (0, 0.9999), "leaky rate", "paper, Table I")
-    rho: float = quantity(0.4, (0, 1.5), "spectral radius", "paper, Table I")
+    r: int = quantity(800, MODEL["r"], "nodes of the reservoir", "paper, Table I")
+    f_input: float = quantity(0.02, MODEL["f_input"], "input scaling factor", "paper, Table I")
+    gamma: float = quantity(0.8, MODEL["gamma"], "leaky rate", "paper, Table I")
+    rho: float = quantity(0.4, MODEL["rho"], "spectral radius", "paper, Table I")
     washout: int = quantity(
-        100, (0, 10000), "steps for the state x to settle", "paper, Sec. III-D", unit="samples"
+        100,
+        MODEL["washout"],
+        "steps for the state x to settle",
+        "paper, Sec. III-D",
+        unit="samples",
     )
 
 
 class Fprc(Section):
     """Fuzzy pneumatic reservoir computing, Sec. III-B and Table I."""
 
-    epsilon: float = quantity(0.01, (1e-6, 1), "filter factor", "paper, Table I")
-    n_c: int = quantity(8, (1, 64), "number of fuzzy rules", "paper, Table I")
-    n_u: int = quantity(3, (1, 100), "taps of the readout P_o", "paper, Table I", unit="samples")
-    sigma: float = quantity(2.0, (1e-3, 1e3), "Gaussian membership scaling", "paper, Table I")
+    epsilon: float = quantity(0.01, MODEL["epsilon"], "filter factor", "paper, Table I")
+    n_c: int = quantity(8, MODEL["n_c"], "number of fuzzy rules", "paper, Table I")
+    n_u: int = quantity(
+        3, MODEL["n_u"], "taps of the readout P_o", "paper, Table I", unit="samples"
+    )
+    sigma: float = quantity(2.0, MODEL["sigma"], "Gaussian membership scaling", "paper, Table I")
     restarts: int = quantity(
-        1, (1, 1000), "starts of the clustering; that of the lowest objective is kept"
+        1, MODEL["restarts"], "starts of the clustering; that of the lowest objective is kept"
     )
 
 
@@ -63,8 +70,8 @@ class Other(Section):
 class Models(Section):
     """The three models; Fuzzy-linear shares n_c, sigma and the clustering with FPRC."""
 
-    n_y: int = quantity(5, (1, 100), "taps of theta_d", "paper, Sec. III-D", unit="samples")
-    alpha: float = quantity(1e-3, (0, 1e6), "ridge parameter", "paper, Sec. III-D")
+    n_y: int = quantity(5, MODEL["n_y"], "taps of theta_d", "paper, Sec. III-D", unit="samples")
+    alpha: float = quantity(1e-3, MODEL["alpha"], "ridge parameter", "paper, Sec. III-D")
     esn: Esn = Esn()
     fprc: Fprc = Fprc()
     others: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")], Other] = Field(
@@ -111,12 +118,14 @@ class Grids(Section):
     """Grids of control variables, Sec. III-E."""
 
     epsilon: NotEmpty[float] = quantity(
-        (1.0, 0.1, 0.01, 1e-3, 1e-4), (1e-6, 1), "filter factors", "paper, Fig. 10(a)"
+        (1.0, 0.1, 0.01, 1e-3, 1e-4), MODEL["epsilon"], "filter factors", "paper, Fig. 10(a)"
     )
-    n_c: NotEmpty[int] = quantity((1, 2, 4, 8, 16), (1, 64), "fuzzy rules", "paper, Fig. 10(b)")
+    n_c: NotEmpty[int] = quantity(
+        (1, 2, 4, 8, 16), MODEL["n_c"], "fuzzy rules", "paper, Fig. 10(b)"
+    )
     n_u: Distinct[int] = quantity(
-        tuple(range(1, 11)), (1, 100), "taps of P_o", "paper, Fig. 11", unit="samples"
+        tuple(range(1, 11)), MODEL["n_u"], "taps of P_o", "paper, Fig. 11", unit="samples"
     )
     n_y: Distinct[int] = quantity(
-        tuple(range(1, 11)), (1, 100), "taps of theta_d", "paper, Fig. 11", unit="samples"
+        tuple(range(1, 11)), MODEL["n_y"], "taps of theta_d", "paper, Fig. 11", unit="samples"
     )

@@ -29,13 +29,12 @@ that an earlier file gives, or `{RIG}`. If a file has a section `fitted` too, it
 rig: what it leaves out has the defaults below, which are not the values of `{RIG}`.
 
 Files are YAML 1.2 or JSON: `010` is 10 and `1e3` is 1000; `1:30`, `no` and `2026-01-02` are texts.
-A repeated key, an alias (`*name`, `<<`), a tag (`!name`) and a second document are errors, and the
-first of each file is named with its line. `fprc config check FILE ...` only checks.
+A repeated key, an alias (`*name`, `<<`), a tag (`!name`) and a second document are errors, named
+with their lines. `fprc config check FILE ...` only checks.
 
 Snakemake parses `--config` itself: the last of repeated keys wins without a warning; numbers are
-decimal as in files. It also parses the files of `--configfile` before this project does, and
-expands their aliases, which may take all memory: check a file from elsewhere first. Its message
-about a file that it cannot read does not name the file; that of `fprc config check FILE` does.
+decimal as in files. Its message about a file that it cannot read does not name the file; that of
+`fprc config check FILE` does.
 
 A key ends in the unit of its value, as `ki_v_per_kpa_s` in V/(kPa s); otherwise the unit is in
 brackets behind the meaning, where `[-]` is none.
@@ -63,7 +62,10 @@ def reference() -> str:
 
 def _row(name: str, default: Any, field: FieldInfo) -> str:
     ends, extra = limits_of(field), cast(dict[str, str], field.json_schema_extra or {})
-    limits = f"{ends.low:g} to {ends.high:g}" if ends else ""
+    limits = ""
+    if ends:
+        below = "below " * ends.high_open
+        limits = f"{'above ' * ends.low_open}{ends.low:g} to {below}{ends.high:g}"
     if get_origin(field.annotation) is Literal:
         limits = in_words(get_args(field.annotation), "or")
     cells = [f"`{name}`", f"`{json.dumps(default)}`", limits, field.description or ""]

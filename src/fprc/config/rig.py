@@ -357,8 +357,9 @@ def _physical() -> dict[str, tuple[float, float]]:
     """Return the range of each number of the rig, also of those in lists."""
     ranges: dict[str, tuple[float, float]] = {}
     for key, default, field, _ in fields(Rig):
-        if (limits := limits_of(field)) is None:
+        if (limit := limits_of(field)) is None:
             continue
+        limits = limit.low, limit.high
         if isinstance(default, tuple):
             # weights sum to 1, so the last one follows
             count = len(default) - key.endswith(".slip_weight")

@@ -2,18 +2,19 @@
 
 from collections.abc import Iterator
 from types import UnionType
-from typing import Annotated, Any, NamedTuple, Self, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Self, TypeVar, Union, get_args, get_origin
 
 from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
     ValidationInfo,
     field_validator,
 )
 from pydantic.fields import FieldInfo
+
+from fprc.limits import Limit
 
 T = TypeVar("T")
 
@@ -45,26 +46,9 @@ class Section(BaseModel):
         return value
 
 
-class Within(NamedTuple):
-    """Lower and upper end of a number, or of each number of a list."""
-
-    low: float
-    high: float
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> Any:
-        """Set the ends in pydantic's schema of the numbers."""
-        schema: Any = handler(source)
-        inner = schema
-        while "schema" in inner:  # below what is checked in other ways
-            inner = inner["schema"]
-        for number in inner.get("items_schema", [inner]):
-            number |= {"ge": self.low, "le": self.high}
-        return schema
-
-
 def quantity(
     default: float | tuple[float, ...] | None,
-    limits: tuple[float, float],
+    limits: tuple[float, float] | Limit,
     meaning: str,
     source: str = "",
     unit: str = "",
@@ -72,13 +56,13 @@ def quantity(
     """Declare a number, or a list of numbers; the key ends in the unit, unless one is given."""
     described = f"{meaning} [{unit}]" if unit else meaning
     field: Any = Field(default, description=described, json_schema_extra={"source": source})
-    field.metadata.append(Within(*limits))
+    field.metadata.append(Limit(*limits))
     return field
 
 
-def limits_of(field: FieldInfo) -> Within | None:
+def limits_of(field: FieldInfo) -> Limit | None:
     """Return the ends of a number, or of each number of a list; None if it has none."""
-    return next((entry for entry in field.metadata if isinstance(entry, Within)), None)
+    return next((entry for entry in field.metadata if isinstance(entry, Limit)), None)
 
 
 def _are_given(items: tuple[T, ...]) -> tuple[T, ...]:

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from sklearn.utils import check_random_state
 
+from fprc.limits import limits_of
 from fprc.models.echo import echo_states, narrowed, update
 from fprc.models.features import FeatureMap, refuse_shorter, table, tap_rows, taps
 from fprc.models.kernels import advance
 from fprc.models.learned import Learned
-from fprc.models.limits import SEED, Array, Limit, Whole
+from fprc.models.limits import SEED, Array
 
 #: Samples of a block: with 800 states its features take 77 MB.
 BLOCK = 12_000
@@ -57,12 +58,7 @@ class EchoStates(FeatureMap):
     random_state: int | None = None
 
     LIMITS = {
-        "r": Whole(1, 4000),
-        "f_input": Limit(-1e6, 1e6),
-        "gamma": Limit(0, 1, high_open=True),
-        "rho": Limit(0, 1e6),
-        "n_y": Whole(1, 10_000),
-        "washout": Whole(0, 10_000),
+        **limits_of("r", "f_input", "gamma", "rho", "n_y", "washout"),
         "random_state": SEED,
     }
 

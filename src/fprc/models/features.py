@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from fprc.limits import MODEL, Whole, limits_of
 from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
 from fprc.models.learned import Learned
-from fprc.models.limits import LARGEST, MOST_FEATURES, Allows, Each, Limit, Whole, check_limits
+from fprc.models.limits import LARGEST, MOST_FEATURES, Allows, Each, check_limits
 
 #: A feature: its column, its kind, and its number, see ``kernels.advance``.
 Row = tuple[int, int, float]
@@ -244,10 +245,8 @@ class TapFeatures(FeatureMap):
     epsilon: float = 0.01
 
     LIMITS = {
-        "n_y": Whole(1, 10_000),
+        **limits_of("n_y", "n_u", "epsilon"),
         "n_references": Whole(0, 1000, or_none=True),
-        "n_u": Whole(1, 10_000),
-        "epsilon": Limit(0, 1, low_open=True),
     }
 
     def _check_columns(self) -> None:
@@ -303,7 +302,7 @@ class LowpassBank(FeatureMap):
     def __init__(self, epsilons: Sequence[float] = (0.03, 0.01, 0.003)):
         self.epsilons = epsilons
 
-    LIMITS = {"epsilons": Each(Limit(0, 1, low_open=True), most=1000)}
+    LIMITS = {"epsilons": Each(MODEL["epsilon"], most=1000)}
 
     def count_features(self) -> int:
         """Return the number of low-passes of all columns."""

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from sklearn.base import BaseEstimator, clone
 
-from fprc.models.limits import MOST_FEATURES, Array, Limit, Whole, Words, check_limits
+from fprc.limits import Limit, Whole
+from fprc.models.limits import MOST_FEATURES, Array, Words, check_limits
 
 
 class LearnedPart(NamedTuple):

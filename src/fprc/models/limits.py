@@ -4,11 +4,12 @@
 """
 
 from collections.abc import Mapping, Sequence
-from numbers import Integral, Real
 from typing import Any, NamedTuple
 
 import numpy as np
 from sklearn.base import BaseEstimator
+
+from fprc.limits import Limit, Whole
 
 #: Largest absolute value of a sample, in any unit. A larger one is a fault: squared and summed
 #: it would exceed the range of float, and a low-pass would remember it for hours.
@@ -20,40 +21,6 @@ SMALLEST_SCALE = 1e-12
 
 #: Most features of a map, and most columns of its input.
 MOST_FEATURES = 100_000
-
-
-class Limit(NamedTuple):
-    """Range of a number; an open end is excluded."""
-
-    low: float
-    high: float
-    low_open: bool = False
-    high_open: bool = False
-    kind: Any = Real  #: Integral for a whole number
-    or_none: bool = False
-
-    def allows(self, value: Any) -> bool:
-        """Return whether ``value`` is a number within."""
-        if value is None:
-            return self.or_none
-        if not isinstance(value, self.kind) or isinstance(value, bool):
-            return False
-        above = value > self.low if self.low_open else value >= self.low
-        return above and (value < self.high if self.high_open else value <= self.high)
-
-    def __str__(self) -> str:  # noqa: D105
-        number = "a whole number" if self.kind is Integral else "a number"
-        return f"{number} in {self.interval()}{' or None' if self.or_none else ''}"
-
-    def interval(self) -> str:
-        """Return the range as text."""
-        left, right = "(" if self.low_open else "[", ")" if self.high_open else "]"
-        return f"{left}{self.low:.10g}, {self.high:.10g}{right}"
-
-
-def Whole(low: int, high: int, or_none: bool = False) -> Limit:  # noqa: N802
-    """Return the range of a whole number, ends included."""
-    return Limit(low, high, kind=Integral, or_none=or_none)
 
 
 class Each(NamedTuple):

@@ -6,9 +6,10 @@ from math import comb
 
 import numpy as np
 
+from fprc.limits import Limit, Whole
 from fprc.models.features import FeatureMap, refuse_shorter, taps
 from fprc.models.learned import Learned
-from fprc.models.limits import LARGEST, SMALLEST_SCALE, Array, Limit, Whole
+from fprc.models.limits import LARGEST, SMALLEST_SCALE, Array
 
 
 class NVAR(FeatureMap):

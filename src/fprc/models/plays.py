@@ -4,10 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fprc.limits import Limit, Whole
 from fprc.models.features import FeatureMap, Row
 from fprc.models.kernels import PLAY
 from fprc.models.learned import Learned
-from fprc.models.limits import Array, Limit, Whole
+from fprc.models.limits import Array
 
 
 class PlayOperators(FeatureMap):

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.models.limits import Array, Limit, check_limits
+from fprc.limits import Limit, limits_of
+from fprc.models.limits import Array, check_limits
 from fprc.models.ridge import solve_ridge, sums_of_products, with_bias
 
 
@@ -33,7 +34,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     def __init__(self, alpha: float = 1e-3):
         self.alpha = alpha
 
-    LIMITS: ClassVar[Mapping[str, Limit]] = {"alpha": Limit(0, 1e30)}
+    LIMITS: ClassVar[Mapping[str, Limit]] = limits_of("alpha")
 
     def learned(self) -> Iterator[tuple[str, Array]]:
         """Yield the shape of the weights, see ``fprc.models.learned``."""

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from sklearn.base import clone
 
+from fprc.limits import Whole
 from fprc.models.features import FeatureMap, Row
 from fprc.models.learned import Learned, LearnedPart, features_of, rows_of
-from fprc.models.limits import Whole
 
 #: An unfitted map, and its columns of the input.
 Part = tuple[FeatureMap, Sequence[int]]

@@ -10,9 +10,10 @@ from scipy.spatial.distance import cdist
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from fprc.limits import Limit, limits_of
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
-from fprc.models.limits import LARGEST, SEED, Allows, Array, Limit, Whole, check_limits
+from fprc.models.limits import LARGEST, SEED, Allows, Array, check_limits
 from fprc.models.ridge import solve_ridge, with_bias
 
 
@@ -56,11 +57,8 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     restarts: int = 1
 
     LIMITS: ClassVar[Mapping[str, Allows]] = {
-        "n_c": Whole(1, 1000),
-        "sigma": Limit(1e-9, 1e9),
-        "alpha": Limit(0, 1e30),
+        **limits_of("n_c", "sigma", "alpha", "restarts"),
         "random_state": SEED,
-        "restarts": Whole(1, 10_000),
     }
 
     def learned(self) -> Iterator[tuple[str, Array]]:

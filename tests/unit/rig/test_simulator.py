@@ -284,7 +284,7 @@ def rigs(draw):
         for key, field in section_of(Rig.model_fields[name]).model_fields.items():
             if key == "slip_weight":
                 continue
-            number, default = st.floats(*limits_of(field)), rig[name][key]
+            number, default = st.floats(*limits_of(field)[:2]), rig[name][key]
             is_list = isinstance(default, tuple)
             rig[name][key] = tuple(draw(number) for _ in default) if is_list else draw(number)
     return rig
