@@ -8,15 +8,6 @@ from fprc.errors import LogError
 #: Unit of a channel by the ending of its name.
 UNITS = {"_kpa": "kPa", "_deg": "deg", "_s": "s", "_v": "V", "_norm": "-"}
 
-#: By unit of a channel: the units that an import converts to it, with their factors.
-CONVERTED = {
-    "kPa": {"kPa": 1.0, "Pa": 1e-3, "bar": 100.0, "mbar": 0.1, "psi": 6.894757293168361,
-            "MPa": 1e3},
-    "deg": {"deg": 1.0, "rad": 180.0 / math.pi},
-    "V": {"V": 1.0, "mV": 1e-3},
-    "-": {},
-}  # fmt: skip
-
 
 class Channel(NamedTuple):
     """One channel of a log."""

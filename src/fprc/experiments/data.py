@@ -1,7 +1,7 @@
 """Preprocessed logs, the input of the models."""
 
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -74,13 +74,6 @@ def read_data(path: str) -> Data:
     """Read a preprocessed log."""
     file = read_columns(path, ("time_s", "p_target_kpa", "theta_deg"), optional=("p_o_kpa",))
     return Data(file.channels, file.attributes, path)
-
-
-def judge_files(
-    cell: Mapping[str, Any], *, judge: Callable[..., Any], train: str, test: str, judgement: Any
-) -> Any:
-    """Judge a cell on two logs, which the process reads itself: they would be large arguments."""
-    return judge(cell, train=read_data(train), test=read_data(test), judgement=judgement)
 
 
 def select_channels(

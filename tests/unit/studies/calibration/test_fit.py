@@ -45,6 +45,7 @@ def settings():
     for name, described in tracking["references"].items():
         f_hz = [0.5, 1.0] if name == "sweep" else described["f_hz"]
         described |= {"f_hz": f_hz, "duration_s": 2.0, "settle_s": 0.5}
+    tracking["pushes"]["quiet_s"] = 1.0
     few = {"free": FREE, "ranges": {}, "members": 10, "assimilations": 2, "rounds": 1}
     return {
         "on_rig": RigSettings(

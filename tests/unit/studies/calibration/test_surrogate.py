@@ -45,6 +45,7 @@ def tracking():
     for name, reference in found["references"].items():
         f_hz = [0.5, 1.0] if name == "sweep" else reference["f_hz"]
         reference |= {"f_hz": f_hz, "duration_s": 2.0, "settle_s": 0.5}
+    found["pushes"]["quiet_s"] = 1.0
     return found
 
 
