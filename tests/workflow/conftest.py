@@ -282,7 +282,6 @@ def smoked_copy(smoked, tmp_path):
     return _copied(smoked[0], tmp_path / "copy")
 
 
-#: Few parameters of the rig.
 @pytest.fixture(scope="session")
 def studied(smoked, shared):
     """Finished smoke run on which the targets outside `all` were made too, and what it printed."""

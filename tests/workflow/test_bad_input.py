@@ -17,6 +17,16 @@ def test_all_config_errors_at_once_before_any_job(project):
     assert "Traceback" not in done.stdout
 
 
+def test_results_that_cannot_be_written_are_refused_before_any_job(project):
+    (project.folder / "results").write_text("no folder")
+    done = project.snakemake("table1")
+    assert done.returncode != 0
+    assert "results: cannot be written to" in done.stdout
+    assert "Traceback" not in done.stdout
+    elsewhere = ("--config", "folders={results: elsewhere, raw: elsewhere/raw}")
+    assert project.snakemake("table1", *elsewhere).returncode == 0
+
+
 @pytest.mark.slow
 def test_repeated_key_of_a_json_configuration_is_refused(project):
     path = project.folder / "mine.json"

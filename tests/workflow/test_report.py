@@ -94,12 +94,6 @@ class Page:
         wanted = {"name": "prefers-color-scheme", "value": colours}
         self.call("Emulation.setEmulatedMedia", features=[wanted])
 
-    def press_tab(self):
-        """Press and release the key that moves the focus."""
-        for kind in ("keyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, key="Tab", code="Tab",
-                      windowsVirtualKeyCode=9)  # fmt: skip
-
 
 @contextmanager
 def browsing(folder):
@@ -240,39 +234,6 @@ def test_browser_notices_a_page_that_is_wrong(browser, tmp_path):
     assert seen["scrolls"]
     assert any("2000px" in element for element in seen["wide"])
     assert len(seen["cut"]) == 1
-
-
-#: What has the keyboard's focus: its name, and whether a reader sees it and its ring.
-FOCUSED = """(() => {
-  const at = document.activeElement, box = at.getBoundingClientRect(), style = getComputedStyle(at);
-  const middle = (low, high, limit) => (Math.max(low, 0) + Math.min(high, limit)) / 2;
-  const hit = document.elementFromPoint(
-    middle(box.left, box.right, innerWidth), middle(box.top, box.bottom, innerHeight));
-  return {
-    number: [...document.querySelectorAll("*")].indexOf(at),
-    name: `${at.tagName} ${at.getAttribute("aria-label") || at.textContent.trim().slice(0, 40)}`,
-    seen: Boolean(hit && (at.contains(hit) || hit.contains(at))),
-    ring: style.outlineStyle != "none" && parseFloat(style.outlineWidth) > 0,
-  };
-})()"""
-
-#: Numbers of the elements that a pointer can use.
-USABLE = """[...document.querySelectorAll("a[href], button, select, summary, [tabindex='0']")]
-  .filter((element) => element.getClientRects().length && element.checkVisibility())
-  .map((element) => [...document.querySelectorAll("*")].indexOf(element))"""
-
-
-def test_every_link_and_button_is_reached_by_the_keyboard(browser, report):
-    browser.open(report)
-    usable, walk = set(browser.ask(USABLE)), []
-    for _ in range(len(usable) + 5):
-        browser.press_tab()
-        walk.append(browser.ask(FOCUSED))
-        if walk[-1]["name"].startswith("BODY"):
-            break
-    assert walk.pop()["name"].startswith("BODY")
-    assert usable <= {stop["number"] for stop in walk}
-    assert [stop["name"] for stop in walk if not (stop["seen"] and stop["ring"])] == []
 
 
 def test_links_to_files_lead_to_files(smoked):

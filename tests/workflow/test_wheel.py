@@ -1,4 +1,4 @@
-"""The wheel works alone: outside the checkout, and read-only for a user without a home."""
+"""The wheel works alone, outside the checkout."""
 
 import json
 import os
@@ -8,7 +8,6 @@ import sys
 import tarfile
 import tempfile
 import zipfile
-from contextlib import suppress
 from pathlib import Path
 from sysconfig import get_path
 
@@ -18,10 +17,6 @@ import yaml
 
 ROOT = Path(__file__).parents[2]
 PACKAGED = ROOT / "src/fprc/config"
-#: A process of an account that owns no files, by convention.
-NOBODY = 65534
-ANOTHER = {"user": NOBODY, "group": NOBODY, "extra_groups": []}
-
 pytestmark = pytest.mark.slow
 
 #: What a user of the wheel does: the models, then the commands that are arguments.
@@ -119,20 +114,6 @@ def python(wheel, folder):
     return install(wheel, folder / "installed")
 
 
-@pytest.fixture(scope="module")
-def other_python(wheel, folder):
-    """A Python with the wheel that another user can run but not change, or None."""
-    # often this user alone may run this Python, for instance one below /root
-    pythons = (sys.executable, f"/usr/bin/python3.{sys.version_info.minor}")
-    for python in () if os.geteuid() else pythons:
-        other = folder / Path(python).name
-        with suppress(OSError, subprocess.CalledProcessError):
-            installed = install(wheel, other, python)
-            subprocess.run([installed, "-c", "import numba"], check=True, **ANOTHER)
-            return installed
-    return None
-
-
 @pytest.fixture
 def place(folder):
     """Make a folder with a recording and its maps, outside the checkout."""
@@ -157,39 +138,17 @@ def run(python, place, *arguments, home="/dev/null", **options):
     )
 
 
-def found_by(done, python):
-    """Return what LINES printed, after checks of what every user finds."""
+def test_commands_and_models_work_outside_the_checkout(python, place):
+    done = run(python, place, "-c", LINES, *WRITTEN, home=str(place))
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout.splitlines()[-1])
     assert Path(found["package"]).is_relative_to(python.parents[1])
     assert found["apart"] < 1e-9
     assert found["rig"] == "paper"
     assert set(found["codes"]) == {0}, done.stderr
-    return found
-
-
-def test_commands_and_models_work_outside_the_checkout(python, place, other_python):
-    # the long commands run once, for another user if that is possible
-    commands = (IMPORT, LIST) if other_python else WRITTEN
-    done = run(python, place, "-c", LINES, *commands, home=str(place))
-    found_by(done, python)
     assert {"sweep", "complex"} <= set(done.stdout.split())
-    for command in commands:
-        assert (place / (WRITTEN[command] or "")).exists()
-
-
-def test_they_work_for_another_user_read_only_and_without_a_home(other_python, place):
-    if not other_python:
-        pytest.skip(
-            "not root, or another user can run no Python of this version with these libraries"
-        )
-    place.chmod(0o777)
-    done = run(other_python, place, "-c", LINES, *WRITTEN, **ANOTHER)
-    found_by(done, other_python)
     for name in filter(None, WRITTEN.values()):
-        assert (place / name).stat().st_uid == NOBODY
-    # nothing was compiled into the installation
-    assert not list(other_python.parents[1].rglob("*.nbi"))
+        assert (place / name).exists()
 
 
 def test_command_prints_the_files_of_the_package(python, place):
