@@ -12,8 +12,8 @@ from fprc.config import from_files, local_files
 from fprc.config.settings import Quality
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
-from fprc.evaluation import prepare, rmse
-from fprc.evaluation.crossval import MOST_BYTES, refusals_of
+from fprc.evaluation import rmse
+from fprc.evaluation.crossval import learn, refusals_of
 from fprc.experiments.data import Data, join
 from fprc.experiments.settings import Judgement
 from fprc.experiments.trained import refuse_other_data, trained_on
@@ -48,8 +48,7 @@ def train(
     folds = Judgement(**judgement(settings, model)).split_rows(data)
     unfitted = build(model, models, settings["seed"])
     with threadpool_limits(1):  # like the workflow; more threads change the last digits
-        prepared = prepare(unfitted, {"train": data.samples(model, models)}, MOST_BYTES)
-        result = prepared.cross_validated("train", folds)
+        result = learn(unfitted, data.samples(model, models), folds)
     with replacing(out) as temporary:
         remembered = trained_on(result.model, data, model, models)
         save_model(remembered, temporary, outside_classes(models))

@@ -1,8 +1,9 @@
 """Cross-validation, choice of the best fold, and its test."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from numbers import Integral
 from typing import Any, NamedTuple
 
@@ -64,6 +65,19 @@ class CrossValidated(NamedTuple):
 Samples = tuple[np.ndarray, np.ndarray] | tuple[np.ndarray, np.ndarray, Sequence[int] | None]
 
 
+@dataclass(frozen=True)
+class Streamed:
+    """Features of a log that are computed again each time, block by block, and not kept."""
+
+    features: BaseEstimator  #: fitted
+    samples: Samples
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        """Return the blocks in the order of time."""
+        X, _, *lengths = self.samples
+        return self.features.blocks(X, *lengths)
+
+
 class Prepared(NamedTuple):
     """Features of a model over some logs; readouts are fitted to rows of them and judged."""
 
@@ -97,17 +111,7 @@ class Prepared(NamedTuple):
 
         A random readout has its own seed in every fold, which no other seed shares.
         """
-        rows, y = self.rows[log], self.y[log]
-        errors, fits = [], []
-        with refusals_of(self.model):
-            for i, readout in enumerate(_fitted(self.model.make_readout(), rows, y, folds)):
-                predicted = readout.predict(rows)
-                fits.append((predicted, readout))
-                errors.append(tuple(rmse(y[part], predicted[part]) for part in folds[i]))
-        best = int(np.argmin(np.hypot(*np.transpose(errors))))
-        train_rmse, validation_rmse = zip(*errors, strict=True)
-        fit, readout = fits[best]
-        return CrossValidated(train_rmse, validation_rmse, best, fit, self.fitted(readout))
+        return cross_validated(self.model, self.features, [self.rows[log]], self.y[log], folds)
 
 
 def prepare(
@@ -142,6 +146,51 @@ def prepare(
     return Prepared(model, features, rows, {name: log[1] for name, log in logs.items()})
 
 
+def cross_validated(
+    model: SequenceModel,
+    features: BaseEstimator,
+    blocks: Iterable[np.ndarray],
+    y: np.ndarray,
+    folds: Sequence[Fold],
+) -> CrossValidated:
+    """Train once per fold and keep the best; see ``Prepared.cross_validated``.
+
+    Parameters
+    ----------
+    blocks : iterable of ndarray
+        The features of all samples; it is read twice, and has one item unless the readout
+        is a ridge regression and the folds part the log.
+    """
+    with refusals_of(model):
+        readouts = list(_fitted(model.make_readout(), blocks, y, folds))
+        outputs = [np.column_stack([fit.predict(rows) for fit in readouts]) for rows in blocks]
+        fits = np.concatenate(outputs).T
+        errors = [
+            tuple(rmse(y[part], fit[part]) for part in fold)
+            for fit, fold in zip(fits, folds, strict=True)
+        ]
+    best = int(np.argmin(np.hypot(*np.transpose(errors))))
+    train_rmse, validation_rmse = zip(*errors, strict=True)
+    fitted = model.assembled(features, readouts[best])
+    return CrossValidated(train_rmse, validation_rmse, best, fits[best], fitted)
+
+
+def learn(model: SequenceModel, samples: Samples, folds: Sequence[Fold]) -> CrossValidated:
+    """Cross-validate a model on one log; of a ridge regression's features a block is in memory.
+
+    Raises
+    ------
+    EvaluationError
+        As ``evaluate`` raises it.
+    """
+    X, y, *_ = samples
+    if hasattr(model.make_readout(), "fit_complements") and _is_partition(folds, len(y)):
+        with refusals_of(model):
+            features = model.make_features().fit(X)
+        return cross_validated(model, features, Streamed(features, samples), y, folds)
+    return prepare(model, {"train": samples}, MOST_BYTES).cross_validated("train", folds)
+
+
 def evaluate(
     model: SequenceModel, folds: Sequence[Fold], train: Samples, test: Samples
 ) -> dict[str, Any]:
@@ -163,12 +212,13 @@ def evaluate(
 
 
 def _fitted(
-    readout: BaseEstimator, rows: np.ndarray, y: np.ndarray, folds: Sequence[Fold]
+    readout: BaseEstimator, blocks: Iterable[np.ndarray], y: np.ndarray, folds: Sequence[Fold]
 ) -> Iterator[BaseEstimator]:
     # not isinstance: an edit of RidgeReadout should not repeat the results of the other models
     if hasattr(readout, "fit_complements") and _is_partition(folds, len(y)):
-        yield from readout.fit_complements(rows, y, [validation for _, validation in folds])
+        yield from readout.fit_complements(blocks, y, [validation for _, validation in folds])
     else:
+        (rows,) = blocks
         for i, (train, _) in enumerate(folds):
             yield _with_seed_of(clone(readout), i).fit(rows[train], y[train])
 

@@ -13,8 +13,8 @@ from fprc.models.kernels import advance
 from fprc.models.learned import Learned
 from fprc.models.limits import SEED, Array
 
-#: Samples of a block: with 800 states its features take 77 MB.
-BLOCK = 12_000
+#: Samples of a block: with 800 states its features take 52 MB.
+BLOCK = 8_000
 
 
 @dataclass(eq=False, repr=False)

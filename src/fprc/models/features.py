@@ -5,7 +5,7 @@ sample (``step``), with the same result. Before the log begins, the signals are
 assumed to equal its first sample.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -106,25 +106,33 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         """
         check_is_fitted(self)
         samples = self._samples(X, first=False)
-        if lengths is not None and (min(lengths, default=0) < 1 or sum(lengths) != len(samples)):
+        rows = list(self._recordings(samples, lengths, self._whole))
+        return rows[0] if len(rows) == 1 else np.concatenate(rows)
+
+    def blocks(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> Iterator[np.ndarray]:
+        """Yield what ``transform`` returns in blocks of samples, each overwritten by the next."""
+        check_is_fitted(self)
+        yield from self._recordings(self._samples(X, first=False), lengths, self._blocks)
+
+    def _recordings(
+        self,
+        samples: np.ndarray,
+        lengths: Sequence[int] | None,
+        mapped: Callable[[np.ndarray], Iterator[np.ndarray]],
+    ) -> Iterator[np.ndarray]:
+        lengths = [len(samples)] if lengths is None else lengths
+        if min(lengths, default=0) < 1 or sum(lengths) != len(samples):
             raise ValueError(
                 f"lengths = {list(lengths)!r:.60}; each must be at least 1, and their sum the "
                 f"{len(samples)} samples of the log"
             )
-        if lengths is None or len(lengths) == 1:
-            return self._transform(samples)
-        rows = []
         for number, part in enumerate(np.split(samples, np.cumsum(lengths)[:-1]), 1):
             try:
-                rows.append(self._transform(part))
+                yield from mapped(part)
             except ValueError as error:
+                if len(lengths) == 1:
+                    raise
                 raise ValueError(f"recording {number} of {len(lengths)}: {error}") from error
-        return np.concatenate(rows)
-
-    def blocks(self, X: ArrayLike) -> Iterator[np.ndarray]:
-        """Yield the features of a log in blocks of samples, each overwritten by the next."""
-        check_is_fitted(self)
-        yield from self._blocks(self._samples(X, first=False))
 
     def _samples(self, X: ArrayLike, *, first: bool) -> np.ndarray:
         samples = validate_data(self, X, reset=first, dtype=np.float64)
@@ -206,6 +214,9 @@ class FeatureMap(TransformerMixin, BaseEstimator):
     def _transform(self, X: np.ndarray) -> np.ndarray:
         # a copy: numba would compile again for another layout or a read-only array
         return advance_log(np.array(X, order="C"), *table(self.rows()))
+
+    def _whole(self, X: np.ndarray) -> Iterator[np.ndarray]:
+        yield self._transform(X)
 
     def _blocks(self, X: np.ndarray) -> Iterator[np.ndarray]:
         yield self._transform(X)

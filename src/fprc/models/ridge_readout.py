@@ -54,7 +54,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         return self
 
     def fit_complements(
-        self, X: ArrayLike, y: ArrayLike, parts: Sequence[np.ndarray]
+        self, blocks: Iterable[np.ndarray], y: np.ndarray, parts: Sequence[np.ndarray]
     ) -> list[Self]:
         """Return one fitted copy per part, trained on the rows of all other parts.
 
@@ -62,19 +62,28 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
 
         Parameters
         ----------
+        blocks : iterable of ndarray
+            As ``fit_blocks`` takes them.
         parts : sequence of ndarray
             Row indices; every row is in exactly one part.
         """
         check_limits(self, self.LIMITS)
-        checked = clone(self)
-        rows, targets = validate_data(checked, X, y, y_numeric=True, dtype=np.float64)
-        sums = [sums_of_products([rows[part]], targets[part]) for part in parts]
+        part_of, done = np.empty(len(y), dtype=int), 0
+        for i, part in enumerate(parts):
+            part_of[part] = i
+        sums: list[list[np.ndarray]] = [[] for _ in parts]
+        for block in blocks:
+            here = slice(done, done := done + len(block))
+            for i, whole in enumerate(sums):
+                ours = part_of[here] == i
+                found = sums_of_products([block[ours]], y[here][ours])
+                whole[:] = map(np.add, whole, found) if whole else found
         fitted = []
         for i in range(len(parts)):
             others = sums[:i] + sums[i + 1 :]
             gram, moments = (reduce(np.add, terms) for terms in zip(*others, strict=True))
             readout = clone(self)
-            readout.n_features_in_ = checked.n_features_in_
+            readout.n_features_in_ = len(moments) - 1
             readout.w_out_ = solve_ridge(gram, moments, self.alpha)
             fitted.append(readout)
         return fitted

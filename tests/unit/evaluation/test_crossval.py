@@ -186,3 +186,20 @@ def log():
 def pressure():
     time = np.arange(200) / 10.0
     return 175.0 + 120.0 * np.sin(time + 0.2) + 20.0 * np.sin(time) ** 2
+
+
+def test_ridge_that_learns_in_blocks_finds_the_same_errors_and_outputs():
+    samples = 11_000  # more than a block of states
+    time = np.arange(samples) / 200.0
+    X, y = (
+        30.0 + 20.0 * np.sin(time)[:, None],
+        175.0 + 100.0 * np.sin(time - 0.3) + np.cos(9 * time),
+    )
+    model, lengths = ESN(r=8, random_state=0), [10_500, 500]
+    folds = split_rows(samples, 4, "shuffled", seed=1)
+    kept = crossval.prepare(model, {"train": (X, y, lengths)}).cross_validated("train", folds)
+    streamed = crossval.learn(model, (X, y, lengths), folds)
+    assert streamed.best == kept.best
+    assert_allclose(streamed.train_rmse, kept.train_rmse, rtol=1e-7)
+    assert_allclose(streamed.validation_rmse, kept.validation_rmse, rtol=1e-7)
+    assert_allclose(streamed.fit, kept.fit, rtol=1e-6)

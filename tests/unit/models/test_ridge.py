@@ -35,7 +35,7 @@ def test_readouts_of_complements_equal_those_trained_on_them():
     rng = np.random.default_rng(3)
     X, y = rng.normal(40.0, 20.0, (200, 6)), rng.normal(175.0, 50.0, 200)
     parts = np.array_split(rng.permutation(200), 4)
-    readouts = RidgeReadout(alpha=1e-3).fit_complements(X, y, parts)
+    readouts = RidgeReadout(alpha=1e-3).fit_complements([X[:70], X[70:]], y, parts)
     for part, ours in zip(parts, readouts, strict=True):
         rest = np.setdiff1d(np.arange(200), part)
         plain = RidgeReadout(alpha=1e-3).fit(X[rest], y[rest])
@@ -59,7 +59,7 @@ def test_part_that_is_large_costs_the_others_no_digits():
     X, y = rng.normal(0.0, 1.0, (200, 3)), rng.normal(0.0, 1.0, 200)
     X[:50] *= 1e7
     parts = np.array_split(np.arange(200), 4)
-    without_large = RidgeReadout(alpha=1e-3).fit_complements(X, y, parts)[0]
+    without_large = RidgeReadout(alpha=1e-3).fit_complements([X[:70], X[70:]], y, parts)[0]
     plain = RidgeReadout(alpha=1e-3).fit(X[50:], y[50:])
     assert_allclose(without_large.w_out_, plain.w_out_, rtol=1e-9)
 
