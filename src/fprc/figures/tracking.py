@@ -9,8 +9,6 @@ from fprc import escape
 from fprc.figures.style import SIGNALS, line_of
 
 Run = Mapping[str, np.ndarray]
-#: Colours of the errors, by controller: pale, where an error is drawn below another.
-ERRORS = {"fprc": "0.65", "fprc_pd": "black"}
 
 
 def plot_fit(
@@ -43,14 +41,14 @@ def plot_following(run: Run, ax: Axes) -> None:
 
 
 def plot_errors(runs: Mapping[str, Run], ax: Axes, limit: float) -> None:
-    """Draw theta_d - theta of runs, given by controller, from -limit to limit, deg.
+    """Draw theta_d - theta of runs, given by label, from -limit to limit, deg; the last in black.
 
     Larger errors, while the actuator rises from rest, are cut off: they would flatten the others.
     """
     ax.axhline(0.0, color="0.6", linewidth=0.4)
-    for controller, run in runs.items():
+    for (label, run), colour in zip(runs.items(), ("0.65", "black")[-len(runs) :], strict=True):
         error = run["theta_d_deg"] - run["theta_deg"]
-        ax.plot(run["time_s"], error, linewidth=0.5, color=ERRORS[controller])
+        ax.plot(run["time_s"], error, linewidth=0.5, color=colour, label=label)
     ax.set(ylabel="Error [deg]", ylim=(-limit, limit))
 
 

@@ -3,13 +3,11 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from fprc.artifacts import write_csv
 from fprc.figures import style
 from fprc.figures.tracking import (
-    ERRORS,
     plot_errors,
     plot_following,
     plot_reference_loops,
@@ -75,12 +73,13 @@ def _draw_following(
     for column in axes.T:
         for ax, run in zip(column, (opened, closed), strict=False):
             plot_following(run, ax)
-        plot_errors({"fprc": opened, "fprc_pd": closed}, column[2], limit)
+        plot_errors({"in (a)": opened, "in (b)": closed}, column[2], limit)
         for ax, name in zip(column[3:], ("p_ff", "p_fb"), strict=True):
             ax.plot(time_s, closed[f"{name}_kpa"], color=style.SIGNALS[name], linewidth=0.7)
             ax.set_ylabel(rf"$P_\mathrm{{{name[2:]}}}$ [kPa]")
     efforts = [settled(run.channels, settle_s)["p_fb_kpa"] for run in shown]
     axes[4, 0].set_ylim(1.05 * min(map(np.min, efforts)), 1.05 * max(map(np.max, efforts)))
+    style.legend_above(axes[2, 0])
     titles = "(a) FPRC", "(b) FPRC+PD", "(c) Errors", "(d) Outputs in (b)", ""
     for (ax, end), title in zip(axes, titles, strict=True):
         style.letter(ax, title)
@@ -91,9 +90,6 @@ def _draw_following(
     for ax, rmse in zip(axes[:, 0], table["rmse_deg"], strict=False):
         ax.set_title(f"RMSE {rmse:.2f} deg", loc="right")
     style.share_legend(fig, axes[0, 0], 3)
-    lines = [Line2D([], [], color=ERRORS[name]) for name in ERRORS]
-    axes[2, 0].legend(lines, ("in (a)", "in (b)"), loc="lower right", bbox_to_anchor=(1.0, 1.0),
-                      borderaxespad=0.1, ncols=2, handlelength=1.4)  # fmt: skip
     fig.align_ylabels(axes[:, 0])
     axes[-1, 0].set_xlabel("Time [s]")
     axes[-1, 1].set_xlabel(f"Last {_END_S:g} s")
@@ -127,7 +123,7 @@ def _draw_disturbance(log: Columns, quiet_s: float, files: Sequence[str]) -> Non
     (errors,) = table.itertuples()
     fig, axes = style.figure(5, 1, style.COLUMN_IN, 5.4, sharex=True, height_ratios=(4, 3, 3, 3, 3))
     plot_following(channels, axes[0])
-    plot_errors({"fprc_pd": channels}, axes[1], 1.05 * errors.max_abs_error_deg)
+    plot_errors({"": channels}, axes[1], 1.05 * errors.max_abs_error_deg)
     axes[1].set_title(f"RMSE {errors.rmse_deg:.2f} deg", loc="right")
     for ax, (name, symbol) in zip(axes[2:], _RESERVOIR.items(), strict=True):
         signal, unit = name.rsplit("_", 1)
