@@ -217,7 +217,7 @@ def _skipped(table: Table, used: set[str]) -> list[str]:
     missing = {
         name: int(np.sum(~np.isfinite(table.columns[name].values)))
         for name in table.columns
-        if name in used and _missing(table.columns[name])
+        if name in used and np.sum(~np.isfinite(table.columns[name].values)) > len(table.unusable)
     }
     words = [f"{len(table.unusable)} lines: {'; '.join(table.unusable[:3])}"]
     words = words if table.unusable else []

@@ -24,7 +24,10 @@ _GROUPED = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,]\d{3})+\s*")
 #: A name, and the unit behind it, in a header that blanks separate.
 _WITH_BRACKET = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")
 _CLOCK_TIME = re.compile(r"(?:(\d{1,3}):)?(\d{1,3}):(\d\d)(?:[.,:](\d+))?\s*([AaPp][Mm])?")
-_STAMP = re.compile(rf"{_CLOCK_TIME.pattern}|\d{{1,4}}[-/.年]\d{{1,2}}[-/.月]\d{{1,4}}.*")
+_STAMP = re.compile(
+    rf"{_CLOCK_TIME.pattern}|\d{{1,4}}[-/.年]\d{{1,2}}[-/.月]\d{{1,4}}日?"
+    rf"(?:[T ]+{_CLOCK_TIME.pattern}(?:\s*(?:Z|UTC|[+-]\d\d:?\d\d))?)?"
+)
 #: First field of a line that has the unit of each column.
 _UNIT_LINE = re.compile(r"(?:y_unit_label|units?|einheit(?:en)?|unit[eéà]s?|unidad|単位|单位)\b.*",
                         re.IGNORECASE)  # fmt: skip
@@ -37,8 +40,8 @@ _LEAST_NUMBERS = 0.9
 class Place(NamedTuple):
     """Where a table is."""
 
-    #: Share of its lines, and of its values; whether it has names, and its width.
-    score: tuple[float, float, bool, int]
+    #: Share of the lines and fields that are its values; whether it has names; its width.
+    score: tuple[float, bool, int]
     width: int  #: columns; 0: there is no table
     first: int  #: line of the first sample
     names: list[str]  #: empty without names
@@ -81,7 +84,7 @@ def locate(
     }
     values = {number: fields for number, fields in below.items() if _is_sample(fields)}
     if not values:
-        return Place((0.0, 0.0, False, 0), 0, 1, [], [])
+        return Place((0.0, False, 0), 0, 1, [], [])
     widths = Counter(map(len, values.values()))
     width = max(widths, key=lambda width: (widths[width], width))
     table = {number: fields for number, fields in values.items() if len(fields) == width}
@@ -98,9 +101,9 @@ def locate(
     cells = [cell for fields in table.values() for cell in fields[:width]]
     share = sum(map(is_value, cells)) / len(cells)
     if width == 1 and (share < 1.0 or (decimal is None and any("," in cell for cell in cells))):
-        return Place((0.0, 0.0, False, 0), 0, 1, [], [])  # it has another separator
-    in_table = round(len(table) / sum(map(any, below.values())), 1)
-    return Place((in_table, share, bool(names), width), width, first, names, units)
+        return Place((0.0, False, 0), 0, 1, [], [])  # it has another separator
+    in_table = share * len(table) / sum(map(any, below.values()))
+    return Place((round(in_table, 2), bool(names), width), width, first, names, units)
 
 
 def _header(

@@ -83,7 +83,7 @@ def read_text(
     kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
     if named and place.score[0] < 0.5:
         names, units, split = named
-        place = Place((1.0, 1.0, True, len(names)), len(names), 1, names, units)
+        place = Place((1.0, True, len(names)), len(names), 1, names, units)
         kind = "text with a name before each number"
     if not place.width:
         raise LogError(
@@ -95,8 +95,14 @@ def read_text(
     for number, line in enumerate(islice(lines, place.first - 1, None), place.first):
         if _is_comment(line) or not line.strip(" \t\r\n,;|"):
             continue
-        fields = place.fitted(split(line))
-        (odd if fields is None else rows)[number] = fields or [line.strip()]
+        parts = split(line)
+        fields = place.fitted(parts)
+        if fields is None:
+            odd[number] = [line.strip()]
+            if len(parts) < place.width and all(map(is_value, parts)):  # a sample that was cut
+                fields = [""] * place.width
+        if fields is not None:
+            rows[number] = fields
     last = max(rows, default=0)
     if len(odd) > _MOST_UNUSABLE * len(rows) and (few := min(odd)) < last:
         raise LogError(

@@ -349,6 +349,10 @@ CASES = {
     "cut row": Case("a.csv", text().replace(
         rows(T, ANGLE, PRESSURE, P_O)[30], "0.3,1\n"), doubt="line 32",
         kept=np.delete(np.arange(COUNT), 30), time_s=np.delete(T, 30)),
+    "cut row, no clock": Case("a.csv", text(NAMES[1:], [f"{a:g}" for a in ANGLE], values=[
+        PRESSURE, P_O]).replace(rows(ANGLE, PRESSURE, P_O)[30], "29.1,\n"), edits={
+            "time": {"rate_hz": 100}}, kept=np.delete(np.arange(COUNT), 30),
+        time_s=np.delete(T, 30)),
     "word in a cell": Case("a.csv", text(values=[
         [*(f"{a:g}" for a in ANGLE[:30]), "ERR", *(f"{a:g}" for a in ANGLE[31:])], PRESSURE, P_O]),
         kept=np.delete(np.arange(COUNT), 30), time_s=np.delete(T, 30), doubt="1 values of"),

@@ -82,6 +82,64 @@ def test_one_table_written_in_several_ways(table, text):
     assert columns(table(text)) == {"t": [0, 2], "a": [1, 3]}
 
 
+MOTION = np.random.default_rng(1).normal(50.0, 20.0, (40, 3))
+#: Clocks: the text of a sample's time.
+CLOCKS = {
+    "s": "{:.3f}".format,
+    "ms": lambda time_s: f"{1e3 * time_s:.0f}",
+    "of the day": lambda time_s: f"21:10:{time_s:06.3f}",
+    "date": lambda time_s: f"2024-03-08 21:10:{time_s:09.6f}",
+    "none": None,
+}
+ABOVE = ["Experiment 12", "Device: X", "", "Rate;100", "# comment", "Date 2024-03-08"]
+
+
+@given(
+    separator=st.sampled_from([",", ";", "\t", "|", " ", "  "]),
+    decimal=st.sampled_from(".,"),
+    digits=st.integers(1, 5),
+    clock=st.sampled_from([*CLOCKS]),
+    header=st.sampled_from(["{}", "{}", "# {}", ""]),
+    above=st.lists(st.sampled_from(ABOVE), max_size=4),
+    between=st.sampled_from([None, "", "Pump on"]),
+    quote=st.sampled_from(['"', ""]),
+    tail=st.booleans(),
+    count=st.integers(12, 40),
+    encoding=st.sampled_from(["utf-8", "utf-8-sig", "utf-16"]),
+)
+def test_numbers_of_any_layout_are_those_that_were_written(
+    tmp_path_factory, separator, decimal, digits, clock, header, above, between, quote, tail, count,
+    encoding,
+):  # fmt: skip
+    blanks = not separator.strip(" ")
+    assume(decimal == "." or separator != ",")
+    assume(clock != "date" or not blanks or quote)
+    stamps = [] if clock == "none" else [[CLOCKS[clock](k / 100) for k in range(count)]]
+    values = [[f"{v:.{digits}f}" for v in column] for column in MOTION[:count].T]
+    names = [*["time"][: len(stamps)], "angle", "pressure", "p_o"]
+    end = separator if tail and not blanks else ""
+    rows = [
+        separator.join(f"{quote}{text.replace('.', decimal)}{quote}" for text in row) + end
+        for row in zip(*(stamps if clock != "date" else []), *values, strict=True)
+    ]
+    if clock == "date":
+        pairs = zip(stamps[0], rows, strict=True)
+        rows = [f"{quote}{stamp}{quote}{separator}{row}" for stamp, row in pairs]
+    rows[5:5] = [] if between is None else [between]
+    top = [*above, header.format(separator.join(names))] if header else above
+    path = tmp_path_factory.getbasetemp() / "layout.csv"
+    path.write_bytes("\n".join([*top, *rows, ""]).encode(encoding))
+    # three digits may be thousands
+    found = read_text(path, decimal=decimal if digits == 3 else None)
+    places = names if header else [str(k) for k in range(len(names))]
+    for name, texts in zip(places[len(stamps) :], values, strict=True):
+        assert found.columns[name].values.tolist() == [float(text) for text in texts]
+    if stamps:
+        steps = np.diff(found.columns[places[0]].values)
+        assert steps == pytest.approx(10.0 if clock == "ms" else 0.01, abs=1e-6)
+    assert len(found.unusable) == bool(between)
+
+
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-8-sig", "utf-16", "utf-16-le"])
 def test_letters_of_other_encodings_are_read(table, encoding):
     text = "t,angle [°]\n" + 90 * "0,1\n"
