@@ -94,7 +94,7 @@ def guess_clock(name: str, column: Column) -> Clock | None:
         return None
     if not named and not _is_even(stamps, steps):
         return None
-    stated = column.unit if column.unit in SECONDS else time_unit_in(words)
+    stated = other.text if other else time_unit_in(words)
     whole = bool((stamps == np.round(stamps)).all())
     if has(name, "count") and whole and not stated:
         return None
@@ -108,14 +108,9 @@ def guess_clock(name: str, column: Column) -> Clock | None:
             return None
         doubts = (f"{rate_hz:.4g} Hz are unusual: is the unit {unit}?",)
     if back:
-        doubts += (f"it goes back at {table_words(stamps)}",)
+        k = int(np.argmax(steps < 0.0)) + 1
+        doubts += (f"it goes back at sample {k}, from {stamps[k - 1]:.10g} to {stamps[k]:.10g}",)
     return Clock(name, unit, rate_hz, int((steps == 0.0).sum()), doubts)
-
-
-def table_words(stamps: np.ndarray) -> str:
-    """Say where a clock goes back."""
-    k = int(np.argmax(np.diff(stamps) < 0.0)) + 1
-    return f"sample {k}, from {stamps[k - 1]:.16g} to {stamps[k]:.16g}"
 
 
 def _is_even(stamps: np.ndarray, steps: np.ndarray) -> bool:

@@ -163,7 +163,7 @@ def _names_in(line: str, fields: list[str], width: int, asked: bool) -> list[str
         names = [name.strip() for name in found]
         if len(names) == width + 1 and (not names[-1] or names[-1].lower() == "comment"):
             names = names[:-1]
-        if len(names) == width - 1 > 1 and found is fields and not asked:
+        if len(names) == width - 1 > 1 and line.startswith('"') and not asked:
             names = ["", *names]  # R: the row's number has no name
         some = [name for name in names if name]
         numbers = sum(is_value(name) for name in some)

@@ -78,7 +78,8 @@ def read_text(
         mark: locate(head, split, comments, header_line, data_line, decimal)
         for mark, split in splits.items()
     }
-    mark = max(places, key=lambda mark: places[mark].score)
+    # blanks split wherever tabs do
+    mark = max(places, key=lambda mark: (*places[mark].score[:2], mark != " ", places[mark].width))
     place, split = places[mark], splits[mark]
     kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
     if named and place.score[0] < 0.5:
@@ -90,29 +91,17 @@ def read_text(
             f"{path}: no samples; the file has no lines of numbers, or csv.header_line or "
             "csv.data_line are past them"
         )
-    rows: dict[int, list[str]] = {}
-    odd: dict[int, list[str]] = {}
-    for number, line in enumerate(islice(lines, place.first - 1, None), place.first):
-        if _is_comment(line) or not line.strip(" \t\r\n,;|"):
-            continue
-        parts = split(line)
-        fields = place.fitted(parts)
-        if fields is None:
-            odd[number] = [line.strip()]
-            if len(parts) < place.width and all(map(is_value, parts)):  # a sample that was cut
-                fields = [""] * place.width
-        if fields is not None:
-            rows[number] = fields
+    rows, odd = _samples(lines, place, split)
     last = max(rows, default=0)
     if len(odd) > _MOST_UNUSABLE * len(rows) and (few := min(odd)) < last:
         raise LogError(
             f"{path}: the first sample seems to be line {place.first}, with {place.width} fields; "
-            f"line {few} is {odd[few][0][:60]!r}; lines of another kind in all: {len(odd)} of "
+            f"line {few} is {odd[few]!r}; lines of another kind in all: {len(odd)} of "
             f"{len(odd) + len(rows)}; if the table begins elsewhere, say where in a map, as "
             f"`csv: {{header_line: {max(place.first - 1, 1)}, data_line: {place.first}}}`, or give "
             "csv.separator; --draft takes that map too (--map)"
         )
-    unusable = tuple(f"line {n}: {fields[0][:60]!r}" for n, fields in odd.items() if n < last)
+    unusable = tuple(f"line {n}: {line!r}" for n, line in odd.items() if n < last)
     footer = [n for n in odd if n > last]
     if footer:
         notes += (f"lines {footer[0]} to {footer[-1]}, below the last sample, were left out",)
@@ -122,6 +111,29 @@ def read_text(
             fields[0] = repr(begin + k * step).replace(".", decimal or ".")
     found = columns_of(path, place, rows, decimal, separator=mark)
     return found._replace(kind=kind, notes=(*notes, *found.notes), unusable=unusable)
+
+
+def _samples(
+    lines: list[str], place: Place, split: _Split
+) -> tuple[dict[int, list[str]], dict[int, str]]:
+    """Return the fields of each line of a table by its number, and the lines that are no samples.
+
+    A sample that was cut keeps its place, without values.
+    """
+    rows: dict[int, list[str]] = {}
+    odd: dict[int, str] = {}
+    for number, line in enumerate(islice(lines, place.first - 1, None), place.first):
+        if _is_comment(line) or not line.strip(" \t\r\n,;|"):
+            continue
+        parts = split(line)
+        fields = place.fitted(parts)
+        if fields is None:
+            odd[number] = line.strip()[:60]
+            if len(parts) < place.width and all(map(is_value, parts)):
+                fields = [""] * place.width
+        if fields is not None:
+            rows[number] = fields
+    return rows, odd
 
 
 def _labview(lines: list[str]) -> dict[str, str]:
