@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from fprc.channels import CHANNELS, LEARNING_CHANNELS, RAW_CHANNELS, needed_by
-from fprc.rig.closed_loop import RECORDED
+from fprc.rig.simulator import SAMPLE
 
 README = Path(__file__).parents[2] / "data/raw/README.md"
 
@@ -16,4 +16,4 @@ def test_readme_of_raw_logs_lists_every_channel():
 
 
 def test_simulated_rig_gives_every_channel_that_its_logs_need():
-    assert {*needed_by("sim", tracking=True), *LEARNING_CHANNELS} == set(RECORDED.names)
+    assert {*needed_by("sim", tracking=True), *LEARNING_CHANNELS} == set(SAMPLE.names)

@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, TRACKING_CHANNELS, Readings
+from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, SENSORS, TRACKING_CHANNELS, Readings
 from fprc.control_laws import NEUTRAL_V
 from fprc.errors import ControlError, SimulationError
-from fprc.rig.closed_loop import RECORDED, close_loop
+from fprc.rig.closed_loop import close_loop
 from fprc.rig.parameters import record
 from fprc.rig.simulator import (
     DIVERGED,
     NOISE_PER_TICK,
+    SAMPLE,
     advance,
     draw_instruments,
     initial_state,
@@ -57,7 +58,7 @@ class SimulatedRig:
         self._rng = np.random.default_rng([seed, run + 1])
         self._state = initial_state(rig, self._rng)
         self._valve_v = np.full(2, NEUTRAL_V)
-        self._reading = np.zeros(5)
+        self._reading = np.full(1, math.nan, SAMPLE)
         self._tick = -1
         self._advance(0)
 
@@ -80,8 +81,8 @@ class SimulatedRig:
 
     def read(self) -> Readings:
         """Return the sensor readings of the current tick."""
-        p_exp, p_i, p_o, theta, phi = self._reading.tolist()
-        return Readings(self._tick * self._period_s, p_exp, theta, p_i, p_o, phi)
+        sensors = {name: float(self._reading[name][0]) for name in SENSORS}
+        return Readings(self._tick * self._period_s, **sensors)
 
     def write(self, main_v: float, reservoir_v: float) -> None:
         """Set the voltages of both valves."""
@@ -161,7 +162,7 @@ class SimulatedRig:
         }
         pushes = np.zeros(samples) if push_kpa is None else push_kpa
         p_i_kpa = control.k_in_kpa_per_deg * theta_d
-        rows = np.full(samples, math.nan, RECORDED)
+        rows = np.full(samples, math.nan, SAMPLE)
         failed, done = close_loop(
             self._state,
             self._rig,

@@ -9,7 +9,6 @@ import math
 import numpy as np
 
 from fprc import control_laws
-from fprc.channels import CHANNELS
 from fprc.compiled import kernel
 from fprc.rig.simulator import advance
 
@@ -17,9 +16,6 @@ _clamp = kernel(control_laws.clamp)
 _pressure_step = kernel(control_laws.pressure_step)
 _pd_step = kernel(control_laws.pd_step)
 _learn_step = kernel(control_laws.learn_step)
-
-#: A record of ``rows``: every channel of a log.
-RECORDED = np.dtype([(channel.name, float) for channel in CHANNELS])
 
 
 @kernel
@@ -50,10 +46,10 @@ def close_loop(
     noise : ndarray of shape (n_samples - 1, NOISE_PER_TICK)
     tick : int
         Number of the first sample.
-    valve_v, reading : ndarrays
+    valve_v, reading : ndarray, record array
         As in ``advance``; changed in place.
     rows : record array of shape (n_samples,)
-        Filled; see ``RECORDED``.
+        Filled; see ``fprc.rig.simulator.SAMPLE``.
 
     Returns
     -------
@@ -76,7 +72,8 @@ def close_loop(
             )  # fmt: skip
             if failed:
                 return failed, k
-        p_main, p_active, theta = reading[0], reading[1], reading[3]
+        now = reading[0]
+        p_main, p_active, theta = now.p_exp_kpa, now.p_i_kpa, now.theta_deg
         if math.isnan(p_i):
             lowest, highest = control.p_i_limits_kpa
             p_i = _clamp(control.k_in_kpa_per_deg * theta, lowest, highest)
@@ -112,11 +109,10 @@ def close_loop(
             p_i - p_active, summed_reservoir, reservoir.kp_v_per_kpa, reservoir.ki_v_per_kpa_s,
             period_s, control_laws.NEUTRAL_V,
         )  # fmt: skip
+        rows[k] = now
         row = rows[k]
         row.time_s = (tick + k) * period_s
-        row.p_exp_command_kpa, row.p_exp_kpa, row.theta_deg = p_exp, p_main, theta
-        row.p_i_command_kpa, row.p_i_kpa = p_i, p_active
-        row.p_o_kpa, row.phi_deg = reading[2], reading[4]
+        row.p_exp_command_kpa, row.p_i_command_kpa = p_exp, p_i
         row.valve_main_v, row.valve_reservoir_v = valve_v[0], valve_v[1]
         row.theta_d_deg, row.p_ff_kpa, row.p_fb_kpa = theta_d, p_ff, p_fb
         row.p_learned_kpa, row.learned_norm = p_learned, math.sqrt(squared)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from fprc.channels import CHANNELS
 from fprc.compiled import kernel
 from fprc.rig.bending import angular_acceleration, relax
 from fprc.rig.chamber import ATMOSPHERE_KPA, pressure_rate, sealed_pressure
@@ -22,6 +23,9 @@ from fprc.rig.valve import mass_flow, opening, spool_acceleration
 #: Standard normal numbers per tick: noise of three pressure sensors, the drift, the slow error of
 #: the bend sensor, and noise of up to two samples of both angles.
 NOISE_PER_TICK = 9
+
+#: A record of every channel of a log.
+SAMPLE = np.dtype([(channel.name, float) for channel in CHANNELS])
 
 #: Codes that ``advance`` returns when a quantity leaves its physical range.
 DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bending angle",
@@ -93,9 +97,8 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, subst
         Standard normal numbers for this tick.
     substeps : int
         0 reads the sensors without advancing.
-    reading : ndarray of shape (5,)
-        Filled with the three sensors' pressures in kPa, the bending angle of the
-        actuator and that of the reservoir in deg.
+    reading : record array of shape (1,)
+        Of every channel, see ``SAMPLE``; those of the sensors are filled.
 
     Returns
     -------
@@ -119,7 +122,7 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, subst
             return failed
     if substeps == 0:
         _bend_sample(state, rig, noise, bend_noise)
-    _sense(state, rig, instruments[0], noise, reading)
+    _sense(state, rig, instruments[0], noise, reading[0])
     return 0
 
 
@@ -257,6 +260,7 @@ def _bend_sample(state, rig, noise, column):
 def _sense(state, rig, instrument, noise, reading):
     sensor = rig.pressure_sensor
     kpa_per_v = sensor.full_scale_kpa / sensor.span_v
+    pressures = np.empty(3)
     for i in range(3):
         # the board converts its channels one after the other
         late = i * rig.converter.scan_s
@@ -269,9 +273,9 @@ def _sense(state, rig, instrument, noise, reading):
             sensor.noise_kpa * noise[i],
         )
         volts = converted(volts, rig.converter.step_v, rig.converter.limit_v)
-        reading[i] = (volts - sensor.zero_v) * kpa_per_v
-    reading[3] = state.bend_held_deg
-    reading[4] = state.phi_held_deg
+        pressures[i] = (volts - sensor.zero_v) * kpa_per_v
+    reading.p_exp_kpa, reading.p_i_kpa, reading.p_o_kpa = pressures[0], pressures[1], pressures[2]
+    reading.theta_deg, reading.phi_deg = state.bend_held_deg, state.phi_held_deg
 
 
 @kernel

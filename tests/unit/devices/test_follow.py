@@ -7,7 +7,7 @@ from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, needed_by
 from fprc.control import hysteresis_law, run, tracking_law
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
-from fprc.rig.closed_loop import RECORDED
+from fprc.rig.simulator import SAMPLE
 
 SAMPLES = 5000
 
@@ -37,7 +37,7 @@ def test_hysteresis_run_is_that_of_the_loop_bit_by_bit(rig, control):
 def test_channel_that_the_simulated_rig_does_not_fill_is_no_number(rig, control, monkeypatch):
     # as of a sensor that is new in the table of channels; a log leaves such a channel out
     idle = device(rig)
-    used = np.full(10 * RECORDED.itemsize // 8, 7.0)  # memory that a new array may get again
+    used = np.full(10 * SAMPLE.itemsize // 8, 7.0)  # memory that a new array may get again
     del used
     monkeypatch.setattr("fprc.devices.sim.close_loop", lambda *given: (0, 10))
     result = idle.follow(control, pressures(10))
