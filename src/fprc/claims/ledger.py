@@ -147,7 +147,7 @@ def _basis(claim: Claim, results: Results, statements: Sequence[Statement]) -> s
     if claim.over == "one run":
         return "main run"
     seeds = len(results.grids if "grids" in claim.over else results.replicates or results.controls)
-    # see fprc.experiments.grids.judge_grids
+    # see fprc.experiments.grids.evaluate_grids
     folds = ", the first fold of each" if "grids" in claim.over else ""
     if claim.over == "halves of the grids" and seeds > 1:
         half = seeds // 2

@@ -32,7 +32,9 @@ def compare_models(
 
     The results are the errors of Tables II and III, and the weights of Fig. 9.
     """
-    judged = {name: judge_directions(name, judgement, data) for name in entries(judgement.models)}
+    judged = {
+        name: cross_validate_both(name, judgement, data) for name in entries(judgement.models)
+    }
     by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
     compared = {
         "models": [report for _, report, _ in by_direction],
@@ -41,7 +43,7 @@ def compare_models(
     return compared, {name: validated.model for name, ((validated, *_), *_) in judged.items()}
 
 
-def judge_directions(name: str, judgement: Judgement, logs: Mapping[str, Data]) -> list[Judged]:
+def cross_validate_both(name: str, judgement: Judgement, logs: Mapping[str, Data]) -> list[Judged]:
     """Cross-validate and test one model for each of ``DIRECTIONS``.
 
     The features of each log are computed once for both; they are fitted to the sweep.

@@ -18,14 +18,14 @@ from fprc.registry import build
 log = logging.getLogger(__name__)
 
 
-def judge_grids(
+def evaluate_grids(
     data: Mapping[str, Data],
     values: Mapping[str, Any],
     judgement: Judgement,
     *,
     folds: int | None = None,
 ) -> dict[str, list[dict[str, Any]]]:
-    """Judge every cell of every grid, for the models whose inputs are in the data.
+    """Cross-validate and test every cell of every grid, for the models whose inputs are in the data.
 
     Parameters
     ----------
@@ -36,17 +36,17 @@ def judge_grids(
     models = models_for(judgement.models, train, test)
     rows = judgement.split_rows(train)[:folds]
 
-    def judge(name: str, cell: Mapping[str, Any]) -> dict[str, Any]:
+    def evaluated(name: str, cell: Mapping[str, Any]) -> dict[str, Any]:
         model = build(name, judgement.models, judgement.seed, **cell)
         errors = evaluate(model, rows, train.samples(name), test.samples(name))
         return {"model": name, **cell, **errors}
 
-    judged = {}
+    found = {}
     for grid, names in GRID_MODELS.items():
         cells = ParameterGrid({setting: values[setting] for setting in GRID_SETTINGS[grid]})
-        judged[grid] = [judge(name, cell) for name in names if name in models for cell in cells]
-        log.info("judged grid %s: %d cells", grid, len(judged[grid]))
-    return judged
+        found[grid] = [evaluated(name, cell) for name in names if name in models for cell in cells]
+        log.info("evaluated grid %s: %d cells", grid, len(found[grid]))
+    return found
 
 
 def weight_shares(train: Data, judgement: Judgement) -> dict[str, Any]:

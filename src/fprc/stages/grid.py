@@ -6,7 +6,7 @@ from typing import Any
 
 from fprc.artifacts import write_json
 from fprc.experiments.data import read_data
-from fprc.experiments.grids import judge_grids, weight_shares
+from fprc.experiments.grids import evaluate_grids, weight_shares
 from fprc.experiments.settings import Judgement
 
 log = logging.getLogger(__name__)
@@ -33,7 +33,7 @@ def judge(
         "seed": judgement["seed"],
         "unit": data["sweep"].unit,
     }
-    write_json(cells, described | judge_grids(data, values, Judgement(**judgement)))
+    write_json(cells, described | evaluate_grids(data, values, Judgement(**judgement)))
 
 
 def weigh(train: str, weights: str, *, judgement: Mapping[str, Any]) -> None:

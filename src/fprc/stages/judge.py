@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fprc.artifacts import replacing, write_json
-from fprc.experiments.comparison import judge_directions
+from fprc.experiments.comparison import cross_validate_both
 from fprc.experiments.data import read_data
 from fprc.experiments.settings import Judgement
 from fprc.logs import write_columns
@@ -31,7 +31,7 @@ def judge(
     """
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
     outside = outside_classes(judgement["models"])
-    judged = judge_directions(name, Judgement(**judgement), logs)
+    judged = cross_validate_both(name, Judgement(**judgement), logs)
     for (train, test), (validated, report, tested), error, model, fit, prediction in zip(
         DIRECTIONS, judged, errors, fitted, fits, predictions, strict=True
     ):

@@ -6,7 +6,7 @@ from typing import Any
 from fprc.artifacts import write_json
 from fprc.config.tracking import Tracking
 from fprc.experiments.comparison import compare_models, errors_over_starts
-from fprc.experiments.grids import judge_grids
+from fprc.experiments.grids import evaluate_grids
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import Judgement, RigSettings
 from fprc.experiments.tracking import Track, measure_control, rms_of, tracking_errors
@@ -47,7 +47,7 @@ def replicate(
     described = {"seed": how.seed, "source": "sim"}
     starts, started = errors_over_starts(data, how, _STARTS)
     write_json(compared, described | comparison | {"fprc_rmse_over_starts": starts})
-    write_json(cells, described | judge_grids(data, values, how, folds=1))
+    write_json(cells, described | evaluate_grids(data, values, how, folds=1))
     bench = Track(Tracking(**tracking), settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     loops = {"fprc": 0.0, "fprc_pd": 1.0}

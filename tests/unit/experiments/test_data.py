@@ -7,7 +7,7 @@ from fprc.errors import LogError
 from fprc.evaluation import evaluate
 from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.data import Data, join, read_data, select_channels
-from fprc.experiments.grids import judge_grids
+from fprc.experiments.grids import evaluate_grids
 from fprc.experiments.settings import Judgement
 from fprc.logs import Columns, write_columns
 from fprc.logs.quality import other_quantity
@@ -128,7 +128,7 @@ def test_models_of_all_starts_can_learn_online(joined):
 def test_grids_agree_cell_by_cell_on_several_recordings(joined, folds):
     logs = {"sweep": joined, "complex": joined}
     values = {"epsilon": [0.1], "n_c": [1, 2], "n_y": [1, 3], "n_u": [2]}
-    grids = judge_grids(logs, values, JUDGEMENT, folds=folds)
+    grids = evaluate_grids(logs, values, JUDGEMENT, folds=folds)
     assert {name: len(cells) for name, cells in grids.items()} == {
         "epsilon": 1,
         "n_c": 4,

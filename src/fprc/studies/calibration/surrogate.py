@@ -14,7 +14,7 @@ from sklearn.base import RegressorMixin
 
 from fprc.config.tracking import Tracking
 from fprc.evaluation.crossval import Prepared, prepare
-from fprc.experiments.comparison import judge_directions
+from fprc.experiments.comparison import cross_validate_both
 from fprc.experiments.data import Data
 from fprc.experiments.grids import normalised, shares_of, weight_shares
 from fprc.experiments.hysteresis import simulate
@@ -92,7 +92,7 @@ def judge_fully(
 ) -> dict[str, dict[str, float]]:
     """Return of the full models what ``judge_by_surrogate`` returns, without grids and loops."""
     data = simulate(on_rig, judgement.seed)
-    of_models = {name: judge_directions(name, judgement, data) for name in MODELS}
+    of_models = {name: cross_validate_both(name, judgement, data) for name in MODELS}
     reports = [report for directions in of_models.values() for _, report, _ in directions]
     shares = weight_shares(data["sweep"], judgement)["mean_share"]
     (trained_on_sweep, *_), _ = of_models["fprc"]
