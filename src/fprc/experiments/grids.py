@@ -25,7 +25,7 @@ def evaluate_grids(
     *,
     folds: int | None = None,
 ) -> dict[str, list[dict[str, Any]]]:
-    """Cross-validate and test every cell of every grid, for the models whose inputs are in the data.
+    """Cross-validate and test each cell of each grid, for the models whose inputs are in the data.
 
     Parameters
     ----------

@@ -31,6 +31,7 @@ def settings():
     found = Settings().model_dump(mode="json")
     for signal in found["experiments"].values():
         signal["duration_s"] = 16.0
+    found["experiments"]["sweep"]["f_hz"] = [0.6, 1.0]  # whole loops in its first quarter
     for name, reference in found["tracking"]["references"].items():
         # a frequency high enough for a loop or two; the disturbance lasts longer than its quiet
         f_hz = [0.5, 1.0] if name == "sweep" else reference["f_hz"]
