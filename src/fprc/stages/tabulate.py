@@ -35,6 +35,9 @@ _COMPARISONS = {
 }
 
 
+_TRACKING = "Table IV. RMSE of tracking"
+
+
 def tabulate_models(
     published: str,
     sweep: Sequence[str],
@@ -121,11 +124,11 @@ def tabulate_seeds(
     tracked = [read_json(path) for path in loops]
     table = tracking.tracking_over_seeds(tracked, printed)
     note = (
-        f"mean RMSE and its 95 % interval over {len(tracked)} further seeds.\n"
+        f"mean and its 95 % interval over {len(tracked)} further seeds.\n"
         f"Data: {SOURCES[tracked[0]['source']]}. {feedback} {_tracking_over_starts(tracked)}"
     )
     page = tracking.tracking_page(table)
-    write_table(table, page, note, *seeds[-each:], title="Table IV, over seeds")
+    write_table(table, page, note, *seeds[-each:], title=f"{_TRACKING}, over seeds")
 
 
 def _over_starts(reports: Sequence[Mapping[str, Any]], trained_on: str) -> str:
@@ -175,7 +178,7 @@ def tabulate_tracking(
         note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
     note += _failed([line for run in logs for line in warnings_of_run(run, Quality(**limits))])
     page = tracking.tracking_page(table)
-    write_table(table, page, note, *table4, title="Table IV. RMSE of tracking")
+    write_table(table, page, note, *table4, title=_TRACKING)
 
 
 def _tracking_over_starts(reports: Sequence[Mapping[str, Any]]) -> str:

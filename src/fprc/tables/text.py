@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -44,10 +45,19 @@ def markdown(page: pd.DataFrame, note: str) -> str:
     return f"{note}\n\n{page.to_markdown(index=False, disable_numparse=True)}\n"
 
 
-def latex(page: pd.DataFrame, title: str) -> str:
-    """Render a page as a LaTeX table with the rules of booktabs; ``title`` is its caption."""
-    text = page.to_latex(index=False, escape=True, caption=_tex(title) if title else None)
-    return _symbols(text)
+def latex(page: pd.DataFrame, title: str, label: str) -> str:
+    """Render a page as a LaTeX table with the rules of booktabs.
+
+    Its caption is the title without the paper's number, since LaTeX counts tables itself.
+    """
+    caption = re.sub(r"^Table [IVX]+[.,] ", "", title)
+    text = page.to_latex(
+        index=False,
+        escape=True,
+        caption=_tex(caption[:1].upper() + caption[1:]),
+        label=f"tab:{label}",
+    )
+    return _symbols(text.replace(r"\begin{table}", "\\begin{table}\n\\centering"))
 
 
 def _tex(text: str) -> str:
@@ -90,6 +100,6 @@ def write_table(
     write_csv(csv, table)
     write_text(md, markdown(page, f"{title}: {note}" if title else note))
     if tex:
-        write_text(tex, latex(page, title))
+        write_text(tex, latex(page, title, Path(tex).stem))
     if json:
         write_json(json, {"title": title, "note": note, **page.to_dict("split", index=False)})

@@ -297,11 +297,11 @@ def test_table_4_has_the_spread_over_starts_of_the_clustering(tabulated):
 def test_page_has_title_and_note_in_every_form(tmp_path):
     page = pd.DataFrame({"Error of P_o [%]": ["FPRC & more", "n_c"], "Ours": ["1.0 ± 0.1", "2"]})
     files = [str(tmp_path / f"table.{kind}") for kind in ("csv", "md", "tex", "json")]
-    write_table(page, page, "so.\nData: none.", *files, title="Table 5 % of theta_d")
+    write_table(page, page, "so.\nData: none.", *files, title="Table II. 5 % of theta_d")
     _, md, tex, kept = (Path(file).read_text(encoding="utf-8") for file in files)
-    assert md.startswith("Table 5 % of theta_d: so.\nData: none.\n\n| Error of P_o [%]")
+    assert md.startswith("Table II. 5 % of theta_d: so.\nData: none.\n\n| Error of P_o [%]")
     assert json.loads(kept) == {
-        "title": "Table 5 % of theta_d", "note": "so.\nData: none.",
+        "title": "Table II. 5 % of theta_d", "note": "so.\nData: none.",
         "columns": list(page.columns), "data": page.to_numpy().tolist(),
     }  # fmt: skip
     rows = [line for line in tex.splitlines() if line.endswith(r"\\")]
@@ -310,7 +310,8 @@ def test_page_has_title_and_note_in_every_form(tmp_path):
         r"FPRC \& more & 1.0 ± 0.1 \\",
         r"$n_\mathrm{c}$ & 2 \\",
     ]
-    assert r"\caption{Table 5 \% of $\theta_\mathrm{d}$}" in tex
+    assert r"\caption{5 \% of $\theta_\mathrm{d}$}" in tex
+    assert r"\label{tab:table}" in tex
     assert [tex.count(rule) for rule in ("toprule", "midrule", "bottomrule")] == [1, 1, 1]
 
 
