@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, write_text
 from fprc.config import from_files
 from fprc.errors import ConfigError, FprcError, LogError
-from fprc.evaluation.rates import settings_at
+from fprc.evaluation.rates import PAPER_HZ, settings_at
 from fprc.evaluation.sides import FAMILIES, SHIFTS, Recordings, progress
 from fprc.experiments.data import Data, read_data
 from fprc.given import refuse_repeats
@@ -25,6 +25,7 @@ from fprc.provenance import sha256
 from fprc.recordings.answer import answer_recordings
 from fprc.recordings.import_recording import import_mapped, own_rate
 from fprc.recordings.importing import ImportMap, read_map
+from fprc.recordings.memory import draw_memory, judge_memory
 from fprc.recordings.paper_models import MODELS, judge_claims, judge_models, sentences
 from fprc.recordings.readout_page import Parts, cautions, rates_in_words, report_page, write_tables
 from fprc.recordings.stops import refuse_channels, refuse_units
@@ -96,9 +97,10 @@ def report_readout(
         units = dict(zip(("P_exp", "theta", "P_o"), read.units(_INPUTS), strict=True))
         refuse_channels(recordings.thinned(), units, quality)
         described = {"unit": read.unit, **pick(read.attributes, "source", "target")}
-        report = described | _judge(recordings, scaled, read.unit)
+        report = described | _judge(recordings, settings, read.unit)
         write_json(folder / "readout/answer.json", report)
         write_tables(report, folder / "readout")
+        draw_memory(report["memory"], str(folder / "readout/memory.png"))
         page = folder / "report.md"
         doubts = cautions(folder)
         write_text(page, report_page(parts, map_, settings, folder, report, rates, doubts))
@@ -125,19 +127,23 @@ def _gathered(data: Mapping[str, str], one_file: bool, rate_hz: float) -> tuple[
 
 def _judge(recordings: Recordings, settings: Mapping[str, Any], unit: str) -> dict[str, Any]:
     """Return the answer, the errors of the paper's models and the claims on them."""
-    models, seed = paper_models(settings), settings["seed"]
-    total = 2 * len(FAMILIES) + SHIFTS + len(MODELS)
+    models, own = (paper_models(settings_at(settings, hz)) for hz in (PAPER_HZ, recordings.rate_hz))
+    seed = settings["seed"]
+    total = 2 * len(FAMILIES) + SHIFTS + len(MODELS) + 1
 
     def show(line: str) -> None:
         print(f"\r{line:<78}", end="", file=sys.stderr, flush=True)
 
     step = progress(total, show)
     answer = answer_recordings(recordings, models, seed, step, unit)
-    cells = judge_models(recordings, models, seed, step)
+    memory = judge_memory(recordings.thinned(), models, seed, answer["period_s"])
+    step("memory of P_o")
+    cells = judge_models(recordings, own, seed, step)
     print(file=sys.stderr)
     folds = recordings.folds()
     overlap = float(np.mean([len(block) / len(rows) for rows, block in folds]))
-    return {"answer": answer, "cells": cells, "claims": judge_claims(cells, overlap)}
+    claims = judge_claims(cells, overlap)
+    return {"answer": answer, "memory": memory, "cells": cells, "claims": claims}
 
 
 def _parts(source: str, mapping: ImportMap, train: Sequence[str]) -> Parts:

@@ -15,6 +15,7 @@ from fprc.paper import SOURCES
 from fprc.provenance import sha256
 from fprc.recordings.answer import MARGIN, family_title
 from fprc.recordings.importing import ImportMap
+from fprc.recordings.memory import memory_in_words
 from fprc.recordings.paper_models import sentences
 from fprc.registry import title_of
 from fprc.stages.tabulate import failed_checks
@@ -54,6 +55,12 @@ def report_page(
         *(f"- {line}" for line in _grounds(found)),
         "",
         _read(folder / "readout/sides.md"),
+        "## What P_o remembers",
+        "",
+        *(f"- {line}" for line in memory_in_words(report["memory"])),
+        "",
+        "![memory and capacity of P_o](readout/memory.png)",
+        "",
         "## The paper's models",
         "",
         f"{rates} Settings as in the paper"

@@ -1,0 +1,205 @@
+"""Memory and capacity of a reservoir's state, for an input that may be correlated."""
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations_with_replacement
+from math import comb
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fprc.errors import EvaluationError
+
+#: Directions of a state or of the targets below this share of the largest are rounding errors.
+_RANK = 1e-9
+#: Blocks that judge the memory curve, and its ridge parameter, a share of the samples.
+_BLOCKS, _ALPHA = 10, 1e-6
+
+
+class Target(NamedTuple):
+    """One polynomial of lagged inputs, and how much of it a state holds."""
+
+    lags: tuple[int, ...]  #: samples, one for each factor: its degree is their number
+    capacity: float  #: share of its variance that the state explains, above chance
+    threshold: float  #: highest share that a shifted state explains
+
+
+class Capacity(NamedTuple):
+    """Memory and capacity of a state."""
+
+    degrees: np.ndarray  #: sum of the capacities of each degree, from 1
+    targets: Sequence[Target]
+    rank: int  #: of the state: the sum of all capacities cannot exceed it
+    lags_s: np.ndarray  #: lags of the memory curve, s
+    #: Share of the variance of each lagged input that the state adds to the input's own taps, on
+    #: unseen blocks; 0 where a shifted state adds as much.
+    memory: np.ndarray
+    memory_s: float  #: area under the curve, s
+
+    @property
+    def total(self) -> float:
+        """Sum of the capacities of all degrees."""
+        return float(self.degrees.sum())
+
+
+def capacity(
+    state: ArrayLike,
+    u: ArrayLike,
+    *,
+    rate_hz: float = 1.0,
+    lags: int = 50,
+    spacing: int = 1,
+    degree: int = 3,
+    most: int = 150,
+    taps: int = 1,
+    shifts: int = 19,
+) -> Capacity:
+    """Return what a state remembers of its input: memory curve, and capacity by degree.
+
+    The targets are products of lagged inputs, z(k - l1) z(k - l2) ... of the standardised input z,
+    made orthogonal to a constant and to each other on the recording itself (Gram-Schmidt), in the
+    order of degree and then of lags. The capacity of a target is the share of its variance that a
+    linear function of the state explains (R^2), less what states shifted in time explain in the
+    mean, over the rest; it is 0 unless it exceeds that of all shifted states.
+
+    For an independent input this is the information processing capacity of Dambre and others, and
+    degree 1 the memory capacity of Jaeger. A correlated input changes what the sum means, not
+    its limit: a target is the part of a product that earlier targets leave, what two of them share
+    counts for the earlier one, and what is nearly determined by the past is measured on a small
+    rest. So sums of different inputs cannot be compared; those of two states on one input can.
+
+    Parameters
+    ----------
+    state : array-like of shape (n_samples, n_states)
+        State of a reservoir after each sample; a single one may have shape (n_samples,).
+    u : array-like of shape (n_samples,)
+        Its input.
+    rate_hz : float, default=1.0
+        Samples a second.
+    lags : int, default=50
+        Number of lags, from 0 on.
+    spacing : int, default=1
+        Samples from one lag to the next.
+    degree : int, default=3
+        Highest degree.
+    most : int, default=150
+        Most targets of each degree from 2 on: products of the first lags.
+    taps : int, default=1
+        Newest inputs, one sample apart, beyond which the memory curve counts.
+    shifts : int, default=19
+        Shifted states, each by another time; 19 make thresholds of 5 %.
+
+    Returns
+    -------
+    Capacity
+
+    Raises
+    ------
+    EvaluationError
+        The arrays differ in length, hold NaN, or have too few samples for the lags and shifts.
+
+    References
+    ----------
+    Dambre, Verstraeten, Schrauwen and Massar, Scientific Reports 2 (2012), 514. Kubota, Takahashi
+    and Nakajima, Physical Review Research 3 (2021), 043135, for other inputs. Jaeger, GMD Report
+    152 (2002).
+    """
+    states, inputs = _checked(state, u, lags * spacing + taps, shifts)
+    reach = max((lags - 1) * spacing, taps - 1)
+    past = np.lib.stride_tricks.sliding_window_view(inputs, reach + 1)[:, ::-1]
+    states = states[reach:]
+    moved = [
+        np.roll(states, round(share * len(states)), axis=0)
+        for share in np.linspace(0.0, 1.0, shifts + 2)[1:-1]
+    ]
+    spaced = past[:, : (lags - 1) * spacing + 1 : spacing]
+    targets, rank = _capacities(states, moved, spaced, spacing, degree, most)
+    curve = _memory(states, past[:, :taps], spaced)
+    chance = np.max([_memory(other, past[:, :taps], spaced) for other in moved], axis=0)
+    memory = np.where(curve > np.maximum(chance, 0.0), curve, 0.0)
+    sums = np.zeros(degree)
+    for target in targets:
+        sums[len(target.lags) - 1] += target.capacity
+    area = float(memory.sum()) * spacing / rate_hz
+    lags_s = np.arange(lags) * spacing / rate_hz
+    return Capacity(sums, targets, rank, lags_s, memory, area)
+
+
+def _checked(
+    state: ArrayLike, u: ArrayLike, reach: int, shifts: int
+) -> tuple[np.ndarray, np.ndarray]:
+    states, inputs = np.asarray(state, dtype=float), np.asarray(u, dtype=float)
+    states = states.reshape(len(states), -1)
+    if inputs.shape != (len(states),):
+        raise EvaluationError(
+            f"the input has the shape {inputs.shape}, and the state {len(states)} samples; give "
+            "one value for each"
+        )
+    if not (np.isfinite(states).all() and np.isfinite(inputs).all()):
+        raise EvaluationError("the state or the input is not finite")
+    if len(inputs) < 2 * reach + 10 * (shifts + 1):
+        raise EvaluationError(
+            f"{len(inputs)} samples are too few for {reach} lags and {shifts} shifts; use a longer "
+            "recording, or fewer lags"
+        )
+    return states, (inputs - inputs.mean()) / (inputs.std() or 1.0)
+
+
+def _capacities(
+    states: np.ndarray,
+    moved: Sequence[np.ndarray],
+    past: np.ndarray,
+    spacing: int,
+    degree: int,
+    most: int,
+) -> tuple[list[Target], int]:
+    names = [*_products(past.shape[1], degree, most)]
+    products = np.column_stack([past[:, list(name)].prod(axis=1) for name in names])
+    goals, sizes = np.linalg.qr(np.column_stack([np.ones(len(products)), products]))
+    left = np.abs(np.diag(sizes))[1:] > _RANK * np.linalg.norm(products, axis=0)
+    goals = goals[:, 1:]
+    basis = _basis(states)
+    found = ((basis.T @ goals) ** 2).sum(axis=0)
+    # a rotated basis is still orthonormal, but for the mean that it was rid of, which stays 0
+    by_chance = np.array([((_basis(other).T @ goals) ** 2).sum(axis=0) for other in moved])
+    mean, highest = by_chance.mean(axis=0), by_chance.max(axis=0)
+    above = np.where(left & (found > highest), (found - mean) / np.maximum(1.0 - mean, _RANK), 0.0)
+    targets = [
+        Target(tuple(spacing * lag for lag in name), float(share), float(limit))
+        for name, share, limit in zip(names, np.clip(above, 0.0, 1.0), highest, strict=True)
+    ]
+    return targets, basis.shape[1]
+
+
+def _products(lags: int, degree: int, most: int) -> Iterator[tuple[int, ...]]:
+    """Yield the lags of each product, in the order of degree and then of the latest lag."""
+    for factors in range(1, degree + 1):
+        reach = lags
+        while factors > 1 and reach > 1 and comb(reach + factors - 1, factors) > most:
+            reach -= 1
+        yield from sorted(combinations_with_replacement(range(reach), factors), key=lambda x: x[-1])
+
+
+def _basis(states: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis of what the states span without their means."""
+    spread = states.std(axis=0)
+    moving = spread > _RANK * np.abs(states).max(axis=0)
+    scaled = (states[:, moving] - states[:, moving].mean(axis=0)) / spread[moving]
+    directions, sizes, _ = np.linalg.svd(scaled, full_matrices=False)
+    return directions[:, sizes > _RANK * sizes.max(initial=0.0)]
+
+
+def _memory(states: np.ndarray, own: np.ndarray, past: np.ndarray) -> np.ndarray:
+    """Return the share of each lagged input that states add to the own taps, on unseen blocks."""
+    both = np.column_stack([np.ones(len(own)), own, _basis(states) * np.sqrt(len(own))])
+    blocks = np.array_split(np.arange(len(own)), _BLOCKS)
+    moments = [(both[block].T @ both[block], both[block].T @ past[block]) for block in blocks]
+    left = np.zeros((2, past.shape[1]))
+    for block, (gram, target) in zip(blocks, moments, strict=True):
+        grams = sum(one for one, _ in moments) - gram
+        targets = sum(one for _, one in moments) - target
+        for row, size in enumerate((1 + own.shape[1], both.shape[1])):
+            penalised = grams[:size, :size] + _ALPHA * len(own) * np.eye(size)
+            weights = np.linalg.solve(penalised, targets[:size])
+            left[row] += ((both[block, :size] @ weights - past[block]) ** 2).sum(axis=0)
+    return (left[0] - left[1]) / np.maximum(((past - past.mean(axis=0)) ** 2).sum(axis=0), 1e-300)
