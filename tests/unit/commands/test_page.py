@@ -36,13 +36,12 @@ def test_commands_of_the_page_print_what_it_says(tmp_path, monkeypatch, capsys):
     Path("data/raw").mkdir(parents=True)
     for name in ("sweep.h5", "complex.h5"):
         Path(name).rename(f"data/raw/{name}")
-    program, mapping = (
-        page.split(f"```{kind}\n")[1].split("```")[0] for kind in ("python", "yaml")
-    )
+    program = page.split("```python\n")[1].split("```")[0]
     exec(compile(program, "docs/own-data.md", "exec"), {})
     assert main(["import", "arm_sweep.csv", "--draft"]) == 0
-    assert f"```\n{capsys.readouterr().out}```" in page
-    Path("sweep.yaml").write_text(mapping)
+    drafted = capsys.readouterr().out
+    assert f"```\n{drafted}```" in page
+    Path("sweep.yaml").write_text(drafted)
     assert main("import arm_sweep.csv --map sweep.yaml --out mylogs/sweep.h5".split()) == 0
     names = ("time_s", "theta_deg", "p_exp_command_kpa", "p_o_kpa")
     simulated, imported = (
