@@ -78,7 +78,7 @@ _LATER = "later files override earlier ones"
 _LOCAL = f"{_LATER}; by default config/config.yaml if that file exists, else the defaults"
 _CONFIG = _arg("--config", "FILE", f"configuration; {_LOCAL}", **_MANY)
 _MODEL = _arg("model", "MODEL.h5", "model of `fprc train` or the workflow")
-_SOURCE = _arg("source", "SOURCE", "recording: CSV, HDF5 or MATLAB file")
+_SOURCE = _arg("source", "SOURCE", "recording: text, MATLAB, HDF5, Excel or others")
 _WORKERS = _arg("--workers", None, "processes; by default one per processor", type=int)
 
 #: Name, function as ``module:function``, help with examples, arguments of each command.
@@ -151,7 +151,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         _CONFIG,
     ]),
     ("import", "recordings.import_recording:import_or_draft", """
-        Turn a CSV, HDF5 or MATLAB file into a raw log.
+        Turn a recording of another program into a raw log.
 
         Also diagnoses the recording. docs/own-data.md describes the map.
 

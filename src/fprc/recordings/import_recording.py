@@ -32,7 +32,7 @@ def import_or_draft(
     map_: str | None = None,
     out: str | None = None,
 ) -> None:
-    """Turn a CSV, HDF5 or MATLAB file into a raw log."""
+    """Turn a recording of another program into a raw log."""
     if draft:
         # a map that is not complete may already say how the text is to be read
         layout = read_csv(map_).model_dump() if map_ else {}

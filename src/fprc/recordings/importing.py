@@ -44,7 +44,7 @@ class Column(Section):
     column: Text = Field(
         min_length=1,
         pattern="[^?]",  # ? stands in a draft for what it did not find
-        description="CSV header, HDF5 path or MATLAB variable",
+        description="name as `--draft` prints it",
     )
     scale: Annotated[float, AfterValidator(_not_zero)] = Field(
         1.0, description="factor on the numbers of the file"
