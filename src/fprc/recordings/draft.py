@@ -219,7 +219,7 @@ def _skipped(table: Table, used: set[str]) -> list[str]:
         for name in table.columns
         if name in used and np.sum(~np.isfinite(table.columns[name].values)) > len(table.unusable)
     }
-    words = [f"{len(table.unusable)} lines: {'; '.join(table.unusable[:3])}"]
+    words = [f"lines that are no samples: {len(table.unusable)}: {'; '.join(table.unusable[:3])}"]
     words = words if table.unusable else []
     for name, count in missing.items():
         first = int(np.argmin(np.isfinite(table.columns[name].values)))

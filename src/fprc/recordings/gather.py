@@ -54,17 +54,11 @@ def gather(
         Lists every column that is missing, or every channel with a value that is not finite or too
         large; or lengths differ, time does not increase, or nothing is left.
     """
-    if table.unusable and not skip_unusable:
-        raise LogError(
-            f"{table.path}: {len(table.unusable)} lines among the samples are none: "
-            f"{'; '.join(table.unusable[:3])}; repair them, or leave them out with "
-            "`skip_unusable: true` in the map"
-        )
     asked = {name: spec["column"] for name, spec in channels.items()}
     asked |= {f"{name}.time": spec["time"] for name, spec in channels.items() if spec.get("time")}
     asked |= {"time": time["column"]} if time.get("column") else {}
     picked = _each(table, asked, lambda name: table.pick(asked[name]).values)
-    own = {name for name in channels if f"{name}.time" in picked}
+    own = [name for name in channels if f"{name}.time" in picked]
     lengths = {n: len(values) for n, values in picked.items() if n.partition(".")[0] not in own}
     if len(set(lengths.values())) > 1:
         unequal = ", ".join(f"{asked[name]} {length}" for name, length in lengths.items())
@@ -75,34 +69,14 @@ def gather(
     count = next(iter(lengths.values()), 0) or max(map(len, picked.values()))
     stamps = picked["time"] if "time" in picked else np.arange(count) / time["rate_hz"]
     values = {name: picked[name] for name in channels if name not in own}
-    usable = np.isfinite(stamps)
-    for array in values.values():
-        usable &= np.isfinite(array) | (not skip_unusable)
-    notes: tuple[str, ...] = ()
-    if table.unusable:
-        few = "; ".join(table.unusable[:3])
-        notes += (f"lines left out: {few}; in all: {len(table.unusable)}",)
     where = f"{table.path}: time: {time.get('column')}"
-    if not usable.all():
-        k = int(np.argmin(usable))
-        left = f"{table.sample(k)}; in all: {np.sum(~usable)}"
-        if not skip_unusable:
-            raise LogError(
-                f"{where}: {stamps[k]} at {left}; fill them in, give time.rate_hz, or leave them "
-                "out with `skip_unusable: true` in the map"
-            )
-        notes += (f"samples with missing values left out: {left}",)
+    usable, notes = _usable(table, where, stamps, values, skip_unusable)
     numbers = np.flatnonzero(usable)
     stamps, values = stamps[usable], {name: array[usable] for name, array in values.items()}
     stamps, values, numbers, note = _once(time.get("repeated"), stamps, values, numbers)
     notes += note
     _refuse_late(table, where, stamps, numbers)
-    for name in own:
-        clock, array = picked[f"{name}.time"], picked[name]
-        known = np.isfinite(clock) & np.isfinite(array) if len(clock) == len(array) else None
-        if known is None or (np.diff(clock[known]) < 0.0).any():
-            raise LogError(f"{table.path}: {name}: {asked[f'{name}.time']}: is no clock for it")
-        values[name] = np.interp(stamps, clock[known], array[known], left=np.nan, right=np.nan)
+    values |= {name: _at(table, name, stamps, picked[f"{name}.time"], picked[name]) for name in own}
     factor = SECONDS[time.get("unit") or "s"]
     if not len(stamps):
         raise LogError(f"{table.path}: no usable sample is left")
@@ -127,6 +101,49 @@ def gather(
     first_s = since_s[kept][0]
     begin_s = float(stamps[0] * factor + first_s)
     return Recording(since_s[kept] - first_s, converted, begin_s, notes)
+
+
+def _usable(
+    table: Table,
+    where: str,
+    stamps: np.ndarray,
+    values: Mapping[str, np.ndarray],
+    skip_unusable: bool,
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return which samples have a stamp and, of those to be skipped, values; notes on the others.
+
+    Raises
+    ------
+    LogError
+        A line is no sample, or a stamp is not finite, and they are not to be skipped.
+    """
+    remedy = "leave them out with `skip_unusable: true` in the map"
+    lines = f"lines that are no samples: {len(table.unusable)}: {'; '.join(table.unusable[:3])}"
+    if table.unusable and not skip_unusable:
+        raise LogError(f"{table.path}: {lines}; repair them, or {remedy}")
+    usable = np.isfinite(stamps)
+    for array in values.values() if skip_unusable else ():
+        usable &= np.isfinite(array)
+    notes = (f"left out: {lines}",) if table.unusable else ()
+    if usable.all():
+        return usable, notes
+    k = int(np.argmin(usable))
+    first = f"{table.sample(k)}; in all: {np.sum(~usable)}"
+    if not skip_unusable:
+        raise LogError(
+            f"{where}: {stamps[k]} at {first}; fill them in, give time.rate_hz, or {remedy}"
+        )
+    return usable, (*notes, f"left out: samples with missing values, the first {first}")
+
+
+def _at(
+    table: Table, name: str, stamps: np.ndarray, clock: np.ndarray, values: np.ndarray
+) -> np.ndarray:
+    """Return a channel with a clock of its own at other stamps; NaN before and after it."""
+    known = np.isfinite(clock) & np.isfinite(values) if len(clock) == len(values) else None
+    if known is None or not known.any() or (np.diff(clock[known]) < 0.0).any():
+        raise LogError(f"{table.path}: channels.{name}.time is no clock of its column")
+    return np.interp(stamps, clock[known], values[known], left=np.nan, right=np.nan)
 
 
 def _once(

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.recordings.names import is_time, is_unit
-from fprc.recordings.table import Column, Table, _joined_clocks
+from fprc.recordings.table import Column, Table, joined_clocks
 
 #: Texts that stand for a missing value, in lower case.
 _MISSING = {"", "-nan", "nan", "na", "n/a", "#n/a", "#na", "<na>", "null", "none", "1.#qnan",
@@ -234,7 +234,7 @@ def columns_of(
             columns[name] = Column(values, unit or stated)
         else:
             others[name] = "no numbers"
-    columns |= _joined_clocks(columns) | _of_two(columns, kinds)
+    columns |= joined_clocks(columns) | _of_two(columns, kinds)
     return Table(path, "", _own_lengths(columns), others, tuple(notes), np.array(lines))
 
 

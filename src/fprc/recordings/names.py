@@ -18,6 +18,8 @@ _TIME_UNITS = {
     "us": "us|usec|micros|microseconds?|mikrosekunden?|マイクロ秒|微秒",
     "ns": "ns|nsec|nsecs|nanosec|nanoseconds?|nanos|纳秒",
 }
+#: Of these, what is nothing else: no single letter, and not ``min``.
+_LONG = [_TIME_UNITS["s"].removeprefix("s|"), *(_TIME_UNITS[unit] for unit in ("ms", "us", "ns"))]
 #: Words in names of columns, in English, German, French, Spanish, Italian, Dutch, Japanese and
 #: Chinese. ``~`` is the rest of a compound.
 _WORDS = {
@@ -48,7 +50,6 @@ _WORDS = {
     "moment~|torque|drehmoment|couple|temperature|temp|temperatur|speed|velocity|vel|rate|omega|"
     "accel|acceleration|dot|ddot|~dot|flow|durchfluss|debit|voltage|spannung|memory|power|energy|status|"
     "電流|~力矩~|トルク|速度|温度|电流|電圧|电压|流量|~角速度~",
-    "letter": "s",
     "absolute": "abs|absolute|absolut|absolu|absoluto|assoluta|kpaa|bara|psia|~絶対~|~绝对~",
     "gauge": "gauge|gage|rel|relative|relativ|relatif|ueberdruck|uberdruck|barg|psig|kpag|mbarg|"
     "~ゲージ~|~表压~",
@@ -170,10 +171,10 @@ def is_time(name: str) -> bool:
 
     A single letter or ``min`` may be something else than a unit of time.
     """
-    inside, unit = unit_in(name), time_unit_in(name)
-    if has(name, "time") or (inside is not None and inside.quantity == "s"):
-        return inside is None or inside.quantity == "s"
-    return unit in ("ms", "us", "ns") or (unit == "s" and not has(name, "letter"))
+    inside = unit_in(name)
+    if inside is not None:
+        return inside.quantity == "s"
+    return has(name, "time") or any(_has_word(name, words) for words in _LONG)
 
 
 def has(name: str, what: str) -> bool:

@@ -121,7 +121,7 @@ def read_table(path: Path | str, **layout: Any) -> Table:
         ) from error
     if not table.columns and not table.others:
         raise LogError(f"{path}: has no content; the file is empty or cut short")
-    return table._replace(columns=table.columns | _joined_clocks(table.columns))
+    return table._replace(columns=table.columns | joined_clocks(table.columns))
 
 
 def _of_zip(path: Path) -> tuple[str, str]:
@@ -145,7 +145,7 @@ def _call(reader: str, path: Path, layout: dict[str, Any]) -> Any:
     return read(path, **layout)
 
 
-def _joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
+def joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
     """Return, for each pair of columns of seconds and nanoseconds, their sum, in s.
 
     They stand side by side, and are named so, or the seconds count from 1970.

@@ -74,7 +74,7 @@ def test_cut_is_counted_from_the_first_sample_and_may_not_leave_nothing():
         ({"t": changed(T, _6=np.nan, _9=np.inf)}, "sample 6 (line 8); in all: 2"),
         ({"force": changed(T, _30=np.nan)}, "p_exp_kpa: force: sample 30 (line 32) is nan"),
         ({"force": T[:49]}, "unequal numbers of samples (angle 50, force 49, t 50)"),
-        ({"unusable": ("line 5: 'pump'",)}, "1 lines among the samples are none: line 5: 'pump'"),
+        ({"unusable": ("line 5: 'pump'",)}, "lines that are no samples: 1: line 5: 'pump'"),
     ],
 )
 def test_samples_that_cannot_be_used_are_named(columns, line):

@@ -146,12 +146,6 @@ def test_letters_of_other_encodings_are_read(table, encoding):
     assert list(table(text.encode(encoding)).columns)[1] == "angle [°]"
 
 
-def test_columns_without_or_with_the_same_name_are_told_apart(table):
-    assert list(columns(table("t,a,\n0,1,5\n1,2,\n"))) == ["t", "a", "2"]
-    assert list(columns(table("t,a,a\n0,1,5\n1,2,6\n"))) == ["t", "a", "a (2)"]
-    assert columns(table("0,1.5\n1,2.5\n2,3.5\n")) == {"0": [0, 1, 2], "1": [1.5, 2.5, 3.5]}
-
-
 #: Text, the decimal mark declared or None, and what p is: numbers, or None if it is refused.
 DECIMALS = {
     "comma": ("t;p\n0;1,25\n1;2\n", None, [1.25, 2.0]),
@@ -186,30 +180,16 @@ def test_decimal_mark_is_that_of_the_file_or_refused(table, case):
         np.testing.assert_array_equal(found.columns["p"].values, np.array(expected, float))
 
 
-@given(
-    numbers=st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=5),
-    separator=st.sampled_from([";", "\t", "|"]),
-    mark=st.sampled_from(".,"),
-    digits=st.integers(0, 4),
-)
-def test_number_is_read_as_it_was_written_or_not_at_all(
-    tmp_path_factory, numbers, separator, mark, digits
-):
-    texts = [f"{number:.{digits}f}" for number in numbers]
-    lines = [f"{k}{separator}{text.replace('.', mark)}" for k, text in enumerate(texts)]
-    path = tmp_path_factory.getbasetemp() / "decimals.csv"
-    path.write_text("\n".join([f"t{separator}p", *lines, ""]))
-    for options in ({}, {"decimal": mark}):
-        found = read_text(path, **options)
-        if "p" in found.columns or options:
-            assert found.columns["p"].values.tolist() == list(map(float, texts))
-
-
 @pytest.mark.parametrize("last", ["2,12", "2,1", "2,", "2", '2,"1', ""])
 def test_last_line_without_a_line_end_is_left_out_with_a_note(table, last):
     found = table(f"t,x\n0,1\n1,2\n{last}")
     assert columns(found) == {"t": [0, 1], "x": [1, 2]}
     assert len(found.notes) == bool(last)
+
+
+def test_columns_without_or_with_the_same_name_are_told_apart(table):
+    assert list(columns(table("t,a,\n0,1,5\n1,2,\n"))) == ["t", "a", "2"]
+    assert list(columns(table("t,a,a\n0,1,5\n1,2,6\n"))) == ["t", "a", "a (2)"]
 
 
 def test_lines_of_header_and_data_may_be_given(table):
