@@ -1,7 +1,6 @@
 """Groups of settings that functions take together."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from fprc.config.section import Section
@@ -12,13 +11,12 @@ if TYPE_CHECKING:
     from fprc.evaluation.folds import Fold
 
 
-@dataclass(frozen=True)
-class Judgement:
+class Judgement(Section):
     """How models are judged (Sec. III-D)."""
 
-    models: Mapping[str, Any]  #: section ``models`` of the configuration, or the part that is read
+    models: dict[str, Any]  #: section ``models`` of the configuration, or the part that is read
     folds: int  #: number of folds of the cross-validation
-    split: str  #: rows of a fold: ``shuffled`` or ``blocked``
+    split: Literal["shuffled", "blocked"]  #: rows of a fold
     seed: int  #: seed of folds and models
     purge_s: float = 2.0  #: time on each side of a contiguous block that does not train
 

@@ -21,7 +21,7 @@ MODELS = {
         "epsilon": 0.1, "n_c": 2, "n_u": 2, "sigma": 2.0, "restarts": 1
     },
 }  # fmt: skip
-JUDGEMENT = Judgement(MODELS, folds=3, split="blocked", seed=1, purge_s=0.0)
+JUDGEMENT = Judgement(models=MODELS, folds=3, split="blocked", seed=1, purge_s=0.0)
 
 
 def recording(samples=100, begin=5.0, without=(), **attributes):

@@ -16,7 +16,7 @@ SETTINGS["models"]["others"] = {"mine": {"estimator": "my.Model", "inputs": [], 
 
 def test_all_models_are_judged_as_the_configuration_says():
     how = Judgement(**judgement(SETTINGS))
-    assert how == Judgement(SETTINGS["models"], folds=5, split="shuffled", seed=1)
+    assert how == Judgement(models=SETTINGS["models"], folds=5, split="shuffled", seed=1)
 
 
 def test_judgement_of_one_model_has_the_settings_of_that_model_alone():
