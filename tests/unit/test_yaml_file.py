@@ -83,6 +83,12 @@ def test_duplicate_key_is_refused_for_any_values(read, content):
         assert f"line 1: {key} is a duplicate" in line
 
 
+def test_every_duplicate_key_is_named_with_its_line(read):
+    (line,) = refused(read, "a: 1\nb: {c: 1,\n    c: 2}\na: 3\nd: 4\n")
+    assert "line 3: c is a duplicate" in line
+    assert "line 4: a is a duplicate" in line
+
+
 @pytest.mark.parametrize(
     ("text", "line"),
     [
