@@ -56,7 +56,7 @@ docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
 check: .venv/.ready  ## compare verdicts and pictures with what is declared
 	$(STUDIES) check
 
-benchmark: .venv/.ready  ## compare speed with other libraries, for docs/running.md: some minutes
+benchmark: .venv/.ready  ## compare speed with other libraries, for docs/repeat.md: some minutes
 	tools/benchmark.sh
 
 lowest newest:  ## the unit tests with the oldest, and the newest, Python and libraries

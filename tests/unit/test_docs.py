@@ -30,7 +30,7 @@ BLOCKS = {
         "tests/unit/models/test_feature_model.py",
         "a protocol without bodies",
     ],
-    "docs/running.md": ["tests/workflow/test_module.py"],
+    "docs/elsewhere.md": ["tests/workflow/test_module.py"],
     "docs/chamber.md": ["tests/unit/recordings/test_import_recording.py"],
     "docs/own-data.md": ["tests/unit/commands/test_page.py"],
 }

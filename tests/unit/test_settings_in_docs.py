@@ -68,7 +68,7 @@ def quoted():
             f"counts from {diagnosis.LEAK_KPA_PER_MIN:g} kPa per minute on",
         ],
         "docs/results.md": [f"a time constant of {filter_s:g} s"],
-        "docs/running.md": [
+        "docs/elsewhere.md": [
             f"Each of the {len(settings.evaluation.replicate_seeds)} `evaluation.replicate_seeds`",
         ],
     }

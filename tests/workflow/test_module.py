@@ -1,4 +1,4 @@
-"""The workflow as a module of another one, as in docs/running.md, and from another folder."""
+"""The workflow as a module of another one, as in docs/elsewhere.md, and from another folder."""
 
 import re
 from pathlib import Path
@@ -9,7 +9,7 @@ import yaml
 
 ROOT = Path(__file__).parents[2]
 STUDIES = str(ROOT / "workflow/studies/Snakefile")
-PAGE = (ROOT / "docs/running.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/elsewhere.md").read_text(encoding="utf-8")
 SMOKE = yaml.safe_load((ROOT / "config/smoke.yaml").read_text(encoding="utf-8"))
 
 pytestmark = pytest.mark.slow

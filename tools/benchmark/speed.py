@@ -1,6 +1,6 @@
 """Compare speed with other libraries: `make benchmark`, which installs them.
 
-It writes the tables to docs/running.md, and prints them.
+It writes the tables to docs/repeat.md, and prints them.
 
 Everything runs on one core; times are those of the processor. What is compared takes turns, so that
 a disturbance of the machine slows all of it. States are compared first: if they differ, no times
@@ -32,7 +32,7 @@ from fprc.studies.blocks import replace_block
 from fprc.tables.text import three_digits, within
 from tools.benchmark.peers import PEERS, Peer, limit
 
-PAGE = Path(__file__).parents[2] / "docs/running.md"
+PAGE = Path(__file__).parents[2] / "docs/repeat.md"
 #: States that differ by less are the same.
 SAME = 1e-12
 OURS, FUZZY, LIMIT = "fprc", "scikit-fuzzy", "W_r x alone, by BLAS"
