@@ -28,6 +28,8 @@ BLOCKS = {
     "docs/extending.md": [
         "tests/workflow/test_extending.py",
         "tests/unit/models/test_feature_model.py",
+        "tests/unit/models/test_own_maps.py",
+        "needs ReservoirPy; tests/unit/models/test_own_maps.py does the same where it is installed",
         "a protocol without bodies",
     ],
     "docs/elsewhere.md": ["tests/workflow/test_module.py"],

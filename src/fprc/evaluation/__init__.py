@@ -2,6 +2,17 @@
 
 from fprc.evaluation.crossval import CrossValidated, Prepared, evaluate, prepare, rmse
 from fprc.evaluation.folds import split_rows
+from fprc.evaluation.scikit import TimeBlocks, settled_rmse
 from fprc.evaluation.timing import time_models
 
-__all__ = ["CrossValidated", "Prepared", "evaluate", "prepare", "rmse", "split_rows", "time_models"]
+__all__ = [
+    "CrossValidated",
+    "Prepared",
+    "TimeBlocks",
+    "evaluate",
+    "prepare",
+    "rmse",
+    "settled_rmse",
+    "split_rows",
+    "time_models",
+]

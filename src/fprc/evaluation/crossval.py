@@ -142,7 +142,7 @@ def prepare(
                 f"memory, so with its settings it takes at most {most:,}: use a shorter log, or "
                 "fewer features"
             )
-        rows = {name: features.transform(X, *lengths) for name, (X, _, *lengths) in logs.items()}
+        rows = {name: features.map_log(X, *lengths) for name, (X, _, *lengths) in logs.items()}
     return Prepared(model, features, rows, {name: log[1] for name, log in logs.items()})
 
 

@@ -52,7 +52,7 @@ class BlockReadouts:
         alphas: Sequence[float] | None = None,
     ):
         with refusals_of(model):
-            features = model.make_features().fit(X).transform(X, lengths)
+            features = model.make_features().fit(X).map_log(X, lengths)
         readout: Any = model.make_readout()
         self._alphas = alphas
         self._own = readout.alpha

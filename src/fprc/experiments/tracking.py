@@ -162,7 +162,7 @@ class Track(NamedTuple):
         if not self.control.feedforward.adapt:
             return Precomputed(model.predict(X))
         online = self.online(model)
-        rows = model.features_.transform(X)
+        rows = model.features_.map_log(X)
         phi = np.ascontiguousarray(model.readout_.regressors(rows))
         return Precomputed(model.readout_.predict(rows), online, phi)
 

@@ -3,8 +3,9 @@
 from fprc.models.echo_features import EchoStates
 from fprc.models.esn import ESN
 from fprc.models.feature_model import FeatureModel
-from fprc.models.features import LowpassBank, TapFeatures, lowpass, taps
+from fprc.models.features import FeatureMap, LowpassBank, TapFeatures, lowpass, taps
 from fprc.models.fprc import FPRC, FuzzyLinear
+from fprc.models.nodes import NodeFeatures
 from fprc.models.nvar import NVAR
 from fprc.models.online import Learning, Online
 from fprc.models.plays import PlayOperators
@@ -19,10 +20,12 @@ __all__ = [
     "FPRC",
     "NVAR",
     "EchoStates",
+    "FeatureMap",
     "FeatureModel",
     "FuzzyLinear",
     "Learning",
     "LowpassBank",
+    "NodeFeatures",
     "Online",
     "PlayOperators",
     "RidgeReadout",

@@ -62,7 +62,8 @@ class EchoStates(FeatureMap):
         "random_state": SEED,
     }
 
-    def _prepare(self, X: np.ndarray) -> None:
+    def prepare(self, X: np.ndarray) -> None:
+        """See ``FeatureMap``."""
         rng = check_random_state(self.random_state)
         self.w_in_ = self.f_input * rng.standard_normal((self.r, X.shape[1]))
         dense = rng.standard_normal((self.r, self.r))
@@ -80,7 +81,8 @@ class EchoStates(FeatureMap):
         yield "w_in_", Array((self.r, self.n_features_in_))
         yield "W_r_", Array((self.r, self.r))
 
-    def _transform(self, X: np.ndarray) -> np.ndarray:
+    def map_recording(self, X: np.ndarray) -> np.ndarray:
+        """See ``FeatureMap``."""
         (rows,) = self._blocks(X, len(X))
         return rows
 
@@ -105,12 +107,14 @@ class EchoStates(FeatureMap):
             update(state[0], state[1], x, self.w_in_, W_r, self.gamma)
         return state, W_r
 
-    def _start(self, x: np.ndarray) -> None:
+    def begin(self, x: np.ndarray) -> None:
+        """See ``FeatureMap``."""
         (self._state, self._target), self._W_r = self._settled(x)
         self._row = np.concatenate([np.repeat(x, self.n_y), self._state])
         self._table = table([row for i in range(len(x)) for row in tap_rows(i, self.n_y)])
 
-    def _step(self, x: np.ndarray) -> np.ndarray:
+    def map_sample(self, x: np.ndarray) -> np.ndarray:
+        """See ``FeatureMap``."""
         free = len(self._row) - len(self._state)
         advance(self._row[:free], x, *self._table)
         update(self._state, self._target, x, self.w_in_, self._W_r, self.gamma)

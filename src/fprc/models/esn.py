@@ -14,7 +14,8 @@ class ESN(SequenceModel):
     x(k+1) = gamma x(k) + (1 - gamma) tanh(w_in theta(k) + W_r x(k))     (3)
     P_ff(k) = w_out [1, theta(k), ..., theta(k-n_y+1), x(k)]             (4)
 
-    ``X`` has one column, theta_d in deg; further columns are further inputs.
+    ``X`` has one column, theta_d in deg; further columns are further inputs. Its rows are samples
+    in time, see ``SequenceModel``.
 
     Parameters
     ----------

@@ -20,6 +20,9 @@ NEAR = 64.0 * np.finfo(float).eps
 #: extrapolation could lead to another one.
 SMALL = 0.1
 
+#: Largest number whose squares, summed over samples and features, are within the range of double.
+LARGEST = 1e100
+
 #: Earlier iterations that an extrapolation uses.
 DEPTH = 10
 
@@ -83,6 +86,11 @@ def fuzzy_c_means(
         raise ValueError(
             f"n_clusters = {n_clusters} needs as many samples, but n_samples = {len(X)}; "
             "use fewer clusters or a longer log"
+        )
+    if (largest := np.abs(X).max()) > LARGEST:
+        raise ValueError(
+            f"X has numbers up to {largest:g}; must be within {LARGEST:g}, or distances overflow: "
+            "scale it"
         )
     thinned = X[::coarse]
     if len(thinned) < 10 * n_clusters:

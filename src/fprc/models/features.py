@@ -6,13 +6,14 @@ assumed to equal its first sample.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy, deepcopy
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.base import BaseEstimator, ClassNamePrefixFeaturesOutMixin, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.limits import MODEL, Whole, limits_of
@@ -69,10 +70,11 @@ def _is_sample(value: float) -> bool:
     return -LARGEST <= value <= LARGEST  # NaN is not
 
 
-class FeatureMap(TransformerMixin, BaseEstimator):
-    """Base of the sequential feature maps.
+class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
+    """Base of the sequential feature maps: rows are samples in time, see ``SequenceModel``.
 
-    A map has either ``rows``, or ``_transform``, ``_start`` and ``_step`` of its own.
+    A map of your own has ``begin`` and ``map_sample``; also ``prepare``, if it learns or draws
+    something, and ``map_recording``, if it maps a whole recording faster than sample by sample.
     """
 
     #: See ``fprc.models.limits``.
@@ -84,12 +86,16 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         check_limits(self, self.LIMITS)
         samples = self._samples(X, first=True)
         self._check_columns()
-        self._prepare(samples)
+        self.prepare(samples)
         self._check_size()
         self.reset()
         return self
 
     def transform(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> np.ndarray:
+        """Return what ``map_log`` does, in the container that ``set_output`` asks for."""
+        return self.map_log(X, lengths)
+
+    def map_log(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> np.ndarray:
         """Return the features of every sample of a log.
 
         Parameters
@@ -161,7 +167,7 @@ class FeatureMap(TransformerMixin, BaseEstimator):
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times."""
         if x is not None:
-            self._start(self._checked(x))
+            self.begin(self._checked(x))
         self._streaming = x is not None
 
     def step(self, x: ArrayLike) -> np.ndarray:
@@ -182,7 +188,7 @@ class FeatureMap(TransformerMixin, BaseEstimator):
         x = self._checked(x)
         if not self._streaming:
             self.reset(x)
-        return self._step(x)
+        return self.map_sample(x)
 
     def _checked(self, x: ArrayLike) -> np.ndarray:
         # a copy: numba would compile again for a view or a read-only array
@@ -208,24 +214,42 @@ class FeatureMap(TransformerMixin, BaseEstimator):
                 f"{parameters!r:.100}; at most {MOST_FEATURES} are possible, use fewer"
             )
 
-    def _prepare(self, X: np.ndarray) -> None:
-        """Learn or draw what the map needs."""
+    @property
+    def _n_features_out(self) -> int:
+        return self.count_features() or deepcopy(self).step(np.zeros(self.n_features_in_)).size
 
-    def _transform(self, X: np.ndarray) -> np.ndarray:
-        # a copy: numba would compile again for another layout or a read-only array
-        return advance_log(np.array(X, order="C"), *table(self.rows()))
+    def prepare(self, X: np.ndarray) -> None:
+        """Learn or draw what the map needs, from the training log, of shape (n_samples, n_inputs).
+
+        What it keeps for ever goes into attributes whose names end in ``_``: finite numbers, arrays
+        of them or text, which files of models hold.
+        """
+
+    def map_recording(self, X: np.ndarray) -> np.ndarray:
+        """Return the features of a recording, of shape (n_samples, n_features).
+
+        By default sample by sample. The stream of ``begin`` must go on as if nothing had been.
+        """
+        if self.rows() is not None:
+            # a copy: numba would compile again for another layout or a read-only array
+            return advance_log(np.array(X, order="C"), *table(self.rows()))
+        other = copy(self)
+        other.begin(X[0])
+        return np.array([np.array(other.map_sample(x)) for x in X])
 
     def _whole(self, X: np.ndarray) -> Iterator[np.ndarray]:
-        yield self._transform(X)
+        yield self.map_recording(X)
 
     def _blocks(self, X: np.ndarray) -> Iterator[np.ndarray]:
-        yield self._transform(X)
+        yield self.map_recording(X)
 
-    def _start(self, x: np.ndarray) -> None:
+    def begin(self, x: np.ndarray) -> None:
+        """Begin a stream, in new attributes; ``x`` is the assumed input at all earlier times."""
         self._table = table(self.rows())
         self._row = x[self._table[0]]
 
-    def _step(self, x: np.ndarray) -> np.ndarray:
+    def map_sample(self, x: np.ndarray) -> np.ndarray:
+        """Return the features of the next sample, given its inputs; the caller only reads them."""
         advance(self._row, x, *self._table)
         return self._row
 
@@ -285,7 +309,8 @@ class TapFeatures(FeatureMap):
             rows += tap_rows(i, self.n_y) if i < split else tap_rows(i, self.n_u, filtered)
         return rows
 
-    def _transform(self, X: np.ndarray) -> np.ndarray:
+    def map_recording(self, X: np.ndarray) -> np.ndarray:
+        """See ``FeatureMap``."""
         refuse_shorter(X, max(self.n_y, self.n_u))
         split = self.count_references()
         references = [taps(column, self.n_y) for column in X.T[:split]]

@@ -15,7 +15,8 @@ class FPRC(SequenceModel):
     P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
 
     ``X`` has two columns, theta_d in deg and P_o in kPa; further columns are
-    further readouts of the reservoir.
+    further readouts of the reservoir. Its rows are samples in time: see ``SequenceModel`` for
+    cross-validation.
 
     Parameters
     ----------
@@ -73,7 +74,9 @@ class FuzzyLinear(SequenceModel):
 
     The paper replaces [1, x] by [1, theta] in Eqs. (7) and (12), but does not
     say whether the clusters still use P_o. Here they do not, so that the model
-    needs no reservoir. Every column of ``X`` is a reference.
+    needs no reservoir. ``X`` has one column; of a second, P_o too, it takes taps as of another
+    reference, and is not the paper's model any more. The rows of ``X`` are samples in time, see
+    ``SequenceModel``.
 
     Parameters
     ----------

@@ -65,7 +65,8 @@ class NVAR(FeatureMap):
         yield "mean_", Array((self.n_features_in_,), Limit(-2 * LARGEST, 2 * LARGEST))
         yield "scale_", Array((self.n_features_in_,), Limit(SMALLEST_SCALE, 1e30))
 
-    def _prepare(self, X: np.ndarray) -> None:
+    def prepare(self, X: np.ndarray) -> None:
+        """See ``FeatureMap``."""
         self.mean_, spread = X.mean(axis=0), X.std(axis=0)
         rounding = SMALLEST_SCALE * np.maximum(np.abs(X).max(axis=0), 1.0)
         self.scale_ = np.where(spread >= rounding, spread, 1.0)
@@ -77,7 +78,8 @@ class NVAR(FeatureMap):
         linear = range(self.n_features_in_ * self.n_taps)
         return np.array(list(combinations_with_replacement(linear, self.degree)))
 
-    def _transform(self, X: np.ndarray) -> np.ndarray:
+    def map_recording(self, X: np.ndarray) -> np.ndarray:
+        """See ``FeatureMap``."""
         refuse_shorter(X, self._span())
         scaled = (X - self.mean_) / self.scale_
         linear = np.hstack([taps(column, self._span())[:, :: self.spacing] for column in scaled.T])
@@ -87,12 +89,14 @@ class NVAR(FeatureMap):
             products *= linear[:, columns]
         return np.hstack([linear, products])
 
-    def _start(self, x: np.ndarray) -> None:
+    def begin(self, x: np.ndarray) -> None:
+        """See ``FeatureMap``."""
         self._products = self._factors()
         self._row = np.empty(len(x) * self.n_taps + len(self._products))
         self._history = np.repeat(((x - self.mean_) / self.scale_)[:, None], self._span(), axis=1)
 
-    def _step(self, x: np.ndarray) -> np.ndarray:
+    def map_sample(self, x: np.ndarray) -> np.ndarray:
+        """See ``FeatureMap``."""
         self._history[:, 1:] = self._history[:, :-1]
         self._history[:, 0] = (x - self.mean_) / self.scale_
         linear = self._history[:, :: self.spacing].ravel()

@@ -52,7 +52,8 @@ class PlayOperators(FeatureMap):
         yield from super().learned()
         yield "half_widths_", Array((self.n_features_in_, self.n_plays), Limit(0, 1e30))
 
-    def _prepare(self, X: np.ndarray) -> None:
+    def prepare(self, X: np.ndarray) -> None:
+        """See ``FeatureMap``."""
         shares = np.arange(1, self.n_plays + 1) / (self.n_plays + 1)
         self.half_widths_ = np.outer(np.ptp(X, axis=0) / 2.0, shares)
 

@@ -10,7 +10,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.limits import Limit, limits_of
-from fprc.models.limits import Array, check_limits
+from fprc.models.limits import Array, check_limits, numbers_of
 from fprc.models.ridge import solve_ridge, sums_of_products, with_bias
 
 
@@ -42,7 +42,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Solve the normal equations for one output."""
-        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        rows, targets = validate_data(self, X, numbers_of(y), y_numeric=True, dtype=np.float64)
         return self.fit_blocks([rows], targets)
 
     def fit_blocks(self, blocks: Iterable[np.ndarray], y: np.ndarray) -> Self:

@@ -11,7 +11,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.learned import Learned, LearnedPart, features_of
-from fprc.models.limits import Array
+from fprc.models.limits import Array, numbers_of
 
 Part = TypeVar("Part", bound=BaseEstimator)
 
@@ -22,6 +22,9 @@ MOST_WEIGHTS = 512
 class SequenceModel(RegressorMixin, BaseEstimator, ABC):
     """Base of the feedforward models: rows of ``X`` are samples in time.
 
+    Shuffled rows, as of ``KFold(shuffle=True)``, are wrong without a word: the model takes each row
+    for the next sample. In scikit-learn's tools use ``fprc.evaluation.TimeBlocks`` or
+    ``TimeSeriesSplit``.
     The features depend on the history of the log, the readout on single rows.
     Cross-validation therefore computes the features once and fits one readout
     per fold; ``assembled`` joins the two into a model.
@@ -56,7 +59,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         ValueError
             ``X`` or ``y`` is not finite, or the log is shorter than the taps.
         """
-        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        rows, targets = validate_data(self, X, numbers_of(y), y_numeric=True, dtype=np.float64)
         self.features_ = self.make_features().fit(rows)
         self.readout_ = self.fit_readout(rows, targets)
         return self
@@ -66,7 +69,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         readout = self.make_readout()
         if hasattr(readout, "fit_blocks"):
             return readout.fit_blocks(self.features_.blocks(X), y)
-        return readout.fit(self.features_.transform(X), y)
+        return readout.fit(self.features_.map_log(X), y)
 
     def predict(self, X: ArrayLike) -> np.ndarray:
         """Return P_ff of every sample of a log, kPa."""
@@ -102,7 +105,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
                 f"at most {MOST_WEIGHTS} weights"
             )
         rows = validate_data(self, X, reset=False, dtype=np.float64)
-        phi = self.readout_.regressors(self.features_.transform(rows, lengths))
+        phi = self.readout_.regressors(self.features_.map_log(rows, lengths))
         self.information_ = phi.T @ phi
         return self
 

@@ -49,7 +49,8 @@ class SideBySide(FeatureMap):
         yield "maps_", [LearnedPart(part, len(columns)) for part, columns in self.maps]
         self._check_size()
 
-    def _prepare(self, X: np.ndarray) -> None:
+    def prepare(self, X: np.ndarray) -> None:
+        """See ``FeatureMap``."""
         self.maps_ = [clone(part).fit(X[:, columns]) for part, columns in self.maps]
 
     def _check_columns(self) -> None:
@@ -81,13 +82,16 @@ class SideBySide(FeatureMap):
         each = [list(columns) for _, columns in self.maps]
         return list(zip(self.maps_, each, strict=True))
 
-    def _transform(self, X: np.ndarray) -> np.ndarray:
-        return np.hstack([part.transform(X[:, columns]) for part, columns in self._parts()])
+    def map_recording(self, X: np.ndarray) -> np.ndarray:
+        """See ``FeatureMap``."""
+        return np.hstack([part.map_log(X[:, columns]) for part, columns in self._parts()])
 
-    def _start(self, x: np.ndarray) -> None:
+    def begin(self, x: np.ndarray) -> None:
+        """See ``FeatureMap``."""
         self._each = [(part, np.array(columns)) for part, columns in self._parts()]
         for part, columns in self._each:
             part.reset(x[columns])
 
-    def _step(self, x: np.ndarray) -> np.ndarray:
+    def map_sample(self, x: np.ndarray) -> np.ndarray:
+        """See ``FeatureMap``."""
         return np.concatenate([part.advance(x[columns]) for part, columns in self._each])

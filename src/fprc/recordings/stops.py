@@ -149,7 +149,7 @@ def explained_by(recordings: Recordings) -> float:
     theta = recordings.theta[:, None]
     epsilons = [1.0 - np.exp(-1.0 / (s * recordings.rate_hz)) for s in (0.15, 0.5, 1.7)]
     maps = (LowpassBank(epsilons), PlayOperators())
-    past = [part.fit(theta).transform(theta) for part in maps]
+    past = [part.fit(theta).map_log(theta) for part in maps]
     rows = np.hstack([np.ones_like(theta), theta, theta**2, *past])
     left = recordings.target - rows @ np.linalg.lstsq(rows, recordings.target)[0]
     return 1.0 - float(np.var(left) / np.var(recordings.target))

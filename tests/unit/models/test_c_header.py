@@ -269,11 +269,11 @@ def test_comment_holds_the_parts_of_the_model_and_no_empty_line_of_its_origin(fi
 class Halved(TapFeatures):
     """A map from outside the package, of which the header knows nothing."""
 
-    def _transform(self, X):
-        return super()._transform(X) / 2.0
+    def map_recording(self, X):
+        return super().map_recording(X) / 2.0
 
-    def _step(self, x):
-        return super()._step(x) / 2.0
+    def map_sample(self, x):
+        return super().map_sample(x) / 2.0
 
 
 def unexportable(features, readout=None):

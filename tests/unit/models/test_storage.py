@@ -316,11 +316,11 @@ def test_model_that_does_not_suit_its_class_is_not_saved(path):
 class Doubled(TapFeatures):
     """A map with twice the features, which it does not declare."""
 
-    def _transform(self, X):
-        return np.repeat(super()._transform(X), 2, axis=1)
+    def map_recording(self, X):
+        return np.repeat(super().map_recording(X), 2, axis=1)
 
-    def _step(self, x):
-        return np.repeat(super()._step(x), 2)
+    def map_sample(self, x):
+        return np.repeat(super().map_sample(x), 2)
 
 
 class Outside(SequenceModel):
