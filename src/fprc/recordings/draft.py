@@ -51,28 +51,36 @@ def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:
     return [name for name, value in usual if limits[0] <= value <= limits[1]]
 
 
-def doubts(mapping: ImportMap, table: Table, recording: Recording) -> list[str]:
-    """Say what a map takes otherwise than the file states it, and what is implausible.
+def contradictions(mapping: ImportMap, table: Table) -> dict[str, str]:
+    """Say by channel which units of a map are not those that the file states.
 
-    One line for each doubt, which begins with the channel.
+    A scale, or a note, says that the map is meant as it is.
     """
-    found = []
+    found = {}
     for channel, spec in mapping.channels.model_dump(exclude_none=True).items():
-        column = table.pick(spec["column"])
-        header, factor = stated_unit(spec["column"], column), factor_of(spec["unit"], channel)
-        plain = spec["scale"] == 1.0 and spec["unit"] != "1"
-        same = header is None or (header.quantity, header.factor) == (unit_of(channel), factor)
-        if header and plain and not same:
+        header = stated_unit(spec["column"], table.pick(spec["column"]))
+        as_stated = header and (header.quantity, header.factor)
+        meant = spec["scale"] != 1.0 or spec["note"] or spec["unit"] == "1"
+        if header and not meant and as_stated != (
+            unit_of(channel), factor_of(spec["unit"], channel)
+        ):  # fmt: skip
             unlike = f"the file says {header.text} of {spec['column']}, the map {spec['unit']}"
-            found.append(f"{channel}: {unlike}")
-        elif plain and factor:
-            values = recording.channels[channel] / factor
-            if others := other_units(channel, spec["unit"], values):
-                found.append(
-                    f"{channel}: {_range(recording.channels[channel])} {unit_of(channel)} are "
-                    f"unusual; is {spec['column']} in {in_words(others, 'or')}?"
-                )
+            found[channel] = f"{channel}: {unlike}"
     return found
+
+
+def doubts(mapping: ImportMap, table: Table, recording: Recording) -> list[str]:
+    """Say what a map takes otherwise than the file states it, and what is implausible."""
+    found = contradictions(mapping, table)
+    for channel, spec in mapping.channels.model_dump(exclude_none=True).items():
+        factor, values = factor_of(spec["unit"], channel) or 1.0, recording.channels[channel]
+        others = other_units(channel, spec["unit"], values / factor)
+        if others and channel not in found and spec["scale"] == 1.0:
+            found[channel] = (
+                f"{channel}: {_range(values)} {unit_of(channel)} are unusual; is {spec['column']} "
+                f"in {in_words(others, 'or')}?"
+            )
+    return list(found.values())
 
 
 def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:

@@ -1,6 +1,8 @@
 """`fprc import`: convert a recording of another program to a raw log."""
 
 import json
+import os
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +72,9 @@ def own_rate(mapping: ImportMap, source: str) -> tuple[float, float]:
 
 def read_recording(mapping: ImportMap, source: str) -> tuple[Table, Recording]:
     """Return a file, and of it what the map selects."""
-    table = read_table(source, **mapping.csv.model_dump())
+    known = os.stat(source) if os.path.exists(source) else None
+    stamp = known and (known.st_mtime_ns, known.st_size)
+    table = _table(source, stamp, tuple(mapping.csv.model_dump().items()))
     recording = gather(
         table,
         time=mapping.time.model_dump(),
@@ -80,6 +84,12 @@ def read_recording(mapping: ImportMap, source: str) -> tuple[Table, Recording]:
         skip_unusable=mapping.skip_unusable,
     )
     return table, recording
+
+
+@lru_cache(maxsize=1)
+def _table(source: str, stamp: object, layout: tuple[tuple[str, Any], ...]) -> Table:
+    """Return a file; `fprc readout` takes several parts of the same."""
+    return read_table(source, **dict(layout))
 
 
 def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:

@@ -23,7 +23,7 @@ from fprc.paper import EXPERIMENTS
 from fprc.plan.arguments import paper_models, pick
 from fprc.provenance import sha256
 from fprc.recordings.answer import answer_recordings
-from fprc.recordings.import_recording import import_mapped, own_rate
+from fprc.recordings.import_recording import import_mapped, own_rate, read_recording
 from fprc.recordings.importing import ImportMap, read_map
 from fprc.recordings.memory import draw_memory, judge_memory
 from fprc.recordings.paper_models import MODELS, judge_claims, judge_models, sentences
@@ -58,9 +58,9 @@ def report_readout(
     mapping = read_map(map_)
     if problems := _problems_of_map(map_, mapping, more=bool(train)):
         raise ConfigError("\n".join(problems))
-    refuse_units(mapping)
     folder = Path(out or Path("results", Path(source).stem))
     refuse_unwritable([folder])
+    refuse_units(mapping, read_recording(mapping, source)[0])
     rate_hz, duration_s = own_rate(mapping, source)
     end_s = mapping.start_s + duration_s
     if mapping.test_from_s is not None and mapping.test_from_s >= end_s:

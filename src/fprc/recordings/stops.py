@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from fprc.channels import unit_of
 from fprc.errors import LogError
 from fprc.evaluation.sides import PURGE_S, PURGES, WARM_UP_S, Recordings
 from fprc.logs.quality import runs
 from fprc.models import LowpassBank, PlayOperators
+from fprc.recordings.draft import contradictions
 from fprc.recordings.importing import ImportMap
-from fprc.recordings.names import factor_of, unit_in
+from fprc.recordings.table import Table
 
 #: Fewest blocks that can be predicted: one is left to train when two are out.
 LEAST_BLOCKS = 3
@@ -31,24 +31,16 @@ COPY_LAG_S = 0.5
 NEXT_TO_NOTHING = 0.05
 
 
-def refuse_units(mapping: ImportMap) -> None:
-    """Refuse a map whose unit contradicts the name of its column; a note says that it is meant.
+def refuse_units(mapping: ImportMap, table: Table) -> None:
+    """Refuse a map whose unit contradicts what the file states; a note says that it is meant.
 
     Raises
     ------
     LogError
         Lists all channels.
     """
-    problems = []
-    for name, spec in mapping.channels.model_dump(exclude_none=True).items():
-        named, factor = unit_in(spec["column"]), factor_of(spec["unit"], name)
-        unlike = named and named.quantity == unit_of(name) and named.factor != factor
-        if named and unlike and spec["unit"] != "1" and not spec["note"]:
-            problems.append(
-                f"channels.{name}: the column {spec['column']!r} is in {named.text} by its name, "
-                f"in {spec['unit']} by the map; correct unit, or say in note why it is right"
-            )
-    _refuse(problems)
+    found = contradictions(mapping, table).values()
+    _refuse([f"channels.{line}: correct unit, or say in note why it is right" for line in found])
 
 
 def refuse_channels(

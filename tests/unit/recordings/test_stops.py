@@ -1,4 +1,5 @@
 from contextlib import nullcontext
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from fprc.errors import LogError
 from fprc.evaluation.sides import Recordings
 from fprc.recordings.importing import ImportMap
 from fprc.recordings.stops import explained_by, refuse_channels, refuse_units
+from fprc.recordings.table import Column, Table
 
 UNITS = {"theta": "deg", "P_o": "kPa", "P_exp": "kPa"}
 SIZE, RATE_HZ = 3000, 50.0
@@ -67,16 +69,17 @@ def test_backlash_and_squares_of_theta_are_explained():
 
 
 @pytest.mark.parametrize(
-    ("column", "unit", "note", "passes"),
+    ("column", "beside", "unit", "note", "passes"),
     [
-        ("p [bar]", "bar", "", True),
-        ("p [bar]", "kPa", "", False),
-        ("p [bar]", "kPa", "the header is wrong", True),
-        ("p", "kPa", "", True),
-        ("p [bar]", "1", "force [N]", True),
+        ("p [bar]", "", "bar", "", True),
+        ("p [bar]", "", "kPa", "", False),
+        ("p [bar]", "", "kPa", "the header is wrong", True),
+        ("p", "", "kPa", "", True),
+        ("p", "bar", "kPa", "", False),
+        ("p [bar]", "", "1", "force [N]", True),
     ],
 )
-def test_unit_that_contradicts_the_header_stops(column, unit, note, passes):
+def test_unit_that_contradicts_the_file_stops(column, beside, unit, note, passes):
     mapping = ImportMap.model_validate({
         "experiment": "sweep", "time": {"rate_hz": 50},
         "channels": {
@@ -84,5 +87,7 @@ def test_unit_that_contradicts_the_header_stops(column, unit, note, passes):
             "p_exp_kpa": {"column": column, "unit": unit, "note": note},
         },
     })  # fmt: skip
+    columns = {"a": Column(ANGLE), column: Column(PRESSURE, beside)}
+    table = Table(Path("log.csv"), "", columns, {})
     with nullcontext() if passes else pytest.raises(LogError, match=r"channels\.p_exp_kpa"):
-        refuse_units(mapping)
+        refuse_units(mapping, table)
