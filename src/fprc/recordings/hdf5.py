@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from fprc.errors import LogError
-from fprc.logs.columns import refuse_never_written
+from fprc.logs.columns import open_hdf5, refuse_never_written
 from fprc.recordings.table import Column, Table, gathered, spread
 
 #: Attributes that hold the unit of a dataset, its label, and the names of its columns.
@@ -22,7 +22,7 @@ def read_hdf5(path: Path) -> Table:
     The fields of a compound type are ``dataset.field``. A matrix whose attribute ``columns`` or
     ``names`` names its columns, or that pandas wrote, has the columns ``matrix.name``.
     """
-    with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
         return gathered(path, "HDF5", list(_within(file, "")))
 
 

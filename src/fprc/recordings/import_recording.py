@@ -141,12 +141,17 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         name: f"{name} from {spec['column']}" + (f": {spec['note']}" if spec["note"] else "")
         for name, spec in columns.items()
     }
-    with replacing_all(diagnosed, picture, raw) as (page, png, log):
+    with replacing_all(diagnosed, raw) as (page, log):
         file = {"source": Path(source).name, "log": Path(raw).name, "words": lines}
         write_json(page, file | diagnosis)
-        fig = draw_diagnosis(recording, diagnosis, titles=titles, units=units)
-        style.save(fig, {"source": "import"}, str(png))
         write_raw(log, {"time_s": time_s, **channels}, **attributes)
+    drawn = ".png"
+    try:
+        fig = draw_diagnosis(recording, diagnosis, titles=titles, units=units)
+        style.save(fig, {"source": "import"}, picture)
+    except Exception as error:  # of Matplotlib with a user's fonts, of any type; the log is kept
+        Path(picture).unlink(missing_ok=True)  # of an earlier import
+        drawn = f"no picture ({type(error).__name__}: {error})"
     if all(np.array_equal(channels[name], recording.channels[name]) for name in channels):
         how = "unchanged"
     elif diagnosis["clock"]["running_hz"] > 1.01 * rate_hz:
@@ -157,7 +162,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         f"{source}:",
         *(f"  {line}" for line in lines),
         f"{raw}: {len(time_s)} samples at {rate_hz:g} Hz, {how}; beside it .diagnosis.json and "
-        ".png",
+        f"{drawn}",
     ]
     print("\n".join(report))
 

@@ -96,7 +96,7 @@ def test_map_of_two_parts_is_for_another_command(bring):
 
 @pytest.mark.parametrize(
     ("fails", "old"),
-    [("draw_diagnosis", True), ("write_json", False), ("write_raw", True), ("resample", True)],
+    [("write_json", False), ("write_raw", True), ("resample", True)],
 )
 def test_import_that_fails_leaves_everything_as_it_was(bring, monkeypatch, old, fails):
     channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
@@ -113,6 +113,20 @@ def test_import_that_fails_leaves_everything_as_it_was(bring, monkeypatch, old, 
     with pytest.raises(ZeroDivisionError):
         bring(channels)
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_picture_that_cannot_be_drawn_costs_no_log(bring, monkeypatch, capsys):
+    channels = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
+    before = bring(channels).read_bytes()
+
+    def fail(*arguments, **named):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("fprc.recordings.import_recording.draw_diagnosis", fail)
+    raw = bring(channels)
+    assert raw.read_bytes() == before
+    assert "no picture" in capsys.readouterr().out
+    assert not raw.with_name("sweep.diagnosis.png").exists()
 
 
 @pytest.mark.parametrize("name", [r"$\frac{$", "$x$ `b` | <i>", "=1, a\x1b[2J", "日本"])
