@@ -183,10 +183,6 @@ PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, RIGS)
         (DETAILS, r"on the default rig from (\S+) to (\S+) kPa\. .* \((\S+) instead of (\S+) deg",
          "beyond_models", [("FPRC", FORWARD), ("FPRC, tuned", FORWARD), ("FPRC, tuned", OPEN),
                            ("FPRC", OPEN)]),
-        (DRIFT, r"Without an offset FPRC is (\S+) and (\S+) deg off", "online_errors",
-         [("FPRC", "Open loop, as trained"), ("FPRC", "Closed loop, as trained")]),
-        (DRIFT, r"on \*paper\*, and (\S+) and (\S+) in \[beyond\.md\]",
-         "beyond_models", [("FPRC", OPEN), ("FPRC", CLOSED)]),
         (BEYOND, r"goes from (\S+) to (\S+) kPa \(Fuzzy-linear: (\S+) kPa",
          "beyond_offsets", [("FPRC", "0"), ("FPRC", "-2"), ("Fuzzy-linear", "0")]),
         *(
