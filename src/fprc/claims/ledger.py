@@ -44,6 +44,28 @@ def status_of(claim: Claim, fitted: Fit) -> str:
     return "half fitted" if half else "predicted"
 
 
+#: Kinds of claims by what they have to do with the fit of the rig, in the order of readers.
+KINDS = {
+    "predicted": "no part of them was fitted",
+    "half fitted": "a part of them was fitted",
+    "fitted": "the rig was fitted to them",
+    "assumed": "built into the rig",
+    "counted": "multiplications, which depend on no rig",
+}
+
+
+def holding(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
+    """Return by kind how many claims are reproduced, and of how many.
+
+    A claim that is not informative is none of them.
+    """
+    verdicts: dict[str, list[bool]] = {kind: [] for kind in KINDS}
+    for row in rows:
+        if row["verdict"] != NOT_INFORMATIVE:
+            verdicts[row["rig"]].append(row["verdict"] == REPRODUCED)
+    return {kind: (sum(held), len(held)) for kind, held in verdicts.items() if held}
+
+
 def fit_in_words(fitted: Fit) -> str:
     """Return what a rig was fitted to, and where its fit began, as a part of a sentence."""
     to = fitted.get("to", ())

@@ -17,6 +17,7 @@ from PIL import Image
 
 import fprc
 from fprc.artifacts import read_json, write_text
+from fprc.claims.ledger import holding
 from fprc.config import Settings
 from fprc.escape import in_words, typeset
 from fprc.paper import SOURCES
@@ -130,25 +131,19 @@ def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     }
 
 
-#: Kinds of claims, in the order of the page's first lines.
-_KINDS = ("predicted", "half fitted", "fitted", "assumed", "counted")
-
-
 def _claims(ledger: Sequence[str], folder: Path, shown: Container[str]) -> dict[str, Any]:
     """Return the claims, with their evidence on the page, their code, and how many hold."""
     if not ledger:
         return {"claims": None}
     report = read_json(ledger[0])
-    kinds: dict[str, list[bool]] = {kind: [] for kind in _KINDS}
     for claim in report["claims"]:
         claim["evidence"] = [name for name in claim["shown_in"] if name in shown]
-        kinds.setdefault(claim["rig"], []).append(claim["verdict"] == "reproduced")
     code, here = Path(fprc.__path__[0]) / "claims" / "paper.py", Path.cwd()
     # a link where page and code are in one project, not where the package is installed elsewhere
     beside = code.is_relative_to(here) and folder.absolute().is_relative_to(here)
     return {
         "claims": report["claims"],
-        "holding": {kind: (sum(held), len(held)) for kind, held in kinds.items() if held},
+        "holding": holding(report["claims"]),
         "code": quote(os.path.relpath(code, folder)) if beside else "",
         "note": report["note"],
         "ledger": {"short": "Claims", **_origin(ledger[0], folder, (".json", ".md"))},

@@ -28,7 +28,14 @@ PAGES = {
     "table2_timing": "Times.\n",
 }
 README = "\n".join([block("table2_seeds", "old"), block("table4_seeds", "old"), "End.\n"])
-OLD = [block(name, "old") for name in (*PAGES, "verdicts")]
+OLD = [block(name, "old") for name in (*PAGES, "held", "verdicts")]
+#: The same as numbers: 10, 20 and 30 % off print; 5 % in open loop, 40 % in closed loop.
+ERRORS = {
+    "table2_seeds": "mean,published_mean\n11,10\n8,10\n",
+    "table3_seeds": "mean,published_mean\n13,10\n",
+    "table4_seeds": "controller,rmse_deg,published_rmse_deg\n"
+    "fprc,2.1,2\nfprc,2,2\nfprc_pd,0.6,1\npd,3,\n",
+}
 RESULTS = "\nBetween.\n".join(["# Title\n", *OLD, "The end.\n"])
 
 
@@ -39,6 +46,8 @@ def project(tmp_path):
     files = {"README.md": README, "docs/results.md": RESULTS, "claims.json": LEDGER}
     for name, text in (files | {f"{name}.md": text for name, text in PAGES.items()}).items():
         (tmp_path / name).write_text(text, encoding="utf-8")
+    for name, text in ERRORS.items():
+        (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8")
     (tmp_path / "figure.png").write_bytes(b"\x89PNG picture")
     return tmp_path
 
@@ -58,7 +67,7 @@ def test_blocks_are_replaced_and_everything_else_is_kept(project):
     expected = RESULTS
     for name, new in PAGES.items():
         expected = expected.replace(block(name, "old"), block(name, new.strip()))
-    head, tail = expected.split(block("verdicts", "old"))
+    head, tail = expected.split("\nBetween.\n".join(OLD[-2:]))
     text = update(project)
     assert text.startswith(head)
     assert text.endswith(tail)
@@ -70,6 +79,15 @@ def test_every_claim_is_shown_with_its_verdict(project):
     rows = [re.split(r" *\| *", row)[1:-1] for row in text.splitlines() if row.startswith("| C")]
     assert ["C1", "It is so.", "reproduced", "fitted", "1", "below 1; above 2", "Since."] in rows
     assert ["C5", "It is fast.", "undecided", "counted", "2", "above 95", ""] in rows
+
+
+def test_claims_that_hold_are_counted_by_kind_beside_the_deviations_from_print(project):
+    text = update(project).partition("<!-- held: generated -->")[2].partition("<!-- held")[0]
+    assert re.findall(r"^\| (\w+): .* (\d+ of \d+) ", text, re.MULTILINE) == [
+        ("fitted", "1 of 1"),
+        ("counted", "0 of 1"),
+    ]
+    assert re.findall(r"([\d.]+) %", text) == ["20.0", "30", "5", "40"]
 
 
 def test_readme_has_its_tables_and_pictures_and_keeps_its_text(project):
