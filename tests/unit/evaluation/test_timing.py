@@ -104,19 +104,3 @@ def test_models_take_turns_and_warm_up_before_each_piece_of_work(clock):
         ("predict", TEST),
     ]  # fmt: skip
     assert whole == [(name, *work) for _ in range(2) for name in "ab" for work in one]
-
-
-@pytest.mark.parametrize("size", [6, 17, 18, 40])
-def test_short_log_is_its_own_excerpt(clock, size):
-    model = timed_model(clock, "a")
-    clock.turns.clear()
-    (*_, stepped, _) = time_models({"a": (model, log(TRAIN), log(size))}, repeats=1)["a"]
-    assert stepped["seconds"] == pytest.approx([STEP * size])
-    assert clock.turns.count(("a", "step", 1)) == min(size, 8 + 10)
-
-
-def test_weights_stay_as_they_are_fitted(clock):
-    model = timed_model(clock, "a")
-    before = model.readout_.w_out_.copy()
-    time_models({"a": (model, log(TRAIN), log(TEST))}, repeats=1)
-    np.testing.assert_array_equal(model.readout_.w_out_, before)
