@@ -5,11 +5,10 @@ from itertools import chain
 from fprc.config import check
 from fprc.control import run
 from fprc.devices.sim import SimulatedRig
-from fprc.evaluation.sides import FAMILIES
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import Track
-from fprc.registry import build
+from fprc.registry import SIDES, build
 
 
 def main() -> None:
@@ -19,7 +18,7 @@ def main() -> None:
     signal = settings.experiments.sweep.changed(duration_s=2.0)
     log = acquire("sweep", signal, control, rig, seed=1)
     data = Data(log | {"p_target_kpa": log["p_exp_kpa"]}, {})
-    for name in (*chain(*FAMILIES.values()), "fuzzy_linear"):
+    for name in (*chain(*SIDES.values()), "fuzzy_linear"):
         X, y, _ = data.samples(name)
         changed = {"r": 20} if name.startswith("esn") else {}
         model = build(name, models, 1, **changed).fit(X, y)

@@ -58,6 +58,8 @@ MODELS = {
 _BANK = {"epsilons": [0.03, 0.01, 0.003]}
 # P_o itself, and its low-passes
 _OF_P_O = {**_BANK, "epsilons_p_o": [1.0, *_BANK["epsilons"]]}
+# quick, and remembers a quarter of a second
+_SMALL = {"r": 100, "f_input": 0.02, "gamma": 0.98, "rho": 0.8, "washout": 100}
 _PRODUCTS = {"n_taps": 5, "spacing": 25, "degree": 2, "alpha": 0.1}
 _RIDGE = ("n_y", "alpha")
 _FUZZY = MODELS["fuzzy_linear"].settings
@@ -103,9 +105,15 @@ COMPETITORS = MODELS | {
     "plays_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on plays", n_plays=10, **_BANK),
     "nvar": _competitor("nvar", (ANGLE,), (), "NVAR", **_PRODUCTS),
     "nvar_p_o": _competitor("nvar", _BOTH, (), "NVAR + P_o", **_PRODUCTS),
+    "echo": Entry("fprc.models.esn.ESN", (ANGLE,), _RIDGE, "Small ESN", fixed=_SMALL),
     # the same network of theta_d
-    "esn_p_o": _competitor(
-        "echo_p_o", _BOTH, MODELS["esn"].settings, "ESN + P_o", epsilons_p_o=_OF_P_O["epsilons_p_o"]
+    "echo_p_o": _competitor(
+        "echo_p_o",
+        _BOTH,
+        _RIDGE,
+        "Small ESN + P_o",
+        **_SMALL,
+        epsilons_p_o=_OF_P_O["epsilons_p_o"],
     ),
     "trees": _competitor(
         "trees",
@@ -120,33 +128,31 @@ COMPETITORS = MODELS | {
     "mlp": _competitor("mlp", (ANGLE,), ("n_y",), "MLP", **_BANK, hidden=[32], tolerance=1e-3),
 }
 
-#: What was chosen for a competitor in a comparison, by the suffix of its name: its settings, by
-#: cross-validation in training logs, to match FPRC's training error, or by test errors.
-CHOICES = {
-    "tuned": "tuned",
-    "matched": "matched in training",
-    "oracle": "oracle",
+
+#: Families of models without P_o and with it, alike but for that, the plainest first. FPRC on
+#: low-passed theta stands on theta's side.
+SIDES = {
+    "taps": ("linear", "linear_p_o"),
+    "low-passes": ("bank", "bank_p_o"),
+    "plays": ("plays", "plays_p_o"),
+    "fuzzy": ("fprc_lowpass", "fprc"),
+    "NVAR": ("nvar", "nvar_p_o"),
+    "ESN": ("echo", "echo_p_o"),
 }
 
 
-def choice_of(name: str) -> str:
-    """Return the suffix that says what was chosen for a competitor; empty if it has none."""
-    base, _, suffix = name.rpartition("_")
-    return suffix if base in COMPETITORS and suffix in CHOICES else ""
-
-
 def entry_of(name: str, models: Settings | None = None) -> Entry:
-    """Return the entry of any model; the name of a competitor may have a suffix.
+    """Return the entry of any model.
 
     Raises
     ------
     ConfigError
         There is none; the message lists all of this package.
     """
-    known, base = COMPETITORS | entries(models), name.removesuffix(f"_{choice_of(name)}")
-    if base not in known:
+    known = COMPETITORS | entries(models)
+    if name not in known:
         raise ConfigError(f"{name!r} is no model; choose from {', '.join(COMPETITORS)}")
-    return known[base]
+    return known[name]
 
 
 def entries(models: Settings | None = None) -> dict[str, Entry]:
@@ -163,10 +169,7 @@ def entries(models: Settings | None = None) -> dict[str, Entry]:
 
 
 def title_of(name: str) -> str:
-    """Return a model's name for tables and figures, with what was chosen for it."""
-    choice = choice_of(name)
-    if choice:
-        return f"{title_of(name.removesuffix(f'_{choice}'))}, {CHOICES[choice]}"
+    """Return a model's name for tables and figures."""
     if name in COMPETITORS:
         return COMPETITORS[name].title
     return name[:1].upper() + name[1:].replace("_", " ")

@@ -233,10 +233,9 @@ def changed(channels):
 #: Forward test RMSE of each model over FPRC's, in the families of ``make_family``.
 RATIOS = {
     "fprc": 1.0, "fprc_lowpass": 1.3, "fuzzy_linear": 1.25, "esn": 1.2, "ridge_p_o": 1.15,
-    "bank_p_o": 1.05, "bank": 1.1, "bank_fuzzy": 1.12, "plays": 1.18, "plays_fuzzy": 1.1,
-    "nvar": 1.4, "trees": 1.6, "mlp": 1.5, "fprc_tuned": 0.95, "fprc_lowpass_tuned": 1.2,
-    "esn_tuned": 1.1, "bank_tuned": 1.0, "plays_tuned": 1.1, "esn_matched": 1.25,
-    "fprc_oracle": 0.9, "esn_oracle": 1.0, "bank_oracle": 0.92, "plays_oracle": 1.0,
+    "linear": 1.6, "linear_p_o": 1.5, "bank_p_o": 1.05, "bank": 1.1, "bank_fuzzy": 1.12,
+    "plays": 1.18, "plays_p_o": 1.12, "plays_fuzzy": 1.1, "nvar": 1.4, "nvar_p_o": 1.3,
+    "echo": 1.35, "echo_p_o": 1.2, "trees": 1.6, "mlp": 1.5,
 }  # fmt: skip
 OFFSETS = (-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0)
 
@@ -267,7 +266,8 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
                 {
                     "unit": unit,
                     "seed": 601 + repeats * unit + repeat,
-                    "models": {model: _model(model, error) for model, error in errors.items()},
+                    "models": {model: _model(model, error) for model, error in errors.items()}
+                    | ({} if models else _memory(random)),
                 }
             )
     return {
@@ -277,10 +277,20 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
     } | more
 
 
+def _memory(random):
+    noise = np.exp(0.01 * random.standard_normal())
+    return {
+        "threshold": {"nonlinear": 0.1},
+        "p_o": {"memory_s": 0.6 * noise, "nonlinear": 0.01},
+        "theta": {"memory_s": 0.7, "nonlinear": 0.001},
+    }
+
+
 def _model(name, error):
     reads_p_o = name.startswith("fprc") and "lowpass" not in name or name.endswith("p_o")
     loops = {"open_loop": 0.15 * error, "closed_loop": 0.08 * error}
     found = {"train": 0.9 * error, "forward": error, "reversed": 2.0 * error, **loops}
+    found["blocks"] = 0.95 * error
     shifted = {kpa: float(np.hypot(error, (5.0 + (kpa > 0)) * kpa)) for kpa in OFFSETS}
     for kpa, moved in shifted.items():
         if name == "fprc":

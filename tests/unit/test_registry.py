@@ -51,7 +51,7 @@ class Unfinished(SequenceModel):
         return TapFeatures()
 
 
-@pytest.mark.parametrize("name", ["esn", "trees", "bank_tuned", "pd", "x_pd"])
+@pytest.mark.parametrize("name", ["esn", "trees", "pd", "x_pd"])
 def test_name_of_a_model_must_not_be_read_as_a_controller_or_as_ours(name):
     with pytest.raises(ConfigError, match=rf"models\.others.*{name}: is the name"):
         check({"models": {"others": {name: OTHERS["taps_a"]}}})

@@ -30,7 +30,7 @@ def quoted():
         ],
         "docs/beyond-details.md": [
             f"on {seeds.units} seeds each, *near print* on {seeds.units} rigs",
-            f"on {seeds.units} rigs with {seeds.seeds_per_rig} seeds each",
+            f"*drawn* on {seeds.units} rigs.",
         ],
         "docs/decisions.md": [
             f"up to {checked._PIXELS} pixels differ by more than {checked._LEVELS} levels"

@@ -1,12 +1,10 @@
 # Beyond the paper: competitors of its models, on several families of simulated rigs.
 
-#: Settings of the tuned models; docs/beyond-details.md says how they were chosen.
-TUNED = file_of_workflow("../../config/tuned.yaml")
 #: Families: the rig of the configuration, every other named rig, and the sets of rigs.
 CONFIGURED_FAMILY = SETTINGS["fitted"]["name"]
 FAMILIES = [CONFIGURED_FAMILY, *OTHER_RIGS, *SETS]
 #: Names of the tables in Markdown.
-PAGES_BEYOND = "claims models offsets beside fitted details leaderboard".split()
+PAGES_BEYOND = "claims models offsets best memory worth fitted details leaderboard".split()
 #: Settings of the models and of their competitors, with their own number of starts of a clustering.
 CONTESTANTS = paper_models(SETTINGS) | {
     "fprc": SETTINGS["models"]["fprc"] | {"restarts": BEYOND["restarts"]}
@@ -25,7 +23,6 @@ wildcard_constraints:
 use rule judge_family as judge_beyond with:
     input:
         near_print=NEAR_PRINT,
-        tuned=TUNED,
     output:
         judged=PATHS.below("beyond/{world}.json"),
     log:

@@ -35,7 +35,7 @@ use rule calibration_page as beyond_page with:
     log:
         PATHS.messages("beyond_page"),
     params:
-        pages=["docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
+        pages=["README.md", "docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
         pictures=["docs/images/beyond_pairs.png"],
     message:
         "Numbers and pictures of the pages on models beyond the paper's"

@@ -7,7 +7,7 @@ from pydantic import AfterValidator, Field, field_validator
 
 from fprc.config.section import Distinct, NotEmpty, Section, quantity
 from fprc.limits import MODEL
-from fprc.registry import ANGLE, COMPETITORS, choice_of
+from fprc.registry import ANGLE, COMPETITORS
 
 
 class Esn(Section):
@@ -83,7 +83,7 @@ class Models(Section):
     @field_validator("others")
     @classmethod
     def _names_are_free(cls, others: dict[str, Other]) -> dict[str, Other]:
-        ours = {name for name in others if name in COMPETITORS or choice_of(name)}
+        ours = {name for name in others if name in COMPETITORS}
         taken = [name for name in others if name in {*ours, "pd"} or name.endswith("_pd")]
         if taken:
             raise ValueError(

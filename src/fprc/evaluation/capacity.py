@@ -9,7 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fprc.errors import EvaluationError
+from fprc.models import LowpassBank
 
+#: Time constants of the low-passes whose state ``filtered_capacity`` judges, s.
+TIMES_S = (0.15, 0.5, 1.7)
+#: Its lags of theta: spacing and number; theta's own newest taps do not count in the memory curve.
+SPACING_S, LAGS, TAPS = 0.1, 50, 5
 #: Directions of a state or of the targets below this share of the largest are rounding errors.
 _RANK = 1e-9
 #: Blocks that judge the memory curve, and its ridge parameter, a share of the samples.
@@ -123,6 +128,14 @@ def capacity(
     area = float(memory.sum()) * spacing / rate_hz
     lags_s = np.arange(lags) * spacing / rate_hz
     return Capacity(sums, targets, rank, lags_s, memory, area)
+
+
+def filtered_capacity(signal: np.ndarray, theta: np.ndarray, rate_hz: float) -> Capacity:
+    """Return the capacity of a signal and three low-passes of it, for theta as the input."""
+    epsilons = [1.0 - np.exp(-1.0 / (time_s * rate_hz)) for time_s in TIMES_S]
+    state = LowpassBank([1.0, *epsilons]).fit_transform(signal[:, None])
+    spacing = max(1, round(SPACING_S * rate_hz))
+    return capacity(state, theta, rate_hz=rate_hz, lags=LAGS, spacing=spacing, taps=TAPS)
 
 
 def _checked(

@@ -12,24 +12,12 @@ import numpy as np
 from fprc.evaluation.folds import Fold, split_blocks
 from fprc.evaluation.rates import PAPER_HZ, scaled
 from fprc.evaluation.readouts import BlockReadouts
-from fprc.registry import build, entry_of, title_of
+from fprc.registry import SIDES, build, entry_of, title_of
 
-#: Models without P_o and with it, alike but for that, the plainest first. FPRC on low-passed theta
-#: stands on theta's side.
-FAMILIES = {
-    "taps": ("linear", "linear_p_o"),
-    "low-passes": ("bank", "bank_p_o"),
-    "plays": ("plays", "plays_p_o"),
-    "fuzzy": ("fprc_lowpass", "fprc"),
-    "NVAR": ("nvar", "nvar_p_o"),
-    "ESN": ("esn", "esn_p_o"),
-}
 #: Settings on either side: ridge parameters, shares of the weight of the training samples.
 ALPHAS = (1e-6, 1e-4, 1e-2)
 #: Errors inside that differ by less than this factor count as equal.
 EQUAL = 1.05
-#: The ESN of both sides is small, to be quick, and remembers a quarter of a second at 200 Hz.
-_ESN = {"r": 100, "gamma": 0.98, "rho": 0.8}
 #: Inputs get this mean and standard deviation, those of theta on the paper's rig in deg: widths of
 #: rules and scales of networks then mean the same on every recording.
 _MEAN, _SPREAD = 30.0, 18.0
@@ -115,7 +103,7 @@ class Side(NamedTuple):
     def family(self) -> str:
         """Family that is chosen most often."""
         names = [name for name, _ in self.chosen]
-        return max(FAMILIES, key=names.count)
+        return max(SIDES, key=names.count)
 
     @property
     def error(self) -> float:
@@ -145,7 +133,7 @@ def judge_side(
         Gets a line after each family.
     """
     outer, inner = {}, {}
-    for family in FAMILIES:
+    for family in SIDES:
         fits = readouts_of(recordings, family, with_p_o, models, seed)
         blocks = range(len(fits.blocks))
         inner[family] = np.array(
@@ -155,15 +143,15 @@ def judge_side(
             ]
         )
         outer[family] = np.array([fits.errors(out) for out in blocks])
-        step(title_of(FAMILIES[family][with_p_o]))
+        step(title_of(SIDES[family][with_p_o]))
     chosen, alone = [], []
     for block in blocks:
-        found = {family: _plainest(inner[family][block]) for family in FAMILIES}
+        found = {family: _plainest(inner[family][block]) for family in SIDES}
         errors = [inner[family][block, k] for family, k in found.items()]
-        best = list(FAMILIES)[int(np.flatnonzero(errors <= min(errors) + math.log(EQUAL))[0])]
+        best = list(SIDES)[int(np.flatnonzero(errors <= min(errors) + math.log(EQUAL))[0])]
         chosen.append((best, found[best]))
         alone.append([outer[family][block, k] for family, k in found.items()])
-    each = dict(zip(FAMILIES, np.transpose(alone), strict=True))
+    each = dict(zip(SIDES, np.transpose(alone), strict=True))
     return Side(
         np.array([each[name][block] for block, (name, _) in enumerate(chosen)]), chosen, each
     )
@@ -184,17 +172,27 @@ def judge_shift(
     return float(np.exp(np.log(errors).mean()))
 
 
+def block_errors(
+    recordings: Recordings, with_p_o: bool, models: Mapping[str, Any], seed: int
+) -> dict[str, float]:
+    """Return the error of each family of one side on all blocks, geometric mean, best ridge."""
+    errors = {}
+    for family in SIDES:
+        fits = readouts_of(recordings, family, with_p_o, models, seed)
+        means = np.mean([np.log(fits.errors(block)) for block in range(len(fits.blocks))], axis=0)
+        errors[family] = float(np.exp(means.min()))
+    return errors
+
+
 def readouts_of(
     recordings: Recordings, family: str, with_p_o: bool, models: Mapping[str, Any], seed: int
 ) -> BlockReadouts:
     """Return the readouts of a family of one side on the blocks of recordings."""
-    name = FAMILIES[family][with_p_o]
+    name = SIDES[family][with_p_o]
     inputs = {"theta_deg": recordings.theta, "p_o_kpa": recordings.p_o}
     X = np.column_stack([_scaled(inputs[channel]) for channel in entry_of(name).inputs])
-    settings = {key: models[key] for key in ("n_y", "alpha", "fprc", "esn")}
-    settings["esn"] = settings["esn"] | _ESN
     ratio = recordings.rate_hz / PAPER_HZ
-    settings |= {key: settings[key] | scaled(settings[key], ratio) for key in ("fprc", "esn")}
+    settings = {**models, "fprc": models["fprc"] | scaled(models["fprc"], ratio)}
     changed = scaled(entry_of(name).fixed, ratio)
     if family == "ESN":  # one network on both sides
         changed["random_state"] = seed

@@ -47,6 +47,17 @@ def answer_recordings(
 ) -> dict[str, Any]:
     """Compare the best models with and without P_o, and P_o with itself at other times.
 
+    Parameters
+    ----------
+    models : Mapping
+        Section ``models`` of the configuration, for 200 samples a second.
+    seed : int
+        Seed of rules and networks.
+    step : callable
+        Gets a line after each step.
+    unit : str
+        Unit of the target.
+
     Returns
     -------
     dict

@@ -6,18 +6,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from fprc.evaluation.capacity import capacity
+from fprc.evaluation.capacity import TAPS, filtered_capacity
 from fprc.evaluation.readouts import BlockReadouts
 from fprc.evaluation.sides import ALPHAS, Recordings, distances, readouts_of
 from fprc.figures import style
-from fprc.models import LowpassBank
-
-#: Time constants of the low-passes of P_o whose state is judged, s; P_o itself is one more.
-TIMES_S = (0.15, 0.5, 1.7)
-#: Lags of theta: their spacing and number; theta's own newest taps are not counted.
-SPACING_S, LAGS, TAPS = 0.1, 50, 5
-#: Highest degree of the capacity.
-DEGREE = 3
 
 
 def judge_memory(
@@ -45,18 +37,8 @@ def judge_memory(
     longest = int(np.argmax(recordings.lengths))
     rows = slice(ends[longest] - recordings.lengths[longest], ends[longest])
     theta, p_o = recordings.theta[rows], recordings.p_o[rows]
-    epsilons = [1.0 - np.exp(-1.0 / (time_s * recordings.rate_hz)) for time_s in TIMES_S]
-    low_passes = LowpassBank([1.0, *epsilons])
     of_each = {
-        name: capacity(
-            low_passes.fit_transform(signal[:, None]),
-            theta,
-            rate_hz=recordings.rate_hz,
-            lags=LAGS,
-            spacing=max(1, round(SPACING_S * recordings.rate_hz)),
-            degree=DEGREE,
-            taps=TAPS,
-        )
+        name: filtered_capacity(signal, theta, recordings.rate_hz)
         for name, signal in (("p_o", p_o), ("theta", theta))
     }
     of_p_o = recordings._replace(target=recordings.p_o)

@@ -15,7 +15,7 @@ from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, 
 from fprc.config import from_files
 from fprc.errors import ConfigError, FprcError, LogError
 from fprc.evaluation.rates import PAPER_HZ, settings_at
-from fprc.evaluation.sides import FAMILIES, SHIFTS, Recordings, progress
+from fprc.evaluation.sides import SHIFTS, Recordings, progress
 from fprc.experiments.data import Data, read_data
 from fprc.given import refuse_repeats
 from fprc.logs import read_columns
@@ -29,6 +29,7 @@ from fprc.recordings.memory import draw_memory, judge_memory
 from fprc.recordings.paper_models import MODELS, judge_claims, judge_models, sentences
 from fprc.recordings.readout_page import Parts, cautions, rates_in_words, report_page, write_tables
 from fprc.recordings.stops import refuse_channels, refuse_units
+from fprc.registry import SIDES
 from fprc.stages.preprocess import preprocess
 
 log = logging.getLogger(__name__)
@@ -129,7 +130,7 @@ def _judge(recordings: Recordings, settings: Mapping[str, Any], unit: str) -> di
     """Return the answer, the errors of the paper's models and the claims on them."""
     models, own = (paper_models(settings_at(settings, hz)) for hz in (PAPER_HZ, recordings.rate_hz))
     seed = settings["seed"]
-    total = 2 * len(FAMILIES) + SHIFTS + len(MODELS) + 1
+    total = 2 * len(SIDES) + SHIFTS + len(MODELS) + 1
 
     def show(line: str) -> None:
         print(f"\r{line:<78}", end="", file=sys.stderr, flush=True)

@@ -4,8 +4,8 @@ import pytest
 from fprc.config import Settings
 from fprc.evaluation import sides
 from fprc.evaluation.sides import (
-    FAMILIES,
     SHIFTS,
+    SIDES,
     Recordings,
     judge_shift,
     judge_side,
@@ -93,8 +93,8 @@ def test_motions_that_do_not_repeat_have_no_period():
 @pytest.fixture
 def two_families(monkeypatch):
     """Compare two quick families only."""
-    chosen = {name: FAMILIES[name] for name in ("taps", "low-passes")}
-    monkeypatch.setattr(sides, "FAMILIES", chosen)
+    chosen = {name: SIDES[name] for name in ("taps", "low-passes")}
+    monkeypatch.setattr(sides, "SIDES", chosen)
 
 
 @pytest.mark.usefixtures("two_families")

@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from fprc.config import check
 from fprc.errors import ConfigError
-from fprc.registry import COMPETITORS, build, choice_of, title_of
+from fprc.registry import COMPETITORS, build
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_seed_decides_what_is_random(name, models):
     assert set(seeds) == {8}
 
 
-@pytest.mark.parametrize("name", ["lstm", "fprc_best", "lstm_tuned"])
+@pytest.mark.parametrize("name", ["lstm", "fprc_best"])
 def test_name_that_is_no_model_is_refused_with_those_that_are(name, models):
     with pytest.raises(ConfigError, match=f"'{name}'.* esn, fprc"):
         build(name, models, 1)
@@ -53,14 +53,6 @@ def test_name_that_is_no_model_is_refused_with_those_that_are(name, models):
 def test_unknown_setting_is_refused_by_name(name, models):
     with pytest.raises(ConfigError, match=rf"{name} .*'depth_'"):
         build(name, models, 1, depth_=3)
-
-
-def test_suffix_says_how_settings_were_chosen(models):
-    assert [choice_of(name) for name in ("fprc_lowpass", "esn_matched", "a_tuned")] == [
-        "", "matched", ""
-    ]  # fmt: skip
-    assert title_of("esn_matched") == "ESN, matched in training"
-    assert repr(build("esn_matched", models, 4)) == repr(build("esn", models, 4))
 
 
 def test_titles_differ():

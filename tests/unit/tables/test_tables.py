@@ -86,6 +86,9 @@ def test_page_of_table_2_shows_ours_beside_the_paper():
     page = comparison_page(forces)
     assert page.columns[0] == "Performance [N]"
     assert page["FPRC, paper"].tolist() == ["-"] * 3  # its numbers are in kPa
+    imported = comparison([content | {"source": "import"} for content in REPORTS], PUBLISHED)
+    assert imported["published_mean"].isna().all()
+    assert not any("paper" in column for column in comparison_page(imported))
 
 
 def test_model_that_is_not_there_has_a_column_that_says_so():

@@ -1,6 +1,7 @@
 """The paper's models and their competitors on one rig: errors, tracking, and a shifted P_o."""
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,45 +9,34 @@ import numpy as np
 from fprc.config.tracking import Tracking
 from fprc.errors import FprcError, in_one_line
 from fprc.evaluation import rmse
+from fprc.evaluation.capacity import filtered_capacity
 from fprc.evaluation.crossval import prepare
+from fprc.evaluation.sides import Recordings, block_errors
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings, Unit
 from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
-from fprc.registry import COMPETITORS, build, entry_of
+from fprc.registry import COMPETITORS, SIDES, build, entry_of
 from fprc.signals import rms
 from fprc.studies.beyond.measurements import LOOPS
 
-#: Models judged on every rig: those that a claim compares, and one competitor of every other kind.
-BRIEF = (
-    "fprc", "fprc_lowpass", "fuzzy_linear", "ridge_p_o", "bank_p_o", "bank", "plays", "fprc_tuned",
-    "fprc_lowpass_tuned",
-)  # fmt: skip
+#: Models judged on every rig: those that a claim compares, the families of both sides among them.
+BRIEF = tuple(dict.fromkeys([*chain(*SIDES.values()), "fuzzy_linear", "ridge_p_o"]))
 #: Models that take long, so they are judged on fewer rigs or seeds.
-SLOW = ("esn", "esn_oracle", "trees", "mlp")
-#: Models judged in the forward direction only: claims compare only their test errors.
-FORWARD_ONLY = ("esn_tuned", "esn_matched", "esn_oracle")
-#: All models; ``registry.CHOICES`` explains the suffixes.
-ALL = (
-    *COMPETITORS,
-    "fprc_tuned", "fprc_lowpass_tuned", "esn_tuned", "bank_tuned", "plays_tuned", "esn_matched",
-    "fprc_oracle", "esn_oracle", "bank_oracle", "plays_oracle",
-)  # fmt: skip
+SLOW = ("esn", "trees", "mlp")
+#: What B8 asks of P_o's capacity of degree 2 and above; a capacity counts as this at least, and so
+#: does a memory, s: ratios need a number.
+NONLINEAR, LEAST = 0.1, 1e-3
 
 
 class Contest(NamedTuple):
     """How the models are built, and how P_o is shifted."""
 
     models: Mapping[str, Any]  #: section ``models`` of the configuration
-    tuned: Mapping[str, Any]  #: settings that differ from the defaults, by name with suffix
     tracking: Mapping[str, Any]  #: section of the configuration
     shifts_kpa: Sequence[float]  #: constant offsets of P_o
-
-    def build(self, name: str, seed: int) -> SequenceModel:
-        """Return the unfitted model of that name."""
-        return build(name, self.models, seed, **self.tuned.get(name, {}))
 
 
 def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[dict[str, Any]]:
@@ -55,8 +45,7 @@ def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[d
     Parameters
     ----------
     contest : Mapping
-        Arguments of ``Contest`` without ``tuned``, which the unit's family has, as in the functions
-        below. The family also has ``every_model``.
+        Arguments of ``Contest``. The unit's family has ``every_model``.
     slow : int
         Number of the first units that also judge the slow models.
 
@@ -66,10 +55,10 @@ def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[d
         For each simulated rig: ``seed``, and ``models``, see ``judge_rig``, or ``failed``, the
         message.
     """
-    entered = Contest(**contest, tuned=unit.family["tuned"])
+    entered = Contest(**contest)
     names: Sequence[str] = BRIEF
     if unit.family["every_model"]:
-        names = [name for name in ALL if name not in SLOW or unit.number < slow]
+        names = [name for name in COMPETITORS if name not in SLOW or unit.number < slow]
     judged = []
     for on_rig, seed in unit.rigs:
         try:
@@ -83,7 +72,7 @@ def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[d
 def judge_rig(
     on_rig: RigSettings, seed: int, names: Sequence[str], contest: Contest
 ) -> dict[str, dict[str, Any]]:
-    """Simulate both experiments on a rig, and judge every model on them.
+    """Simulate both experiments on a rig, and judge models on them.
 
     Returns
     -------
@@ -91,21 +80,30 @@ def judge_rig(
         By model: ``train`` (training RMSE of the forward direction, kPa), ``forward`` and
         ``reversed`` (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over the
         four references, deg); with an offset of P_o, of a model that reads it ``forward/KPA``, and
-        of FPRC ``open_loop/KPA`` and ``closed_loop/KPA``. Models of ``FORWARD_ONLY`` have neither
-        ``reversed`` nor tracking errors. A model that cannot be judged has ``failed``, the message.
+        of FPRC ``open_loop/KPA`` and ``closed_loop/KPA``. Of a model of ``sides.SIDES``
+        ``blocks``, its error on unseen blocks of both logs, kPa. A model that cannot be judged has
+        ``failed``, the message. Of ``p_o`` and ``theta``: ``memory_s`` and ``nonlinear``, capacity
+        of degree 2 and above, on the sweep; of ``threshold``: ``nonlinear``.
     """
     logs = simulate(on_rig, seed)
     sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(Tracking(**contest.tracking), on_rig.control, on_rig.rig, seed)
     followed = {name: bench.inputs(name) for name in REFERENCES}
-    judged = {}
+    both = _recordings(sweep, complex_)
+    blocks = {
+        SIDES[family][side]: error
+        for side in (False, True)
+        for family, error in block_errors(both, side, contest.models, seed).items()
+    }
+    judged: dict[str, dict[str, Any]] = {}
     for name in names:
         try:
             model, train, forward = _trained(name, sweep, complex_, contest, seed)
             report: dict[str, Any] = {"train": train, "forward": forward}
-            if name not in FORWARD_ONLY:
-                _, _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
-                report |= _follow(bench, model, name, followed)
+            _, _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
+            report |= _follow(bench, model, name, followed)
+            if name in blocks:
+                report["blocks"] = blocks[name]
             if name == "fprc":
                 for shift in contest.shifts_kpa:
                     inputs = {key: values + [0.0, shift] for key, values in followed.items()}
@@ -120,7 +118,17 @@ def judge_rig(
             judged[name] = report
         except (FprcError, ValueError, np.linalg.LinAlgError) as error:
             judged[name] = {"failed": in_one_line(error)}
-    return judged
+    return judged | _remembered(_recordings(sweep))
+
+
+def _recordings(*logs: Data) -> Recordings:
+    """Return logs as what the comparison of two sides takes, thinned."""
+    theta, p_o, target = (
+        np.concatenate([log.channels[name] for log in logs])
+        for name in ("theta_deg", "p_o_kpa", "p_target_kpa")
+    )
+    lengths = [length for log in logs for length in log.lengths]
+    return Recordings(theta, p_o, target, lengths, 1.0 / logs[0].period_s).thinned()
 
 
 def _trained(
@@ -128,10 +136,25 @@ def _trained(
 ) -> tuple[SequenceModel, float, float]:
     """Return a model with its training and its test error, kPa."""
     logs = {"train": train.samples(name), "test": test.samples(name)}
-    prepared = prepare(contest.build(name, seed), logs)
+    prepared = prepare(build(name, contest.models, seed), logs)
     readout = prepared.readout("train")
     errors = prepared.error(readout, "train"), prepared.error(readout, "test")
     return prepared.fitted(readout), *errors
+
+
+def _remembered(sweep: Recordings) -> dict[str, dict[str, float]]:
+    """Return memory and nonlinear capacity of P_o and of theta, each with its low-passes."""
+    found = {
+        name: filtered_capacity(signal, sweep.theta, sweep.rate_hz)
+        for name, signal in (("p_o", sweep.p_o), ("theta", sweep.theta))
+    }
+    return {"threshold": {"nonlinear": NONLINEAR}} | {
+        name: {
+            "memory_s": max(one.memory_s, LEAST),
+            "nonlinear": max(float(one.degrees[1:].sum()), LEAST),
+        }
+        for name, one in found.items()
+    }
 
 
 def _follow(

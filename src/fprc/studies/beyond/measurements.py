@@ -9,20 +9,39 @@ from typing import Any
 
 import pandas as pd
 
+from fprc.registry import title_of
+
 #: Measures of every model, as readers see them, with their units; errors are RMSE.
 MEASURES = {
     "train": "training [kPa]",
+    "blocks": "unseen blocks [kPa]",
     "forward": "forward test [kPa]",
     "reversed": "reversed test [kPa]",
     "open_loop": "open loop [deg]",
     "closed_loop": "closed loop [deg]",
 }
 
+#: Measures by which the best model of each side is chosen and judged.
+BEST_MEASURES = ("blocks", "forward", "reversed", "open_loop", "closed_loop")
+
 #: Loops of a tracking run, open and closed.
 LOOPS = ("open_loop", "closed_loop")
 
 #: Names of families for readers, where these are not those of the settings.
 _TITLES = {"bouc_wen": "Bouc-Wen", "near_print": "near print"}
+
+
+#: Best models of one side, chosen on other units, for readers.
+_BEST = {
+    "with_p_o": "Best with P_o",
+    "without_p_o": "Best without P_o",
+    "other_p_o": "Best other with P_o",
+}
+
+
+def model_title(name: str) -> str:
+    """Return the name of a model, or of the best ones, for readers."""
+    return _BEST.get(name) or title_of(name)
 
 
 def family_title(name: str) -> str:

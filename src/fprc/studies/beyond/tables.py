@@ -5,8 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.registry import choice_of, title_of
-from fprc.studies.beyond.measurements import LOOPS, MEASURES, measured
+from fprc.studies.beyond.measurements import LOOPS, MEASURES, measured, model_title
 from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, three_digits
 
@@ -33,18 +32,14 @@ def models_page(table: pd.DataFrame, *, intervals: bool = False) -> pd.DataFrame
     units = table.groupby("model")["units"]
     words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
     page["Units"] = words.reindex(page.index).fillna("-")
-    return named(page, Model=title_of)
+    return named(page, Model=model_title)
 
 
 def leaderboard(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the models of one family as a page, the lowest forward test RMSE first.
-
-    Models whose settings were chosen on the test log, or matched to another's, are left out.
-    """
-    offered = table[~table["model"].map(choice_of).isin(["oracle", "matched"])]
-    forward = offered[offered["measure"] == "forward"]
+    """Return the models of one family as a page, the lowest forward test RMSE first."""
+    forward = table[table["measure"] == "forward"]
     order = forward.sort_values("mean", kind="stable")["model"].tolist()
-    ranked = offered[offered["model"].isin(order)]
+    ranked = table[table["model"].isin(order)]
     ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
     page = models_page(ranked, intervals=True)
     return page[[name for name in page if not name.startswith("Closed loop")]]
@@ -75,7 +70,7 @@ def offsets_page(table: pd.DataFrame) -> pd.DataFrame:
     places = {measure: place for place, measure in enumerate(MEASURES)}
     rows = table.sort_values("measure", key=lambda names: names.map(places), kind="stable")
     page = wide(rows, ["model", "measure"], "offset_kpa", headings, intervals=False)
-    return named(page, Model=title_of, Error=_heading)
+    return named(page, Model=model_title, Error=_heading)
 
 
 def _heading(measure: str) -> str:

@@ -60,7 +60,7 @@ def judge_family(
     family: Mapping[str, Any],
     claims: Mapping[str, Claim],
     numbers: Numbers,
-    decided: Mapping[str, float],
+    decided: Mapping[str, float] | None = None,
 ) -> pd.DataFrame:
     """Judge claims in one family.
 
@@ -72,7 +72,7 @@ def judge_family(
         By their ids.
     decided : Mapping
         By family, the p of one more claim that was decided in November 2026 and is not measured any
-        more; one that was not judged in a family counts too.
+        more; one that was not judged in a family counts too. None if there is none.
 
     Returns
     -------
@@ -88,7 +88,8 @@ def judge_family(
         name: (claim.text, [part_of(pair, numbers, family) for pair in claim.parts])
         for name, claim in claims.items()
     }
-    for row in judge_together(parts, further=[decided.get(family["name"], 1.0)]):
+    further = [] if decided is None else [decided.get(family["name"], 1.0)]
+    for row in judge_together(parts, further=further):
         favours = claims[row["id"]].favours
         fits = [*dict.fromkeys(favours[term] for term in favours if term in family["fitted"])]
         favoured = list(dict.fromkeys(whom for whom, _ in fits))

@@ -14,7 +14,7 @@ from fprc.evaluation.paired import EQUIVALENT_WITHIN
 from fprc.figures import style
 from fprc.paper import SOURCES
 from fprc.studies.beyond import tables as tables
-from fprc.studies.beyond.claims import B8, CLAIMS, beside_page, numbers_of
+from fprc.studies.beyond.claims import CLAIMS, best_page, memory_page, numbers_of, worth_page
 from fprc.studies.beyond.measurements import family_title
 from fprc.studies.beyond.verdicts import claims_page, details_page, fitted_page, judge_family
 from fprc.tables.text import markdown, three_digits
@@ -43,7 +43,7 @@ def tabulate_beyond(
     family: str,
     **csv: str,
 ) -> None:
-    """Judge B1-B7 in every family, and write the tables.
+    """Judge the claims in every family, and write the tables.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def tabulate_beyond(
         Tables by name: ``models``, ``claims``, ``offsets``.
     """
     found = [read_json(path) for path in families]
-    judged = [judge_family(family, CLAIMS, numbers_of(family), B8) for family in found]
+    judged = [judge_family(family, CLAIMS, numbers_of(family)) for family in found]
     verdicts = pd.concat(judged, ignore_index=True)
     models, offsets = tables.models(found), tables.offsets(found)
     made = {"models": models, "claims": verdicts[_CLAIMS], "offsets": offsets}
@@ -66,9 +66,11 @@ def tabulate_beyond(
     models, offsets = (table[table["world"] == family] for table in (models, offsets))
     shown = {
         "claims": claims_page(verdicts),
-        "beside": beside_page(found),
+        "best": best_page(found),
+        "memory": memory_page(found),
         "fitted": fitted_page(verdicts),
         "details": details_page(verdicts),
+        "worth": worth_page(verdicts),
         "models": tables.models_page(models),
         "offsets": tables.offsets_page(offsets),
         "leaderboard": tables.leaderboard(models),
@@ -84,7 +86,7 @@ def tabulate_beyond(
 
 def draw_pairs(claims: str, pdf: str, png: str) -> None:
     """Draw the ratios of the claims in every family."""
-    fig, ax = style.figure(1, 1, style.PAGE_IN, 4.6)
+    fig, ax = style.figure(1, 1, style.PAGE_IN, 6.8)
     plot_pairs(pd.read_csv(claims), ax)
     style.share_legend(fig, ax)
     style.save(fig, {"source": "sim", "seeds": []}, pdf, png)

@@ -5,19 +5,14 @@ from functools import partial
 from importlib import import_module
 from typing import Any
 
-import numpy as np
-
 from fprc.artifacts import write_json
-from fprc.errors import FprcError
 from fprc.evaluation.cells import judged_cells
 from fprc.studies.families.family import unit_of
-from fprc.yaml_file import read_yaml
 
 
 def judge_family(
     judged: str,
     near_print: str = "",
-    tuned: str = "",
     *,
     judge: str,
     family: Mapping[str, Any],
@@ -35,8 +30,6 @@ def judge_family(
     ----------
     near_print : str
         File of the rigs near print, if the family has them.
-    tuned : str
-        Settings of the tuned models, by family and name, if the function needs them.
     judge : str
         Function below ``fprc.studies``, such as ``online.judge.judge_online``. It takes a
         ``fprc.experiments.settings.Unit`` and ``how``, and returns a list of JSON mappings.
@@ -47,8 +40,6 @@ def judge_family(
     **run
         ``checkpoint`` and ``version`` of ``judged_cells``.
     """
-    if tuned:
-        family = {**family, "tuned": _tuned(tuned, family, units)}
     with judged_cells(
         partial(_judge, judge=judge, family=family, near_print=near_print, how=how),
         [{"unit": unit} for unit in units],
@@ -74,29 +65,3 @@ def _judge(
     module, _, function = judge.rpartition(".")
     judged_by = getattr(import_module(f"fprc.studies.{module}"), function)
     return {"found": judged_by(unit_of(cell["unit"], family, near_print), **how)}
-
-
-def _tuned(path: str, family: Mapping[str, Any], units: Sequence[int]) -> Any:
-    """Return the settings of the tuned models, which must be judged on other data."""
-    feedforward = family["on_rig"]["control"]["feedforward"]
-    if feedforward["adapt"] or feedforward["p_o_shift_kpa"]:
-        raise FprcError(
-            "control.feedforward: the comparison beyond the paper is of models that do not learn, "
-            "and has its own offsets of P_o; set adapt to false and p_o_shift_kpa to 0"
-        )
-    known = read_yaml(path)
-    if family["name"] not in known:
-        raise FprcError(
-            f"{path}: no settings for the family {family['name']}; add them to config/tuned.yaml"
-        )
-    kind, judged = "rigs", set(units)
-    if family["rigs"] == "one":
-        per_unit = family["seeds_per_rig"]
-        seeds = np.add.outer(family["first_seed"] + per_unit * np.array(units), range(per_unit))
-        kind, judged = "seeds", set(seeds.ravel().tolist())
-    if twice := judged.intersection(known["chosen_on"][kind]):
-        raise FprcError(
-            f"{path}: its settings were chosen on the {kind} {sorted(twice)}, which would judge "
-            "them too; reduce beyond.units or, of seeds, change beyond.first_seed"
-        )
-    return known[family["name"]]

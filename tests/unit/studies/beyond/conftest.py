@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from fprc.studies.beyond.claims import B8, CLAIMS, numbers_of
+from fprc.studies.beyond.claims import CLAIMS, numbers_of
 from fprc.studies.beyond.verdicts import judge_family
 
 
@@ -21,10 +21,10 @@ def families(make_family):
 
 @pytest.fixture(scope="session")
 def judge_claims():
-    """Return what judges B1-B7 in several families."""
+    """Return what judges the claims in several families."""
 
     def judge(*families):
-        judged = [judge_family(family, CLAIMS, numbers_of(family), B8) for family in families]
+        judged = [judge_family(family, CLAIMS, numbers_of(family)) for family in families]
         return pd.concat(judged, ignore_index=True)
 
     return judge

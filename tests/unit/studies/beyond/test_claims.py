@@ -1,4 +1,4 @@
-"""Claims B1-B7 in families whose ratios are known."""
+"""Claims in families whose ratios are known."""
 
 import math
 from pathlib import Path
@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fprc.studies.beyond.claims import CLAIMS, beside_page
+from fprc.studies.beyond.claims import CLAIMS, best_of, best_page, memory_page, numbers_of
+from fprc.studies.beyond.measurements import measured
 
 
 @pytest.fixture
 def judged(judge_claims):
-    """Return what judges B1-B7 in a family: the rows of their parts, by claim."""
+    """Return what judges the claims in a family: the rows of their parts, by claim."""
     return lambda family: dict(iter(judge_claims(family).groupby("id")))
 
 
@@ -31,15 +32,32 @@ def test_claims_stand_in_the_page_that_was_written_before():
 def test_every_claim_compares_what_it_says(make_family, judged):
     rows = judged(make_family(spread=0.0))
     parts = {name: of_claim["mean"].round(6).tolist() for name, of_claim in rows.items()}
-    assert parts["B1"] == parts["B2"] == pytest.approx([1 / 1.3], abs=1e-6)
-    assert parts["B3"] == pytest.approx([1 / 1.3, 1 / 1.3], abs=1e-6)
+    # without P_o the best is the ridge on low-passes
+    for name, count in (("W1", 1), ("W2", 2), ("W3", 2)):
+        assert parts[name] == pytest.approx([1 / 1.1] * count, abs=1e-6)
+    assert parts["W4"] == pytest.approx([1 / 1.05], abs=1e-6)
+    assert parts["B1"] == pytest.approx([1 / 1.3], abs=1e-6)
     assert parts["B4"] == pytest.approx([1 / 1.15], abs=1e-6)
-    assert parts["B5"] == pytest.approx([1 / 1.25], abs=1e-6)
-    assert parts["B6"] == pytest.approx([0.95 / 1.1], abs=1e-6)
     assert parts["B7"] == pytest.approx([math.hypot(12.0, 10.0) / 15.0] * 3, abs=1e-6)
+    assert parts["B8"] == pytest.approx([10.0, 0.7 / 0.6], rel=0.02)
     verdicts = first(rows, "verdict")
-    assert verdicts.pop("B7") == "equivalent"
+    assert (verdicts.pop("B7"), verdicts.pop("B8")) == ("equivalent", "inferior")
+    assert verdicts.pop("W4") in ("equivalent", "superior")
     assert set(verdicts.values()) == {"superior"}
+
+
+def test_best_of_a_unit_is_chosen_on_the_others(make_family):
+    family = make_family(units=9, spread=0.0)
+    for cell in family["cells"]:
+        plays, bank = (cell["models"][name] for name in ("plays", "bank"))
+        # plays are far better on one unit, and a little worse on all others
+        plays["forward"] = 1.0 if cell["unit"] == 3 else bank["forward"] + 0.1
+    best = best_of(measured([family]), "without_p_o", "forward")["model"]
+    assert best.loc[3].item() == "bank"
+    assert best.drop(3, level="unit").eq("plays").all()
+    numbers = numbers_of(family)["without_p_o", "forward"]
+    expected = family["cells"][3]["models"]["bank"]["forward"]
+    assert numbers.loc[3].item() == pytest.approx(expected)
 
 
 def test_repeats_of_a_rig_are_averaged_first(make_family, judged):
@@ -70,23 +88,24 @@ def test_missing_numbers_leave_their_pairs_only(make_family, judged):
     rows = judged(family)
     units, dropped = first(rows, "units"), first(rows, "dropped")
     lost = {name: (units[name], dropped[name]) for name in rows}
-    assert lost["B1"] == lost["B2"] == lost["B4"] == (10, 2)
-    assert lost["B3"] == (9, 3)
-    assert lost["B5"] == lost["B6"] == lost["B7"] == (11, 1)
+    assert lost["B1"] == lost["B4"] == (10, 2)
+    assert lost["B7"] == (11, 1)
+    # FPRC is no longer the best with P_o: it has not all numbers
+    assert lost["W1"] == lost["W3"] == (11, 1)
 
 
 def test_claim_without_its_model_is_not_judged(make_family, judged):
     rows = judged(make_family(models=("fprc", "fuzzy_linear")))
     verdicts = first(rows, "verdict")
     assert {name for name in rows if verdicts[name] != "not judged"} == {"B7"}
-    assert rows["B5"]["mean"].isna().tolist() == [True]
+    assert rows["W1"]["mean"].isna().tolist() == [True]
 
 
 def test_half_of_a_claim_is_not_judged(make_family, judged):
     family = make_family()
     for cell in family["cells"]:
-        del cell["models"]["fprc"]["closed_loop"]
-    assert judged(family)["B3"]["verdict"].tolist() == ["not judged"]
+        del cell["models"]["fuzzy_linear"]["closed_loop"]
+    assert judged(family)["B7"]["verdict"].tolist() == ["not judged"]
 
 
 def test_few_units_decide_nothing(make_family, judged):
@@ -103,19 +122,12 @@ def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_family, judged
     assert all(words.rstrip("†‡").endswith(", unstable") for words in decided)
 
 
-def test_ratios_beside_b1_are_those_of_the_models(make_family):
-    family = make_family(spread=0.0)
-    models = family["cells"][0]["models"]
-    errors = {name: report["forward"] for name, report in models.items()}
-    compared = [
-        ("fprc_tuned", "fprc_lowpass_tuned"),
-        ("fprc", "bank"),
-        ("fprc_tuned", "bank_tuned"),
-    ]
-    found = [float(text.split()[0]) for text in beside_page([family])["dry"]]
-    assert found == pytest.approx(
-        [errors[ours] / errors[theirs] for ours, theirs in compared], rel=0.01
-    )
-    for cell in family["cells"]:
-        cell["models"].pop("bank", None)
-    assert [text == "-" for text in beside_page([family])["dry"]] == [False, True, False]
+def test_pages_name_the_best_of_each_side_and_what_p_o_remembers(make_family):
+    families = [make_family(spread=0.0), make_family("broken", cells=[])]
+    page = best_page(families).set_index(["Rigs", "Error"])
+    row = page.loc[("dry", "forward test [kPa]")]
+    assert row.tolist() == ["13.2, Ridge on low-passes", "12.0, FPRC"]
+    assert set(page.loc["broken"].to_numpy().ravel()) == {"-"}
+    memory = memory_page(families).set_index("Rigs").loc["dry"]
+    assert float(memory["P_o: nonlinear capacity"].split()[0]) == pytest.approx(0.01)
+    assert float(memory["theta: memory [s]"].split()[0]) == pytest.approx(0.7)

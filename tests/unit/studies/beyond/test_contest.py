@@ -11,9 +11,9 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings, Unit
 from fprc.experiments.tracking import Track, rms_of, tracking_errors
 from fprc.models import FPRC
+from fprc.registry import COMPETITORS
 from fprc.studies.beyond import contest as contests
 from fprc.studies.beyond.contest import (
-    ALL,
     BRIEF,
     SLOW,
     Contest,
@@ -41,14 +41,13 @@ def contest():
         for name, reference in SETTINGS["tracking"]["references"].items()
     }
     tracking = SETTINGS["tracking"] | {"references": references}
-    tuned = {"fprc_tuned": {}, "bank_tuned": {"alpha": 1.0}}
-    return Contest(SETTINGS["models"], tuned, tracking, [-2.0, 0.0])
+    return Contest(SETTINGS["models"], tracking, [-2.0, 0.0])
 
 
 @pytest.fixture(scope="module")
 def how(contest):
     """What the functions take that judge a unit."""
-    return {key: value for key, value in contest._asdict().items() if key != "tuned"}
+    return contest._asdict()
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +57,7 @@ def logs(on_rig):
 
 @pytest.fixture(scope="module")
 def judged(on_rig, contest):
-    names = ("fprc", "fprc_tuned", "fuzzy_linear", "bank", "bank_tuned")
+    names = ("fprc", "fuzzy_linear", "plays_p_o")
     return judge_rig(on_rig, SEED, names, contest)
 
 
@@ -97,18 +96,24 @@ def test_shifted_p_o_is_the_models_input(judged, fprc, logs):
     assert own["forward/-2"] == pytest.approx(rmse(y, fprc.predict(X - [0.0, 2.0])))
 
 
-def test_tuned_settings_replace_the_defaults_and_no_others(judged):
-    tuned, usual = judged["fprc_tuned"], judged["fprc"]
-    assert tuned == {name: usual[name] for name in tuned}
-    assert judged["bank_tuned"]["train"] > judged["bank"]["train"]  # a stronger ridge
+def test_families_are_judged_on_unseen_blocks_too(judged):
+    assert 0.5 < judged["plays_p_o"]["blocks"] / judged["plays_p_o"]["train"] < 4.0
+    assert judged["fprc"]["blocks"] > 0.0
+
+
+def test_memory_of_p_o_is_beside_that_of_theta(judged):
+    assert judged["threshold"] == {"nonlinear": 0.1}
+    for name in ("p_o", "theta"):
+        assert 0.0 < judged[name]["memory_s"] < 5.0
+        assert 0.0 < judged[name]["nonlinear"] < 4.0
 
 
 @pytest.mark.parametrize(("every", "number"), [(False, 0), (True, 0), (True, 2)])
 def test_slow_models_are_judged_on_the_first_units_only(monkeypatch, on_rig, how, every, number):
     monkeypatch.setattr(contests, "judge_rig", lambda rig, seed, names, contest: list(names))
-    unit = Unit(number, {"every_model": every, "tuned": {}}, [(on_rig, 5), (on_rig, 6)])
+    unit = Unit(number, {"every_model": every}, [(on_rig, 5), (on_rig, 6)])
     judged = judge_models(unit, contest=how, slow=2)
-    names = [*ALL] if every else [*BRIEF]
+    names = [*COMPETITORS] if every else [*BRIEF]
     if number == 2:
         names = [name for name in names if name not in SLOW]
     assert judged == [{"seed": 5, "models": names}, {"seed": 6, "models": names}]
@@ -121,7 +126,7 @@ def test_rig_that_cannot_be_simulated_is_the_only_one_lost(monkeypatch, on_rig, 
         return {}
 
     monkeypatch.setattr(contests, "judge_rig", judge)
-    unit = Unit(0, {"every_model": False, "tuned": {}}, [(on_rig, 5), (on_rig, 6)])
+    unit = Unit(0, {"every_model": False}, [(on_rig, 5), (on_rig, 6)])
     assert judge_models(unit, contest=how, slow=0) == [
         {"seed": 5, "failed": "it diverged"}, {"seed": 6, "models": {}}
     ]  # fmt: skip

@@ -1,10 +1,8 @@
 from contextlib import contextmanager
-from copy import deepcopy
 
 import pytest
 
 from fprc.artifacts import read_json
-from fprc.errors import FprcError
 from fprc.studies.stages.judge import judge_family
 
 
@@ -50,21 +48,3 @@ def test_pool_has_a_process_for_four_units_within_its_limit(
         units=range(units), how={}, workers=8,
     )  # fmt: skip
     assert asked == [workers]
-
-
-def test_family_without_tuned_settings_is_refused_before_anything_is_judged(family, run, tmp_path):
-    tuned = tmp_path / "tuned.yaml"
-    learning = deepcopy(family)
-    learning["on_rig"]["control"]["feedforward"]["adapt"] = True
-    chosen = "dry: {}\nchosen_on: {seeds: [604, 7], rigs: [2]}\n"
-    for known, judged, units, message in (
-        ("viscous: {}\n", family, [0], "no settings for the family dry"),
-        (chosen, family, [2, 3], r"the seeds \[604\]"),
-        (chosen, family | {"rigs": "drawn"}, [2, 3], r"the rigs \[2\]"),
-        (chosen, learning, [0], "control.feedforward"),
-    ):
-        tuned.write_text(known)
-        with pytest.raises(FprcError, match=message):
-            run(tuned=str(tuned), judge="beyond.contest.judge_models", family=judged,
-                units=units, how={})  # fmt: skip
-    assert [path.name for path in tmp_path.iterdir()] == ["tuned.yaml"]
