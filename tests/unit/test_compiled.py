@@ -38,11 +38,6 @@ def kernel_of(package):
     return build
 
 
-def test_cache_folder_is_the_same_wherever_the_package_lies(package):
-    original = Path(rig.__path__[0])
-    assert compiled._cache_folder(original).name == compiled._cache_folder(package).name
-
-
 @pytest.mark.parametrize("module", [compiled, control_laws])
 def test_cache_folder_changes_with_how_it_is_compiled_and_with_the_laws(
     package, module, tmp_path, monkeypatch

@@ -23,22 +23,12 @@ def inside(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("name", "why"),
-    [
-        ("none", "No such file"),
-        ("file/more", "Not a directory"),
-        ("folder", "Is a directory"),
-        ("loop", "Too many levels of symbolic links"),
-        ("x" * 300, "File name too long"),
-        ("a\0b", "null"),
-        ("pipe", "not a regular file"),
-        ("to pipe", "not a regular file"),
-        ("endless", "not a regular file"),
-    ],
+    "name",
+    ["none", "file/more", "folder", "loop", "x" * 300, "a\0b", "pipe", "to pipe", "endless"],
 )
-def test_all_else_is_refused(inside, name, why):
+def test_all_else_is_refused(inside, name):
     for read in (open_given, read_given):
-        with pytest.raises(ConfigError, match=f"cannot be opened .*{why}.*; check the path") as no:
+        with pytest.raises(ConfigError) as no:
             read(name, error=ConfigError)
         assert (name or "''").encode("unicode_escape").decode() in str(no.value)
 

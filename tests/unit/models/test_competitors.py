@@ -55,11 +55,6 @@ def test_unknown_setting_is_refused_by_name(name, models):
         build(name, models, 1, depth_=3)
 
 
-def test_titles_differ():
-    titles = [entry.title for entry in COMPETITORS.values()]
-    assert len(set(titles)) == len(titles)
-
-
 @pytest.mark.slow
 def test_registry_loads_no_numerics():
     code = "import fprc.registry, sys; sys.exit('numpy' in sys.modules)"

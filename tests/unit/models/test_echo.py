@@ -69,11 +69,6 @@ def test_log_goes_on_from_the_state_in_which_another_ended():
     assert_allclose(np.vstack(parts), by_step(X, w_in, W_r, 0.8), rtol=0, atol=1e-13)
 
 
-def test_network_that_forgets_runs_in_segments(met):
-    by_log(angles(3000), *network(), 0.8)
-    assert met == [(4, 750, True)]
-
-
 def test_network_that_does_not_forget_runs_sample_by_sample(met):
     w_in, W_r = network(r=100, rho=3.0)
     X, w_in = angles(3000), 0.01 * w_in

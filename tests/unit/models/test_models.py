@@ -1,7 +1,6 @@
 import ast
 import inspect
 import re
-import tracemalloc
 from copy import deepcopy
 
 import numpy as np
@@ -64,21 +63,6 @@ def test_steps_after_a_reset_to_x0_continue_a_log_that_held_x0(fitted):
     fitted.reset(x0)
     held = np.vstack([np.tile(x0, (50, 1)), X])
     assert_allclose(steps(fitted, X), fitted.predict(held)[50:], rtol=0, atol=1e-9)
-
-
-@pytest.mark.parametrize("name", ["fprc", "fuzzy_linear"])
-def test_step_of_a_fuzzy_model_allocates_less_than_one_array_of_its_rules(name):
-    X = inputs(COLUMNS[name], 300)
-    model = clone(MODELS[name]).set_params(n_c=20).fit(X, pressure(300))
-    steps(model, X)
-    tracemalloc.start()
-    try:
-        for x in X:
-            model.step(x)
-        _, peak_bytes = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    assert peak_bytes < model.readout_.centers_.nbytes
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from sklearn.base import clone
-from sklearn.model_selection import LeaveOneGroupOut
 
 from fprc.errors import EvaluationError
 from fprc.evaluation import prepare
@@ -35,17 +34,6 @@ def recordings(model):
     return X, [2.0 * x[:, 0] + np.roll(x[:, -1], 1) for x in X]
 
 
-def test_training_equals_that_on_stacked_features_computed_apart(model, recordings):
-    X, y = map(np.concatenate, recordings)
-    features = model.make_features().fit(X)
-    stacked = np.vstack([features.transform(x) for x in recordings[0]])
-    readout = model.make_readout().fit(stacked, y)
-    found = prepare(model, {"all": (X, y, LENGTHS)}).readout("all")
-    assert learned(found).keys() == learned(readout).keys()
-    for name, value in learned(readout).items():
-        assert np.array_equal(learned(found)[name], value), name
-
-
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.integers(5, 20), min_size=1, max_size=5), st.sampled_from(sorted(MODELS)))
 def test_features_equal_a_stream_that_is_reset_at_each_recording(lengths, name):
@@ -73,25 +61,9 @@ def test_lengths_that_do_not_make_up_the_log_are_refused(lengths, model, recordi
         prepare(model, {"all": (X, y, lengths)})
 
 
-def test_splitters_of_scikit_learn_keep_recordings_whole(model, recordings):
-    X, y = map(np.concatenate, recordings)
-    prepared = prepare(model, {"all": (X, y, LENGTHS)})
-    folds = list(LeaveOneGroupOut().split(X, groups=np.repeat([0, 1, 2], LENGTHS)))
-    errors = prepared.cross_validated("all", folds).validation_rmse
-    assert len(errors) == 3
-    # the readout of the first fold, which gets a seed of its own
-    rest = prepared.readout("all", folds[0][0])
-    if "random_state" not in rest.get_params():
-        assert prepared.error(rest, "all", folds[0][1]) == pytest.approx(errors[0], rel=1e-6)
-
-
 def test_what_is_remembered_is_of_each_recording_alone():
     X = [30.0 * np.random.default_rng(n).normal(size=(n, 2)) for n in (40, 50)]
     model = clone(MODELS["fprc"]).fit(X[0], X[0][:, 0])
     alone = sum(model.remember(x).information_ for x in X)
     both = model.remember(np.concatenate(X), [40, 50]).information_
     assert_allclose(both, alone, rtol=1e-12)
-
-
-def learned(estimator):
-    return {name: value for name, value in vars(estimator).items() if name.endswith("_")}

@@ -9,7 +9,7 @@ from fprc.config.rig import LONGEST_LAG_S, Rig, squeeze_lag
 from fprc.errors import EvaluationError
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import Judgement
 from fprc.studies.calibration import fit, surrogate
 from fprc.studies.calibration.fit import fit_rig
 from fprc.studies.calibration.rig_file import parameter_file
@@ -33,24 +33,15 @@ def small():
 
 
 @pytest.fixture(scope="module")
-def settings():
+def settings(on_rig, tracking):
     """What the fit takes, with short signals and small models."""
     found = Settings().model_dump(mode="json")
     models = found["models"] | {"n_y": 2}
     models["esn"] |= {"r": 12, "washout": 10}
     models["fprc"] |= {"n_c": 2, "n_u": 2}
-    signals = {name: signal | {"duration_s": 12.0} for name, signal in found["experiments"].items()}
-    signals["sweep"]["f_hz"] = [0.8, 1.0]  # whole loops in its first quarter
-    tracking = found["tracking"]
-    for name, described in tracking["references"].items():
-        f_hz = [0.5, 1.0] if name == "sweep" else described["f_hz"]
-        described |= {"f_hz": f_hz, "duration_s": 2.0, "settle_s": 0.5}
-    tracking["pushes"]["quiet_s"] = 1.0
     few = {"free": FREE, "ranges": {}, "members": 10, "assimilations": 2, "rounds": 1}
     return {
-        "on_rig": RigSettings(
-            rig=found["rig"], control=found["control"], signals=signals, target="command"
-        ),
+        "on_rig": on_rig,
         "judgement": {"models": models, "folds": 2, "split": "shuffled"},
         "calibration": found["calibration"] | few | {"seeds": 1, "full_seeds": 2},
         "tracking": tracking,

@@ -9,23 +9,9 @@ from pydantic import ValidationError
 from fprc.config import Settings, check
 from fprc.config.rig import LONGEST_LAG_S, Rig, squeeze_lag, stiffest_squeeze
 from fprc.errors import ConfigError
-from fprc.studies.calibration.space import (
-    Free,
-    decode,
-    encode,
-    free_parameters,
-    resolved,
-)
+from fprc.studies.calibration.space import Free, decode, encode, free_parameters, resolved
 
-RIG = {
-    "step_s": 0.0004,
-    "bending": {
-        "friction_kpa": 4.0,
-        "relaxation_time_s": [0.25, 4.0],
-        "slip_distance_deg": [1.0, 3.0, 7.0, 14.0],
-    },
-    "drift": {"time_s": 8.0, "sigma_kpa": 5.5},
-}
+RIG = {"step_s": 0.0004, "drift": {"time_s": 8.0, "sigma_kpa": 5.5}}
 
 shares = st.floats(0.0, 1.0)
 ranges = st.tuples(st.floats(1e-4, 1e3), st.floats(1.01, 1e4)).map(
@@ -49,14 +35,7 @@ def test_encoding_undoes_decoding_within_the_rounding_whatever_the_range(share, 
 
 @pytest.mark.parametrize(
     ("low", "high", "logarithmic"),
-    [
-        (1.0, 10.0, True),
-        (0.05, 30.0, True),
-        (1.0, 9.999, False),
-        (20.0, 77.0, False),
-        (0.0, 1000.0, False),
-        (-10.0, 100.0, False),
-    ],
+    [(1.0, 10.0, True), (1.0, 9.999, False), (0.0, 1000.0, False), (-10.0, 100.0, False)],
 )
 def test_range_of_a_decade_above_zero_is_logarithmic(low, high, logarithmic):
     assert Free("drift.time_s", low, high).logarithmic is logarithmic
@@ -85,18 +64,6 @@ ALL = free_parameters(Settings().calibration.free, Settings().calibration.ranges
 in_the_cube = st.lists(
     st.floats(0.0, 1.0) | st.sampled_from([0.0, 1.0]), min_size=len(ALL), max_size=len(ALL)
 ).map(np.array)
-
-
-def is_shared_out(weights):
-    return abs(math.fsum(weights) - 1.0) < 1e-9 and min(weights) >= 0.0
-
-
-@given(in_the_cube)
-def test_weights_sum_to_one_at_every_point(point):
-    rig = decode(point, FULL_RIG, ALL)
-    for section in ("bending", "reservoir"):
-        assert is_shared_out(rig[section]["slip_weight"])
-        Rig(**{section: {"slip_weight": rig[section]["slip_weight"]}}, step_s=1e-5)
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3))
@@ -180,9 +147,3 @@ def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once(paths, ranges,
         check({"calibration": {"free": paths, "ranges": ranges}})
     for key in refused:
         assert f"calibration.{key} " in str(caught.value)
-
-
-def test_range_of_a_parameter_that_is_not_free_any_more_can_be_taken_away():
-    changed = {"free": ["drift.sigma_kpa", "drift.time_s"], "ranges": {}}
-    calibration = check({"calibration": changed}).calibration
-    assert free_parameters(calibration.free, calibration.ranges)

@@ -7,7 +7,7 @@ from fprc.evaluation import prepare
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.grids import normalised, shares_of
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import Judgement
 from fprc.experiments.tracking import Track
 from fprc.models import ESN, FPRC, FuzzyLinear
 from fprc.paper import REFERENCES
@@ -25,28 +25,6 @@ CASES = [
     for model in INPUTS
     for phase in ("train", "test")
 ]
-
-
-@pytest.fixture(scope="module")
-def on_rig():
-    """Both experiments cut to 8 s; of different lengths, since the paper's are."""
-    settings = Settings().model_dump(mode="json")
-    signals = settings["experiments"]
-    signals["sweep"] |= {"duration_s": 8.0, "f_hz": [0.8, 1.0]}
-    signals["complex"] |= {"duration_s": 7.0}
-    return RigSettings(
-        rig=settings["rig"], control=settings["control"], signals=signals, target="command"
-    )
-
-
-@pytest.fixture(scope="module")
-def tracking():
-    found = Settings().model_dump(mode="json")["tracking"]
-    for name, reference in found["references"].items():
-        f_hz = [0.5, 1.0] if name == "sweep" else reference["f_hz"]
-        reference |= {"f_hz": f_hz, "duration_s": 2.0, "settle_s": 0.5}
-    found["pushes"]["quiet_s"] = 1.0
-    return found
 
 
 @pytest.fixture(scope="module")
@@ -112,17 +90,11 @@ def rms(values):
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-# --- errors of Tables II and III ------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("trained_on", "model", "phase"), CASES)
 def test_errors_are_those_of_a_readout_of_every_strided_row(judged, logs, trained_on, model, phase):
     log = trained_on if phase == "train" else OTHER[trained_on]
     expected = error_of(logs, fitted(logs, trained_on, model), model, log)
     assert judged["errors"][f"{trained_on}/{model}/{phase}"] == pytest.approx(expected, rel=1e-9)
-
-
-# --- grids ----------------------------------------------------------------------------------------
 
 
 def test_cells_of_epsilon_are_those_of_models_with_it(judged, logs):
@@ -140,9 +112,6 @@ def test_clusterings_begin_at_the_given_centres(judge, judged):
     equal = {what: np.repeat(c[:1], len(c), axis=0) for what, c in centers.items()}
     key = "sweep/fprc/train"
     assert judge(centers=equal)["errors"][key] > 1.5 * judged["errors"][key]
-
-
-# --- weights and tracking -------------------------------------------------------------------------
 
 
 def test_shares_are_those_of_the_published_formula(judge, logs):
