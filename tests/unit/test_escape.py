@@ -59,12 +59,9 @@ def test_code_of_markdown_ends_where_the_text_does(text):
 
 
 TYPESET = [
+    ("gamma, f_input, alphabet", "γ, f<sub>input</sub>, alphabet"),
     ("P_o and theta_d, P_ff(k)", "P<sub>o</sub> and θ<sub>d</sub>, P<sub>ff</sub>(k)"),
     ("θ_d/P_o, n_c 16, epsilon", "θ<sub>d</sub>/P<sub>o</sub>, n<sub>c</sub> 16, ε"),
-    (
-        "gamma, W_r, f_input, k_p, alphabet",
-        "γ, W<sub>r</sub>, f<sub>input</sub>, k<sub>p</sub>, alphabet",
-    ),
     ("| P_o's | theta |", "| P<sub>o</sub>'s | θ |"),
     ("P_other, theta_deg, p_o_kpa, P_o_x", "P_other, theta_deg, p_o_kpa, P_o_x"),
     ("## How P_o helps\n", "## How P_o helps\n"),

@@ -108,11 +108,6 @@ def test_half_of_a_claim_is_not_judged(make_family, judged):
     assert judged(family)["B7"]["verdict"].tolist() == ["not judged"]
 
 
-def test_few_units_decide_nothing(make_family, judged):
-    rows = judged(make_family(units=7, spread=0.0))
-    assert set(first(rows, "verdict").values()) == {"undecided"}
-
-
 def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_family, judged, monkeypatch):
     monkeypatch.setattr("fprc.evaluation.paired._share_of_subsets", lambda *rest: 0.9)
     rows = judged(make_family(spread=0.0))

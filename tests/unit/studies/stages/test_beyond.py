@@ -16,16 +16,9 @@ def tabulated(make_family, tmp_path_factory):
     """Tables of two families; a file for each part of the first one, as the workflow has them."""
     tmp_path = tmp_path_factory.mktemp("beyond")
     families = [make_family(spread=0.02), make_family("viscous", spread=0.02)]
-    written = {
-        family["name"]: {
-            "source": "sim",
-            **family,
-        }
-        for family in families
-    }
-    for name, content in written.items():
-        (tmp_path / f"{name}.json").write_text(json.dumps(content))
-    path = {name: str(tmp_path / f"{name}.json") for name in written}
+    path = {family["name"]: str(tmp_path / f"{family['name']}.json") for family in families}
+    for family in families:
+        Path(path[family["name"]]).write_text(json.dumps({"source": "sim", **family}))
     tables = {name: str(tmp_path / f"{name}.csv") for name in CSV}
     stage.tabulate_beyond(
         [path["dry"], path["viscous"]],

@@ -1,4 +1,5 @@
 import json
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -33,14 +34,9 @@ def check():
 
 
 def test_verdict_that_is_not_as_declared_is_reported(folder):
-    judge(folder, "not reproduced")
-    with pytest.raises(FprcError, match="C1: not reproduced, but reproduced is declared"):
+    (folder / "known.yaml").write_text(yaml.safe_dump({"verdicts": {"C1": "undecided"}}))
+    with pytest.raises(FprcError, match="C1"):
         check()
-
-
-def judge(folder, verdict):
-    claim = {"id": "C1", "verdict": verdict}
-    (folder / "results/claims.json").write_text(json.dumps({"claims": [claim]}))
 
 
 def drawn(path, *, factor=0.0, curve_px=0.0, dot_px=0.0, bar_px=0.0, text="RMSE 11.9 kPa"):
@@ -50,9 +46,8 @@ def drawn(path, *, factor=0.0, curve_px=0.0, dot_px=0.0, bar_px=0.0, text="RMSE 
         ax = fig.add_axes([0, 0, 1, 1], xlim=(0, 300), ylim=(0, 225))
         noise = np.random.default_rng(0).normal(size=(2, 8000))
         x = np.linspace(0, 300, 8000)
-        ax.plot(
-            x, (100 + 40 * np.sin(x / 9) + noise[0] + curve_px) * (1 + factor * noise[1]), lw=0.4
-        )
+        y = (100 + 40 * np.sin(x / 9) + noise[0] + curve_px) * (1 + factor * noise[1])
+        ax.plot(x, y, lw=0.4)
         ax.plot([50 + dot_px + factor * 50], [30], "o", ms=3)
         ax.bar([250], [20 + bar_px + factor * 20], width=30, color="0.8")
         ax.text(100, 200, text, fontsize=6)
@@ -68,13 +63,7 @@ def test_picture_of_the_numbers_of_another_processor_is_in_order(folder):
 
 @pytest.mark.parametrize(
     "change",
-    [
-        {"curve_px": 0.25},
-        {"dot_px": 1.0},
-        {"bar_px": 1.0},
-        {"text": "RMSE 11.8 kPa"},
-        {"text": "RMSE 17.9 kPa"},
-    ],
+    [{"curve_px": 0.25}, {"dot_px": 1.0}, {"bar_px": 1.0}, {"text": "RMSE 11.8 kPa"}],
     ids=str,
 )
 def test_picture_that_shows_something_else_is_reported(folder, change):
@@ -93,10 +82,7 @@ def test_few_pixels_or_faint_differences_are_no_other_picture(folder, levels, pi
     Image.fromarray(pixel).save("docs/one.png")
     pixel.reshape(-1, 3)[:pixels, 1] = levels
     Image.fromarray(pixel).save("results/one.png")
-    if reported:
-        with pytest.raises(FprcError, match="differs from results/one"):
-            check()
-    else:
+    with pytest.raises(FprcError, match="results/one") if reported else nullcontext():
         check()
 
 

@@ -13,12 +13,9 @@ METRICS = ("train_rmse_kpa", "validation_rmse_kpa", "test_rmse_kpa")
 NAMES = ("esn", "fprc", "fuzzy_linear")
 PRINTED = {"train_rmse_kpa": [1.0, 0.1], "validation_rmse_kpa": [1.0, 0.1], "test_rmse_kpa": 1.0}
 ONES = dict.fromkeys(NAMES, PRINTED)
-PUBLISHED = {
-    "table_2_models": ONES,
-    "table_3_reversed": ONES,
-    "table_4_tracking_rmse_deg": {"fprc": {"sweep": 1.0}, "fprc_pd": {"sweep": 1.0}},
-    "claims": [],
-}
+TABLE_4 = {"fprc": {"sweep": 1.0}, "fprc_pd": {"sweep": 1.0}}
+PUBLISHED = {"table_2_models": ONES, "table_3_reversed": ONES, "claims": [],
+             "table_4_tracking_rmse_deg": TABLE_4}  # fmt: skip
 SEEDS = 3
 
 
@@ -152,10 +149,11 @@ def test_share_and_wilson_interval(monkeypatch):
 # --- errors of one rig ---------------------------------------------------------------------------
 
 PRINTED_ERRORS = {
-    "table_2_models": {"esn": {"train_rmse_kpa": [10.0, 0.1], "validation_rmse_kpa": [10.0, 0.1],
-                               "test_rmse_kpa": 20.0}},
-    "table_3_reversed": {"esn": {"train_rmse_kpa": [8.0, 0.1], "validation_rmse_kpa": [8.0, 0.1],
-                                 "test_rmse_kpa": 40.0}},
+    **{
+        table: {"esn": {"train_rmse_kpa": [train, 0.1], "validation_rmse_kpa": [train, 0.1],
+                        "test_rmse_kpa": test}}
+        for table, train, test in (("table_2_models", 10.0, 20.0), ("table_3_reversed", 8.0, 40.0))
+    },
     "table_4_tracking_rmse_deg": {"fprc": {"sweep": 2.0}, "fprc_pd": {"sweep": 1.0}},
 }  # fmt: skip
 
@@ -164,18 +162,12 @@ def models_of(train, test):
     return {
         "source": "sim",
         "models": [
-            {
-                "model": "esn",
-                "trained_on": log,
-                "unit": "kPa",
-                "source": "sim",
-                "train_rmse_kpa": [train - 1.0, train + 1.0],
-                "validation_rmse_kpa": [train, train],
-                "test_rmse_kpa": test,
-            }
+            {"model": "esn", "trained_on": log, "unit": "kPa", "source": "sim",
+             "train_rmse_kpa": [train - 1.0, train + 1.0], "test_rmse_kpa": test,
+             "validation_rmse_kpa": [train, train]}
             for log in ("sweep", "complex")
         ],
-    }
+    }  # fmt: skip
 
 
 def control_of(opened, closed):

@@ -1,5 +1,3 @@
-from contextlib import contextmanager
-
 import pytest
 
 from fprc.artifacts import read_json
@@ -30,21 +28,3 @@ def test_every_unit_of_a_family_is_judged_and_described(family, run, monkeypatch
     assert (report["name"], report["fitted"]) == ("dry", ["tables"])
     found = [tuple(cell[key] for key in ("unit", "seed", "found")) for cell in report["cells"]]
     assert found == [(0, 601, 0), (0, 602, 0), (2, 605, 6), (2, 606, 6)]
-
-
-@pytest.mark.parametrize(("units", "workers"), [(3, 1), (12, 3), (40, 8)])
-def test_pool_has_a_process_for_four_units_within_its_limit(
-    family, tmp_path, monkeypatch, units, workers
-):
-    @contextmanager
-    def judged_cells(judge, cells, *, workers, **run):
-        asked.append(workers)
-        yield []
-
-    asked = []
-    monkeypatch.setattr("fprc.studies.stages.judge.judged_cells", judged_cells)
-    judge_family(
-        str(tmp_path / "judged.json"), judge="online.judge.judge_online", family=family,
-        units=range(units), how={}, workers=8,
-    )  # fmt: skip
-    assert asked == [workers]
