@@ -15,6 +15,8 @@ from numpy.testing import assert_allclose
 from sklearn.base import clone
 from sklearn.linear_model import Ridge
 
+from fprc import registry
+from fprc.config import Settings
 from fprc.errors import FprcError
 from fprc.models import (
     ESN,
@@ -85,6 +87,13 @@ MODELS = {
     "two_references": FuzzyLinear(n_c=4, random_state=1),
     "ridge": FeatureModel(SideBySide(MAPS), RidgeReadout()),
     "fuzzy": FeatureModel(SideBySide(MAPS), TakagiSugenoReadout(n_c=3), random_state=1),
+    "plays_p_o": registry.build(
+        "plays_p_o",
+        Settings().model_dump(mode="json")["models"],
+        1,
+        epsilons=[0.05],
+        epsilons_p_o=[1.0, 0.05],
+    ),
     "one_play": FeatureModel(PlayOperators(n_plays=1), RidgeReadout()),
 }
 COLUMNS = {"fuzzy_linear": 1, "two_readouts": 3, "ridge": 3, "fuzzy": 3}
