@@ -13,7 +13,7 @@ from fprc.config import Settings
 
 ROOT = Path(__file__).parents[2]
 PAGES = ["README.md", "CONTRIBUTING.md", "data/raw/README.md",
-         "docs/decisions/0019-shipped-rig.md", *sorted(
+         *sorted(
     str(path.relative_to(ROOT)) for path in (ROOT / "docs").glob("*.md")
 )]  # fmt: skip
 PROGRAMS = "fprc|make|snakemake"
@@ -153,7 +153,7 @@ def rows_of(block):
 
 OPEN, CLOSED, FORWARD = "Open loop [deg]", "Closed loop [deg]", "Forward test [kPa]"
 BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/results.md"
-DRIFT, RIGS = "docs/drift.md", "docs/calibration.md"
+DRIFT, RIGS = "docs/drift.md", "docs/rigs.md"
 PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, RIGS, "README.md")
 
 

@@ -8,26 +8,26 @@ PICTURES = {
 }
 
 
-rule calibration_page:
+rule rigs_page:
     input:
         **by_block("families", FAMILY_TABLES),
         figures=[],
         made_from=STUDY_TARGETS["families"],
     log:
-        PATHS.messages("calibration_page"),
+        PATHS.messages("rigs_page"),
     localrule: True
     params:
         stage="studies.stages.documents.update_pages",
         code=SHOWS,
-        pages=["docs/calibration.md"],
+        pages=["docs/rigs.md"],
         pictures=[],
     message:
-        "Numbers of docs/calibration.md"
+        "Numbers of docs/rigs.md"
     script:
         "../scripts/stage.py"
 
 
-use rule calibration_page as beyond_page with:
+use rule rigs_page as beyond_page with:
     input:
         **by_block("beyond", PAGES_BEYOND),
         figures=[PICTURES["docs/images/beyond_pairs.png"]],
@@ -41,7 +41,7 @@ use rule calibration_page as beyond_page with:
         "Numbers and pictures of the pages on models beyond the paper's"
 
 
-use rule calibration_page as drift_page with:
+use rule rigs_page as drift_page with:
     input:
         **by_block("online", ("verdicts", "errors")),
         figures=[PICTURES["docs/images/drift.png"]],
@@ -59,7 +59,7 @@ use rule calibration_page as drift_page with:
 if PLAN.on_simulated_rig:
     SHOWN_IN_README = {Path(page).stem: page.replace(".json", ".md") for page in PAGES[1:]}
 
-    use rule calibration_page as readme with:
+    use rule rigs_page as readme with:
         input:
             **SHOWN_IN_README,
             verdicts=PATHS.below("claims.json"),
