@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from unittest.mock import Mock
 
 import pytest
 import smbus2
@@ -83,14 +84,8 @@ def test_without_smbus2_the_module_loads_and_opening_says_how_to_install_it(monk
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-@pytest.mark.parametrize(
-    ("raised", "advice"),
-    [(FileNotFoundError, "raspi"), (PermissionError, "usermod"), (OSError, "i2cdetect")],
-)
-def test_bus_that_cannot_be_opened_says_what_to_do(monkeypatch, raised, advice):
-    def refuse(number):
-        raise raised
-
-    monkeypatch.setattr(smbus2, "SMBus", refuse)
-    with pytest.raises(DeviceError, match=f"^I2C bus 3: .*{advice}"):
+@pytest.mark.parametrize("raised", [FileNotFoundError, PermissionError, OSError])
+def test_bus_that_cannot_be_opened_is_named(monkeypatch, raised):
+    monkeypatch.setattr(smbus2, "SMBus", Mock(side_effect=raised))
+    with pytest.raises(DeviceError, match="^I2C bus 3: "):
         open_bus(3)

@@ -44,18 +44,13 @@ def test_words_that_cannot_be_read_and_none_are_no_crash(bench, library, code, w
 
 
 @pytest.mark.parametrize(
-    ("name", "shown"), [("libcaio.so", "libcaio.so"), ("lib\0caio.so", r"lib\x00caio.so")]
+    ("given", "shown"), [([], "libcaio.so"), (["/none/lib\0caio.so"], r"/none/lib\x00caio.so")]
 )
-def test_missing_library_says_where_to_get_it(tmp_path, name, shown):
+def test_missing_library_is_named_with_its_setting(given, shown):
     with pytest.raises(DeviceError) as caught:
-        load_library(str(tmp_path / name))
-    assert str(caught.value).startswith(f"driver {tmp_path / shown}: cannot be loaded (")
-    assert "API-AIO(LNX) from contec.com, or set hardware.boards.library" in str(caught.value)
-
-
-def test_driver_is_looked_for_by_its_own_name():
-    with pytest.raises(DeviceError, match=r"^driver libcaio\.so: cannot"):
-        load_library()
+        load_library(*given)
+    assert str(caught.value).startswith(f"driver {shown}: ")
+    assert "hardware.boards.library" in str(caught.value)
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler, cc")
@@ -64,5 +59,5 @@ def test_wrong_library_is_reported_with_the_call_that_it_lacks(tmp_path):
     source.write_text("long AioInit(void) { return 0; }\nlong AioExit(void) { return 0; }\n")
     other = tmp_path / "other.so"
     subprocess.run(["cc", "-shared", "-fPIC", "-o", other, source], check=True)
-    with pytest.raises(DeviceError, match="has no AioResetDevice; it is not Contec's API-AIO"):
+    with pytest.raises(DeviceError, match="AioResetDevice"):
         load_library(str(other))

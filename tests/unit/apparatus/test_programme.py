@@ -1,3 +1,5 @@
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 
@@ -99,26 +101,17 @@ def files(fprc_file, recorded, tmp_path_factory):
 
 @pytest.mark.parametrize(
     ("file", "message"),
-    [
-        ("Fuzzy-linear", "is a FuzzyLinear, must be a FPRC; give --model a file of fprc"),
-        ("features", "is a TapFeatures, must be a FPRC; give --model a file of fprc"),
-        ("FPRC of three inputs", "was fitted to 3 inputs, must have 2, theta_deg and p_o_kpa"),
-    ],
-)
+    [("Fuzzy-linear", "FuzzyLinear.* FPRC"), ("features", "TapFeatures.* FPRC"),
+     ("FPRC of three inputs", "3 inputs.* 2, theta_deg and p_o_kpa")],
+)  # fmt: skip
 def test_model_that_is_not_the_one_in_the_name_of_the_log_is_refused_before_anything_starts(
     settings, files, tmp_path, monkeypatch, file, message
 ):
     monkeypatch.setattr("fprc.apparatus.record_on_rig.guard", None)
     name = "track_sine_0p2_fprc_pd"
-    with pytest.raises(ConfigError) as caught:
-        record_on_rig(
-            str(tmp_path / "raw" / "log.h5"),
-            name=name,
-            settings=settings,
-            armed=True,
-            model=files[file],
-        )
-    assert f"{files[file]}, the model of {name}, {message}" in str(caught.value)
+    given = {"name": name, "settings": settings, "armed": True, "model": files[file]}
+    with pytest.raises(ConfigError, match=rf"{files[file]}, .*{name}.* {message}"):
+        record_on_rig(str(tmp_path / "raw" / "log.h5"), **given)
     assert not list(tmp_path.iterdir())
 
 
@@ -139,10 +132,10 @@ def test_outside_model_is_compared_with_its_own_class(settings, files):
     [
         (0.005, {}, ""),
         (0.00500001, {}, ""),
-        (0.01, {}, "was trained at 100 Hz"),
-        (0.005, {"p_target_unit": "bar"}, "to give bar from deg, kPa, and here must give kPa from"),
-        (0.005, {"theta_unit": "rad"}, "to give kPa from rad, kPa"),
-        (0.005, {"p_o_unit": "% of its scale"}, "to give kPa from deg, % of its scale"),
+        (0.01, {}, "100 Hz"),
+        (0.005, {"p_target_unit": "bar"}, "bar from deg, kPa"),
+        (0.005, {"theta_unit": "rad"}, "kPa from rad, kPa"),
+        (0.005, {"p_o_unit": "% of its scale"}, "kPa from deg, % of its scale"),
     ],
 )
 def test_model_of_other_rate_or_units_is_refused_before_the_rig_moves(
@@ -154,14 +147,11 @@ def test_model_of_other_rate_or_units_is_refused_before_the_rig_moves(
     channels |= {"p_target_kpa": log["p_exp_command_kpa"]}
     path = str(tmp_path / "model.h5")
     save_model(trained_on(load_model(fprc_file), Data(channels, attributes), "fprc"), path)
-    if why:
-        with pytest.raises(FprcError, match=why):
-            plan("track_sine_0p2_fprc", settings, path)
-    else:
+    with pytest.raises(FprcError, match=why) if why else nullcontext():
         plan("track_sine_0p2_fprc", settings, path)
 
 
 def test_step_that_fails_is_refused_before_the_rig_moves(settings, fprc_file, monkeypatch):
     monkeypatch.setattr(FPRC, "step", lambda self, x: x[7])
-    with pytest.raises(FprcError, match=r"fprc\.h5: makes no step \(tuple index"):
+    with pytest.raises(FprcError, match=r"fprc\.h5: .*tuple index"):
         plan("track_sine_0p2_fprc", settings, fprc_file)

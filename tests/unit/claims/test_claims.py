@@ -564,25 +564,15 @@ def test_few_and_many_taps_are_three_tenths_of_the_sizes_at_either_end(sizes, ex
 
 @pytest.mark.parametrize(
     ("claim", "terms", "status"),
-    [
-        ("C8a", ("tables",), "predicted"),
-        ("C8a", ("C8",), "fitted"),
-        ("C8b", ("C8",), "half fitted"),
-        ("C9c", ("tables",), "half fitted"),
-        ("C9c", ("C11",), "half fitted"),
-        ("C12a", ("C12",), "fitted"),
-        ("C12c", ("C12",), "predicted"),
-        ("C4", ("tables",), "fitted"),
-        ("C13a", ("tables", "open_loop"), "half fitted"),
-        ("C13a", ("tables",), "predicted"),
-        ("C14", ("tables",), "predicted"),
-        ("C14", ("open_loop",), "half fitted"),
-        ("C14", ("closed_loop",), "half fitted"),
-        ("C16", ("closed_sweep",), "half fitted"),
-        ("C5a", ("tables",), "counted"),
-        ("C17", ("tables",), "assumed"),
-    ],
-)
+    [("C8a", ("tables",), "predicted"), ("C8a", ("C8",), "fitted"),
+     ("C8b", ("C8",), "half fitted"), ("C9c", ("tables",), "half fitted"),
+     ("C9c", ("C11",), "half fitted"), ("C12a", ("C12",), "fitted"),
+     ("C12c", ("C12",), "predicted"), ("C4", ("tables",), "fitted"),
+     ("C13a", ("tables", "open_loop"), "half fitted"), ("C13a", ("tables",), "predicted"),
+     ("C14", ("tables",), "predicted"), ("C14", ("open_loop",), "half fitted"),
+     ("C14", ("closed_loop",), "half fitted"), ("C16", ("closed_sweep",), "half fitted"),
+     ("C5a", ("tables",), "counted"), ("C17", ("tables",), "assumed")],
+)  # fmt: skip
 def test_claim_is_fitted_where_a_term_of_the_objective_asks_for_it(claim, terms, status):
     assert status_of(BY_ID[claim], {"to": terms}) == status
 

@@ -139,11 +139,8 @@ def test_wrong_request_is_refused_and_leaves_no_file(
 ):
     (inside / "precious.h5").write_text("precious")
     Path(few).with_name("model.h5").write_bytes(packed("{}", {}))
-    logs = {
-        "LOG": recorded_by_rule["sweep"],
-        "DATA": prepared[0],
-        "MODEL": Path(few).with_name("model.h5"),
-    }
+    given = recorded_by_rule["sweep"], prepared[0], Path(few).with_name("model.h5")
+    logs = dict(zip(("LOG", "DATA", "MODEL"), given, strict=True))
     assert run(*(logs.get(word, word) for word in words)) == 1
     assert problem in capsys.readouterr().err
     assert [path.name for path in inside.iterdir()] == ["precious.h5"]

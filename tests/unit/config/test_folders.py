@@ -45,16 +45,13 @@ def test_folder_that_would_do_harm_is_refused(project, folder):
 
 @pytest.mark.parametrize(
     ("raw", "results", "reason"),
-    [
-        ("results", "results", "raw and results are both results"),
-        ("a/../results", "results", "each its own folder"),
-        ("{here}/results", "results", "each its own folder"),
-        ("mine", "mine/results", "is inside raw = mine"),
-        ("data/raw", "{here}/data/raw/x", "is inside raw = data/raw"),
-        ("results/data", "results", "use results/raw"),
-        ("out/mine", "{here}/out", "/out/raw"),
-    ],
-)
+    [("results", "results", "raw and results are both results"),
+     ("a/../results", "results", "each its own folder"),
+     ("{here}/results", "results", "each its own folder"),
+     ("mine", "mine/results", "is inside raw = mine"),
+     ("data/raw", "{here}/data/raw/x", "is inside raw = data/raw"),
+     ("results/data", "results", "use results/raw"), ("out/mine", "{here}/out", "/out/raw")],
+)  # fmt: skip
 def test_raw_logs_and_results_that_would_mix_are_refused(project, raw, results, reason):
     raw, results = (folder.replace("{here}", str(project)) for folder in (raw, results))
     message = refused(raw=raw, results=results)
@@ -64,20 +61,12 @@ def test_raw_logs_and_results_that_would_mix_are_refused(project, raw, results, 
 
 @pytest.mark.parametrize(
     ("raw", "results"),
-    [
-        ("data/raw", "results"),
-        ("results/smoke/raw", "results/smoke"),
-        ("results/mine/raw", "results"),
-        ("mylogs", "results/mine"),
-        ("data/raw", "results/blocked"),
-        ("/mnt/disk/raw", "/mnt/disk/results"),
-        ("../logs", "../results of mine"),
-        ("raw-2026.05", "Ergebnisse/für Lösung 3"),
-        ("raw", "results, second; it's a try"),
-        ("configs", "source"),
-        ("data/.hidden", "out/src"),
-    ],
-)
+    [("data/raw", "results"), ("results/smoke/raw", "results/smoke"),
+     ("results/mine/raw", "results"), ("mylogs", "results/mine"), ("data/raw", "results/blocked"),
+     ("/mnt/disk/raw", "/mnt/disk/results"), ("../logs", "../results of mine"),
+     ("raw-2026.05", "Ergebnisse/für Lösung 3"), ("raw", "results, second; it's a try"),
+     ("configs", "source"), ("data/.hidden", "out/src")],
+)  # fmt: skip
 def test_folders_that_do_no_harm_are_taken_as_they_are(project, raw, results):
     folders = check({"folders": {"raw": raw, "results": results}}).folders
     assert (folders.raw, folders.results) == (raw, results)

@@ -44,24 +44,9 @@ def written(tmp_path):
 
 
 def test_error_tells_place_value_limit_and_remedy():
-    assert message({"models": {"fprc": {"n_c": 0}}}) == (
-        "1 error in the configuration:\n"
-        "  models.fprc.n_c = 0: must be greater than or equal to 1 (default: 8)"
-    )
-
-
-@pytest.mark.parametrize(
-    ("config", "is_shown"),
-    [
-        ({"seed": -1}, True),
-        ({"control": {"feedforward": {"adapt": 3}}}, True),
-        ({"rig": {"valve": {"dead_zone": 1}}}, False),  # the chosen rig has another
-        ({"evaluation": {"target": "x"}}, True),
-        ({"models": {"others": 1}}, False),
-    ],
-)
-def test_default_is_shown_where_it_is_a_value_and_that_without_the_key(config, is_shown):
-    assert ("(default: " in message(config)) == is_shown
+    _, line = message({"models": {"fprc": {"n_c": 0}}}).splitlines()
+    assert re.findall(r"[\w.]*\w", line)[:2] == ["models.fprc.n_c", "0"]
+    assert re.findall(r"\d+", line) == ["0", "1", "8"]
 
 
 def test_every_error_is_reported_at_once():
@@ -97,16 +82,10 @@ def test_missing_rig_and_unreadable_file_hide_no_error(tmp_path):
     [
         ({"models": {"fprc": {"epsilom": 1}}}, "models.fprc.epsilom", "models.fprc.epsilon"),
         ({"modles": {}}, "modles", "models"),
-        ({"sede": 1}, "sede", "seed"),
         ({"n_c": 1}, "n_c", "models.fprc.n_c"),
-        ({"sweep": {}}, "sweep", "experiments.sweep"),
         ({"models": {"fprc": {"r": 1}}}, "models.fprc.r", "models.esn.r"),
         ({"rig": {"valve": {"leek": 1}}}, "rig.valve.leek", "rig.valve.leak"),
-        (
-            {"control": {"reservoir_loop": {"kp": 1}}},
-            "control.reservoir_loop.kp",
-            "control.reservoir_loop.kp_v_per_kpa",
-        ),
+        ({"control": {"pd": {"kp": 1}}}, "control.pd.kp", "control.pd.kp_kpa_per_deg"),
     ],
 )
 def test_unknown_key_names_the_nearest(config, unknown, nearest):
@@ -206,12 +185,9 @@ def test_rig_of_files_and_of_what_stands_beside_them(written, texts, beside, fit
 @pytest.mark.usefixtures("rigs")
 @pytest.mark.parametrize("name", ["drie", "", "../rigs/dry", "dry.yaml"])
 def test_unknown_name_is_refused_with_those_that_there_are(written, name):
-    known = "use bouc_wen, dry, paper, viscous or wet"
-    with pytest.raises(ConfigError, match=known) as caught:
-        from_files(written(f"rig: '{name}'\n"))
-    assert f"rig = {name}: " in str(caught.value)
-    with pytest.raises(ConfigError, match=known):
-        from_files([], {"rig": name})
+    for files, beside in ((written(f"rig: '{name}'\n"), None), ([], {"rig": name})):
+        with pytest.raises(ConfigError, match="bouc_wen, dry, paper, viscous or wet"):
+            from_files(files, beside)
 
 
 def test_rigs_of_the_package_have_names_in_any_folder(written, tmp_path, monkeypatch):
@@ -237,15 +213,6 @@ def test_number_without_a_name_changes_the_fitted_rig(tmp_path, monkeypatch):
     assert fitted(changed) == ("changed", ())
     drift = check({}).rig.drift.model_copy(update={"time_s": 7.0})
     assert changed.rig == check({}).rig.model_copy(update={"drift": drift})
-
-
-@pytest.mark.usefixtures("rigs")
-def test_unknown_name_and_file_that_cannot_be_read_are_told_at_once(written):
-    paths = written("rig: drie\n", "a: [\n", "rig: wett\n")
-    with pytest.raises(ConfigError) as caught:
-        from_files(paths)
-    text = str(caught.value)
-    assert text.index("rig = drie") < text.index(str(paths[1])) < text.index("rig = wett")
 
 
 def test_wrong_number_in_the_file_of_a_rig_is_refused(rigs):

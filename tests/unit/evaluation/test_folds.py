@@ -48,15 +48,9 @@ def test_purged_rows_neither_train_nor_neighbour_the_block(folds, samples, purge
 
 @pytest.mark.parametrize(
     ("samples", "folds", "split", "more"),
-    [
-        (4, 5, "blocked", {}),
-        (4, 1, "blocked", {}),
-        (4, 0, "blocked", {}),
-        (0, 2, "blocked", {}),
-        (10, 2, "random", {}),
-        (40, 2, "blocked", {"purge": 30}),
-    ],
-)
+    [(4, 5, "blocked", {}), (4, 1, "blocked", {}), (4, 0, "blocked", {}), (0, 2, "blocked", {}),
+     (10, 2, "random", {}), (40, 2, "blocked", {"purge": 30})],
+)  # fmt: skip
 def test_split_that_gives_no_folds_is_refused(samples, folds, split, more):
     with pytest.raises(EvaluationError):
         split_rows(samples, folds, split, 1, **more)

@@ -137,14 +137,9 @@ def test_claim_that_was_decided_elsewhere_counts_as_if_it_were_judged(place):
 
 @pytest.mark.parametrize(
     ("first", "second", "verdict"),
-    [
-        (-0.3, -0.3, "superior"),
-        (-0.3, 0.0, "equivalent"),
-        (-0.3, 0.3, "inferior"),
-        (0.0, 0.3, "inferior"),
-        (0.0, 0.0, "equivalent"),
-    ],
-)
+    [(-0.3, -0.3, "superior"), (-0.3, 0.0, "equivalent"), (-0.3, 0.3, "inferior"),
+     (0.0, 0.3, "inferior"), (0.0, 0.0, "equivalent")],
+)  # fmt: skip
 def test_verdict_of_two_parts_is_the_weaker(first, second, verdict):
     assert judge(normal(first, 0.01, 12), normal(second, 0.01, 12)).verdict == verdict
     assert judge(normal(second, 0.01, 12), normal(first, 0.01, 12)).verdict == verdict

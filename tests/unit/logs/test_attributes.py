@@ -32,9 +32,8 @@ def read_back(folder, attributes):
 
 def test_name_of_a_file_that_is_not_utf8_is_written_with_escapes(tmp_path):
     """Else a run could not be converted to a log."""
-    assert read_back(tmp_path, {"model_file": "mod\udce9le.h5"}) == {
-        "model_file": r"mod\udce9le.h5"
-    }
+    back = read_back(tmp_path, {"model_file": "mod\udce9le.h5"})
+    assert back == {"model_file": r"mod\udce9le.h5"}
 
 
 def test_attributes_come_back_as_they_were(tmp_path):
@@ -62,9 +61,8 @@ def test_text_of_any_length_comes_back(tmp_path, length):
 
 def test_number_that_is_none_is_null_in_json(tmp_path):
     attributes = {"statistics": {"jitter_s": float("nan"), "late_s": [float("inf"), 1.0]}}
-    assert read_back(tmp_path, attributes) == {
-        "statistics": {"jitter_s": None, "late_s": [None, 1.0]}
-    }
+    nulls = {"jitter_s": None, "late_s": [None, 1.0]}
+    assert read_back(tmp_path, attributes) == {"statistics": nulls}
 
 
 WRONG = {
@@ -110,8 +108,3 @@ def test_attributes_of_other_programs_are_kept_where_they_are_plain_and_else_lef
 def test_text_of_a_fixed_length_is_understood(attributes_of):
     attributes = {"source": np.bytes_("rig"), "notes": np.bytes_(json.dumps({"theta_deg": "°"}))}
     assert attributes_of(attributes) == {"source": "rig", "notes": {"theta_deg": "°"}}
-
-
-def test_message_shows_the_control_characters_of_an_attribute(attributes_of):
-    with pytest.raises(LogError, match=r"attribute rig = '\\x1b\[2J': must be a JSON object"):
-        attributes_of({"rig": "\x1b[2J"})

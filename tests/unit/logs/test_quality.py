@@ -183,11 +183,7 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
     [
         ({}, None, 0),
         ({"complete": True, "lost_samples": 0}, None, 0),
-        (
-            {"complete": False, "incomplete_reason": "not closed", "lost_samples": 3},
-            "not closed",
-            3,
-        ),
+        ({"complete": False, "incomplete_reason": "cut", "lost_samples": 3}, "cut", 3),
         ({"complete": False}, "unknown", 0),
     ],
 )
@@ -202,14 +198,9 @@ def test_log_that_is_not_complete_fails_with_its_reason(log, attributes, reason,
 
 @pytest.mark.parametrize(
     ("note", "unit"),
-    [
-        ("not in kPa: motor force F [N]", "N"),
-        ("not in kPa: force [left] of muscle [N m]", "N m"),
-        ("not in kPa: scaled command", "1"),
-        ("motor force F [N]", "kPa"),
-        (None, "kPa"),
-    ],
-)
+    [("not in kPa: motor force F [N]", "N"), ("not in kPa: force [left] of muscle [N m]", "N m"),
+     ("not in kPa: scaled command", "1"), ("motor force F [N]", "kPa"), (None, "kPa")],
+)  # fmt: skip
 def test_unit_of_another_quantity_is_read_from_its_note(note, unit):
     attributes = {} if note is None else {"notes": {"p_exp_kpa": note}}
     assert noted_unit("p_exp_kpa", attributes) == unit

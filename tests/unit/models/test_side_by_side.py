@@ -43,18 +43,13 @@ def test_features_are_those_of_each_map_side_by_side():
 
 @pytest.mark.parametrize(
     ("maps", "problem"),
-    [
-        ([], "maps = []"),
-        ([(TapFeatures(), [0, 3])], "column 3"),
-        ([(TapFeatures(), [-1])], "column -1"),
-        ([(TapFeatures(), [1.0])], "column 1.0"),
-        ([(TapFeatures(), [True])], "column True"),
-        ([(RidgeReadout(), [0])], "RidgeReadout() in maps"),
-        ([TapFeatures()], "maps = [TapFeatures()]"),
-        ([(TapFeatures(), None)], "maps = [(TapFeatures(), None)]"),
-        (3, "maps = 3"),
-    ],
-)
+    [([], "maps = []"), ([(TapFeatures(), [0, 3])], "column 3"),
+     ([(TapFeatures(), [-1])], "column -1"), ([(TapFeatures(), [1.0])], "column 1.0"),
+     ([(TapFeatures(), [True])], "column True"),
+     ([(RidgeReadout(), [0])], "RidgeReadout() in maps"),
+     ([TapFeatures()], "maps = [TapFeatures()]"),
+     ([(TapFeatures(), None)], "maps = [(TapFeatures(), None)]"), (3, "maps = 3")],
+)  # fmt: skip
 def test_maps_that_do_not_fit_are_refused(maps, problem):
     with pytest.raises(ValueError, match=re.escape(problem)):
         SideBySide(maps).fit(log())
