@@ -10,7 +10,7 @@ from hypothesis import settings
 from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.figures import style
-from fprc.logs import write_columns, write_raw
+from fprc.logs import write_raw
 from fprc.models import FPRC, save_model
 from fprc.plan.arguments import of_pressures
 from fprc.stages.preprocess import preprocess
@@ -112,21 +112,6 @@ def seen(recorded):
         name: {channel: log[channel] for channel in names} | {"p_target_kpa": log["p_exp_kpa"]}
         for name, log in recorded.items()
     }
-
-
-@pytest.fixture(scope="session")
-def write_data(seen, tmp_path_factory):
-    """Write data of the first so many samples of each experiment, and return their paths."""
-
-    def write(**samples):
-        folder = tmp_path_factory.mktemp("data")
-        for name, count in samples.items():
-            channels = {channel: values[:count] for channel, values in seen[name].items()}
-            attributes = {"experiment": name, "source": "sim", "seed": 1, "target": "measured"}
-            write_columns(folder / f"{name}.h5", channels, attributes)
-        return [str(folder / f"{name}.h5") for name in samples]
-
-    return write
 
 
 @pytest.fixture

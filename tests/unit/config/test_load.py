@@ -3,7 +3,6 @@ import re
 from pathlib import Path
 
 import pytest
-import yaml
 
 from fprc.config import Settings, check, from_files, local_files, rig_files
 from fprc.config.reference import RIG
@@ -11,7 +10,6 @@ from fprc.config.rig import squeeze_lag
 from fprc.errors import ConfigError
 
 CONFIG = Path(__file__).parents[3] / "config"
-RIGS = Path(__file__).parents[3] / "src/fprc/config/rigs"
 
 
 def message(config):
@@ -190,29 +188,15 @@ def test_unknown_name_is_refused_with_those_that_there_are(written, name):
             from_files(files, beside)
 
 
-def test_rigs_of_the_package_have_names_in_any_folder(written, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert sorted(rig_files()) == ["bouc_wen", "dry", "paper", "viscous"]
-    settings = from_files(written("rig: viscous\n"))
-    numbers = yaml.safe_load((RIGS / "viscous.yaml").read_text(encoding="utf-8"))
-    assert settings.rig.drift.sigma_kpa == numbers["rig"]["drift"]["sigma_kpa"]
-    assert fitted(settings) == ("viscous", tuple(numbers["fitted"]["to"]))
-
-
 def test_rig_is_the_fitted_one_where_none_is_given(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     named = check({"rig": RIG})
     assert fitted(named)[0] == RIG
-    assert named.rig != Settings().rig
     assert check({}) == from_files([]) == named
-
-
-def test_number_without_a_name_changes_the_fitted_rig(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
     changed = check({"rig": {"drift": {"time_s": 7.0}}})
     assert fitted(changed) == ("changed", ())
-    drift = check({}).rig.drift.model_copy(update={"time_s": 7.0})
-    assert changed.rig == check({}).rig.model_copy(update={"drift": drift})
+    drift = named.rig.drift.model_copy(update={"time_s": 7.0})
+    assert changed.rig == named.rig.model_copy(update={"drift": drift})
 
 
 def test_wrong_number_in_the_file_of_a_rig_is_refused(rigs):
@@ -232,7 +216,10 @@ def test_configuration_of_the_paper_is_the_default_but_for_its_rig():
 
 
 @pytest.mark.parametrize("name", sorted(rig_files()))
-def test_every_rig_of_the_project_is_valid_and_has_the_name_of_its_file(name):
+def test_every_rig_of_the_package_is_valid_and_has_the_name_of_its_file(
+    name, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
     settings = from_files([], {"rig": name})
     assert settings.fitted.name == name
     assert (name == "bouc_wen") == (not settings.fitted.to)
