@@ -255,11 +255,7 @@ def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, m
                     | ({} if models else _memory(random)),
                 }
             )
-    return {
-        "name": name,
-        "fitted": ["tables", "orders", "open_loop"],
-        "cells": cells,
-    } | more
+    return {"name": name, "fitted": ["tables", "orders", "open_loop"], "cells": cells} | more
 
 
 def _memory(random):

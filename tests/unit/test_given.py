@@ -23,8 +23,7 @@ def inside(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["none", "file/more", "folder", "loop", "x" * 300, "a\0b", "pipe", "to pipe", "endless"],
+    "name", ["none", "file/more", "folder", "loop", "x" * 300, "a\0b", "pipe", "to pipe", "endless"]
 )
 def test_all_else_is_refused(inside, name):
     for read in (open_given, read_given):

@@ -69,7 +69,7 @@ def quoted():
         ],
         "docs/results.md": [f"a time constant of {filter_s:g} s"],
         "docs/elsewhere.md": [
-            f"Each of the {len(settings.evaluation.replicate_seeds)} `evaluation.replicate_seeds`",
+            f"Each of the {len(settings.evaluation.replicate_seeds)} `evaluation.replicate_seeds`"
         ],
     }
 

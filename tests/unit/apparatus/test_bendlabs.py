@@ -67,8 +67,7 @@ def test_sensor_sleeps_after_shutdown_and_starts_again(bus, sensor):
 
 
 @pytest.mark.parametrize(
-    ("request_", "arguments"),
-    [("start", [lambda seconds: None]), ("read", []), ("shutdown", [])],
+    ("request_", "arguments"), [("start", [lambda seconds: None]), ("read", []), ("shutdown", [])]
 )
 def test_every_request_to_an_empty_address_raises_device_error(bus, request_, arguments):
     with pytest.raises(DeviceError, match=r"0x13 on I2C bus 1: .* failed"):

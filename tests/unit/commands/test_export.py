@@ -116,33 +116,24 @@ def test_class_of_your_own_is_exported_with_its_configuration(
     assert "fprc_model_step" in header.read_text()
 
 
-def test_model_that_learns_needs_its_training(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(("trained", "rate_hz"), [(False, 200.0), (True, 100.0)])
+def test_model_that_learns_needs_its_training_and_its_rate(
+    trained, rate_hz, header, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     X = np.random.default_rng(1).normal(100.0, 10.0, (200, 2))
-    for name, model in (
-        ("old", FPRC(n_c=2, random_state=1).fit(X, X[:, 0])),
-        ("new", FPRC(n_c=2, random_state=1).fit(X, X[:, 0]).remember(X)),
-    ):
-        save_model(model, f"{name}.h5")
-    (tmp_path / "mine.yaml").write_text("control: {feedforward: {kpa_per_deg: 3.25}}")
-    assert main(["export", "old.h5", "--c", "old.h", "--learn"]) == 1
-    assert "old.h5" in capsys.readouterr().err
-    assert not (tmp_path / "old.h").exists()
-    command = ["export", "new.h5", "--c", "new.h", "--learn", "--config", "mine.yaml"]
-    assert main(command) == 0
-    assert "#define NEW_LEARNS" in (tmp_path / "new.h").read_text()
-    assert "new_kpa_per_deg = 3.25;" in (tmp_path / "new.h").read_text()
-
-
-def test_model_of_another_rate_does_not_learn(header, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    X = np.random.default_rng(1).normal(100.0, 10.0, (200, 2))
-    model = FPRC(n_c=2, random_state=1).fit(X, X[:, 0]).remember(X)
-    model.sample_rate_hz_ = 100.0
-    save_model(model, "slow.h5")
-    assert main(["export", "slow.h5", "--c", str(header), "--learn"]) == 1
-    assert "100 Hz" in capsys.readouterr().err
+    model = FPRC(n_c=2, random_state=1).fit(X, X[:, 0])
+    if trained:
+        model.remember(X)
+    model.sample_rate_hz_ = rate_hz
+    save_model(model, "mine.h5")
+    command = ["export", "mine.h5", "--c", str(header), "--learn"]
+    assert main(command) == 1
+    assert ("100 Hz" if trained else "mine.h5") in capsys.readouterr().err
     assert not header.exists()
-    (tmp_path / "slow.yaml").write_text("control: {sample_rate_hz: 100}")
-    command = ["export", "slow.h5", "--c", str(header), "--learn", "--config", "slow.yaml"]
-    assert main(command) == 0
+    own = "control: {sample_rate_hz: 100, feedforward: {kpa_per_deg: 3.25}}"
+    (tmp_path / "mine.yaml").write_text(own)
+    if trained:
+        assert main([*command, "--config", "mine.yaml"]) == 0
+        assert "#define FPRC_MODEL_LEARNS" in header.read_text()
+        assert "fprc_model_kpa_per_deg = 3.25;" in header.read_text()

@@ -10,44 +10,41 @@ STEP, ROW, FIT, TRANSFORMED, TRAIN, TEST = 7.0, 3.0, 50.0, 2.0, 40, 30
 
 
 class Clock:
-    """A clock that moves on when a model works, and notes what each model did."""
+    """A clock that moves on when a model works."""
 
     now = 0.0
-    turns = []
 
     def perf_counter(self):
         return self.now
 
-    def spend(self, model, what, samples, seconds):
-        self.turns.append((model, what, samples))
+    def spend(self, seconds):
         self.now += seconds
 
 
 @pytest.fixture
 def clock(monkeypatch):
     clock = Clock()
-    clock.turns = []
     monkeypatch.setattr(timing, "time", SimpleNamespace(perf_counter=clock.perf_counter))
     monkeypatch.setattr(timing, "WARM_UP", 8)
     monkeypatch.setattr(timing, "EXCERPT", 10)
     return clock
 
 
-def timed_model(clock, name, slowness=1.0):
+def timed_model(clock, slowness):
     """Return a fitted model whose work takes a known time on the clock."""
 
     class Features(TapFeatures):
         def transform(self, X):
-            clock.spend(name, "transform", len(X), slowness * TRANSFORMED * len(X))
+            clock.spend(slowness * TRANSFORMED * len(X))
             return super().transform(X)
 
         def step(self, x):
-            clock.spend(name, "row", 1, slowness * ROW)
+            clock.spend(slowness * ROW)
             return super().step(x)
 
     class Readout(RidgeReadout):
         def fit(self, X, y):
-            clock.spend(name, "fit", len(X), slowness * FIT)
+            clock.spend(slowness * FIT)
             return super().fit(X, y)
 
     class Model(SequenceModel):
@@ -58,11 +55,11 @@ def timed_model(clock, name, slowness=1.0):
             return Readout()
 
         def predict(self, X):
-            clock.spend(name, "predict", len(X), slowness * len(X))
+            clock.spend(slowness * len(X))
             return super().predict(X)
 
         def step(self, x):
-            clock.spend(name, "step", 1, slowness * STEP)
+            clock.spend(slowness * STEP)
             return super().step(x)
 
     return Model().fit(*log(TRAIN))
@@ -76,7 +73,7 @@ def log(size):
 
 def test_steps_are_timed_on_an_excerpt_and_scaled_and_all_else_on_whole_logs(clock):
     models = {
-        name: (timed_model(clock, name, slowness), log(TRAIN), log(TEST))
+        name: (timed_model(clock, slowness), log(TRAIN), log(TEST))
         for name, slowness in (("a", 1.0), (("b", 2), 10.0))
     }
     found = time_models(models, repeats=2)
@@ -92,15 +89,3 @@ def test_steps_are_timed_on_an_excerpt_and_scaled_and_all_else_on_whole_logs(clo
             (entry,) = [e for e in entries if (e["phase"], e["mode"]) == (phase, mode)]
             assert entry["samples"] == {"train": TRAIN, "test": TEST}[phase]
             assert entry["seconds"] == pytest.approx([slowness * seconds] * 2)
-
-
-def test_models_take_turns_and_warm_up_before_each_piece_of_work(clock):
-    models = {name: (timed_model(clock, name), log(TRAIN), log(TEST)) for name in "ab"}
-    clock.turns.clear()
-    time_models(models, repeats=2)
-    whole = [turn for turn in clock.turns if turn[1] not in ("row", "step")]
-    one = [
-        ("transform", 8), ("transform", TRAIN), ("fit", 8), ("fit", TRAIN), ("predict", 8),
-        ("predict", TEST),
-    ]  # fmt: skip
-    assert whole == [(name, *work) for _ in range(2) for name in "ab" for work in one]

@@ -107,18 +107,6 @@ def test_a_recording_that_never_turns_is_one_loop():
     assert loops["theta_deg"].max() == pytest.approx(6.0, abs=0.05)
 
 
-def test_training_is_shown_by_its_first_and_its_last_tenth_and_the_test_is_whole(
-    log, files, figures
-):
-    draw.draw_training(log("one.h5"), log("two.h5"), files)
-    spans = [ax.get_xlim() for ax in figures[0].axes]
-    expected = np.ravel([[0.0, 0.395, 3.555, 3.95]] * 2 + [[0.0, 3.95, 0.0, 3.95]])
-    assert np.ravel(spans) == pytest.approx(expected)
-    for row in (2, 3, 5):
-        difference = figures[0].axes[row].lines[-1].get_ydata()
-        assert len(difference) == 80
-
-
 @pytest.mark.parametrize(
     ("text", "shown"),
     [

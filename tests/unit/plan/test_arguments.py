@@ -2,13 +2,7 @@
 
 from fprc.config import Settings
 from fprc.experiments.settings import Judgement, RigSettings
-from fprc.plan.arguments import (
-    feedback_in_words,
-    judgement,
-    of_pressures,
-    on_rig,
-    paper_models,
-)
+from fprc.plan.arguments import feedback_in_words, judgement, of_pressures, on_rig, paper_models
 
 SETTINGS = Settings().model_dump(mode="json")
 SETTINGS["models"]["others"] = {"mine": {"estimator": "my.Model", "inputs": [], "settings": {}}}

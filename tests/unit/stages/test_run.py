@@ -51,10 +51,7 @@ def job(tmp_path):
             runs=[str(tmp_path / "a.h5"), str(tmp_path / "b.h5")],
             made_from=[str(tmp_path / "a.h5")],
         ),
-        output=Files(
-            pdf=str(tmp_path / "fig99.pdf"),
-            png=str(tmp_path / "fig99.png"),
-        ),
+        output=Files(pdf=str(tmp_path / "fig99.pdf"), png=str(tmp_path / "fig99.png")),
         params=Files(stage="loops.draw", quiet_s=12.0, code="0123"),
         wildcards=["201"],
         log=[str(tmp_path / "logs" / "fig99.log")],

@@ -13,13 +13,7 @@ from fprc.experiments.tracking import Track, rms_of, tracking_errors
 from fprc.models import FPRC
 from fprc.registry import COMPETITORS
 from fprc.studies.beyond import contest as contests
-from fprc.studies.beyond.contest import (
-    BRIEF,
-    SLOW,
-    Contest,
-    judge_models,
-    judge_rig,
-)
+from fprc.studies.beyond.contest import BRIEF, SLOW, Contest, judge_models, judge_rig
 
 SETTINGS = Settings().model_dump(mode="json")
 SEED = 3

@@ -9,10 +9,7 @@ from fprc.studies.stages import beyond as figures
 @pytest.fixture(scope="module")
 def families(make_family):
     few = ("fprc", "fuzzy_linear", "fprc_lowpass")
-    return {
-        "dry": make_family(spread=0.02),
-        "sparse": make_family("sparse", units=3, models=few),
-    }
+    return {"dry": make_family(spread=0.02), "sparse": make_family("sparse", units=3, models=few)}
 
 
 @pytest.mark.parametrize("family", ["dry", "sparse"])
