@@ -136,9 +136,6 @@ def test_file_that_was_deleted_while_it_was_opened_is_opened_again(tmp_path, mon
         assert os.path.samestat(os.fstat(held.fileno()), file.stat())
 
 
-# --- outputs that a user named ------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "out",
     ["a.csv", "", ".h5", "x" * 218 + ".h5", "x" * 256 + "/a.h5", "a/" * 3000 + "a.h5", "old.h5",

@@ -20,9 +20,6 @@ CONFIG = Path(__file__).parents[2] / "config"
 COMMAND = [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())"]
 
 
-# --- config -------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("page", ["defaults", "reference"])
 def test_generated_page_is_printed_byte_for_byte(page, capsys):
     assert main(["config", page]) == 0
@@ -63,9 +60,6 @@ def test_output_that_nothing_reads_ends_the_command_without_a_traceback(command,
     assert (done.returncode, done.stderr) == (141, b"")
 
 
-# --- log ----------------------------------------------------------------------------------------
-
-
 def test_log_with_a_fault_is_reported_as_failed(write_log, recorded, capsys):
     theta_deg = np.array(recorded["sweep"]["theta_deg"])
     theta_deg[10:20] = 500.0
@@ -98,9 +92,6 @@ def test_unreadable_log_is_named_and_the_next_one_still_judged(
     assert "sample 7" in records[1]["error"]
     assert printed.err.count("error: ") == 3
     assert all(f"error: {path}: " in printed.err for path in (paths[0], bad, tmp_path))
-
-
-# --- interrupts, and output that cannot be written ----------------------------------------------
 
 
 def test_interrupt_ends_the_command_without_a_traceback(monkeypatch, capsys):

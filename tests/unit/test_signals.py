@@ -21,37 +21,27 @@ COMPLEX = Settings().experiments.complex
 @given(st.floats(1.0, 200.0), st.floats(0.01, 2.0), st.floats(0.01, 2.0), st.floats(0.0, 200.0))
 def test_chirp_agrees_with_scipy(duration_s, f_start_hz, f_end_hz, amplitude):
     t = np.linspace(0.0, duration_s, 200)
-    ours = chirp(
-        t,
-        duration_s=duration_s,
-        f_start_hz=f_start_hz,
-        f_end_hz=f_end_hz,
-        amplitude=amplitude,
-        offset=175.0,
-    )
+    ends = {"duration_s": duration_s, "f_start_hz": f_start_hz, "f_end_hz": f_end_hz}
+    ours = chirp(t, **ends, amplitude=amplitude, offset=175.0)
     theirs = signal.chirp(t, f_start_hz, duration_s, f_end_hz, method="linear", phi=180.0)
     np.testing.assert_allclose(ours, 175.0 + amplitude * theirs, atol=1e-8 * (1.0 + amplitude))
 
 
 def test_multisine_is_the_papers_complex_signal():
     t = sample_times(80.0, 200.0)
-    frequencies = (0.12, 0.04, 0.31, 0.29, 0.25)
-    printed = 175.0 + sum(35.0 * np.sin(2.0 * np.pi * f * t - 0.5 * np.pi) for f in frequencies)
-    ours = multisine(t, f_hz=frequencies, amplitude=35.0, offset=175.0)
+    printed = 175.0 + sum(35.0 * np.sin(2.0 * np.pi * f * t - 0.5 * np.pi) for f in F_HZ)
+    ours = multisine(t, f_hz=F_HZ, amplitude=35.0, offset=175.0)
     np.testing.assert_allclose(ours, printed, atol=1e-9)
     np.testing.assert_allclose(pressure_command(COMPLEX, 200.0), printed, atol=1e-9)
 
 
+F_HZ = (0.12, 0.04, 0.31, 0.29, 0.25)
 REFERENCES = {
     "sine_0p2": lambda t: 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.2 * t),
     "sine_0p5": lambda t: 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.5 * t),
     "disturbance": lambda t: 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.3 * t),
     "sweep": lambda t: 27.5 * np.sin(np.pi * t * (0.01125 * t + 0.1) - 0.5 * np.pi) + 32.5,
-    "complex": lambda t: (
-        40.5
-        + 6.5
-        * sum(np.sin(2.0 * np.pi * f * t - 0.5 * np.pi) for f in (0.12, 0.04, 0.31, 0.29, 0.25))
-    ),
+    "complex": lambda t: 40.5 + 6.5 * sum(np.sin(2.0 * np.pi * f * t - 0.5 * np.pi) for f in F_HZ),
 }
 
 

@@ -65,9 +65,6 @@ def read_ticks(path):
     return ticks, findings
 
 
-# --- round trip -----------------------------------------------------------------------------
-
-
 def test_closed_journal_comes_back_whole(path):
     write(path, overruns=np.int64(3), jitter_s=1e-4)
     ticks, findings = read_ticks(path)
@@ -126,9 +123,6 @@ def test_interrupt_between_write_and_count_costs_no_sample(path, monkeypatch):
     assert (ticks, findings.lost) == ([0, 1], 0)
 
 
-# --- refusals -------------------------------------------------------------------------------
-
-
 def test_existing_file_is_not_overwritten(path):
     write(path)
     before = path.read_bytes()
@@ -165,9 +159,6 @@ def test_file_is_not_closed_under_a_thread_that_writes_it_to_the_disk(path, monk
     journal.close()
     assert not journal._syncing.is_alive()  # nor in any other test
     assert read_ticks(path)[1].complete
-
-
-# --- the disk -------------------------------------------------------------------------------
 
 
 def test_samples_are_brought_to_the_disk_while_the_run_goes_on(path, monkeypatch):
@@ -257,9 +248,6 @@ def test_journal_whose_header_does_not_fit_is_not_left_behind(path, monkeypatch)
     with pytest.raises(LogError, match="No space left"):
         Journal(path, NAMES, ATTRIBUTES)
     assert not path.exists()
-
-
-# --- damage ---------------------------------------------------------------------------------
 
 
 @given(
@@ -369,9 +357,6 @@ def test_forged_header_is_refused_in_a_line(text, path, capsys):
     assert said.startswith("error: ")
     assert said.count("\n") == 1
     assert not copy.exists()
-
-
-# --- as a raw log ---------------------------------------------------------------------------
 
 
 def raw_of(path):

@@ -39,23 +39,16 @@ N_C = (16, 8, 4, 2, 1)
 
 
 def replicate(scale):
-    models = []
-    for (trained_on, model), (train, validation, test) in ERRORS.items():
-        models.append(
-            {
-                "trained_on": trained_on,
-                "model": model,
-                TRAIN: [scale * train - 0.1, scale * train + 0.1],
-                VALIDATION: [scale * validation - 0.1, scale * validation + 0.1],
-                TEST: scale * test,
-                "test_halves_rmse_kpa": [0.7 * scale * test, 1.3 * scale * test],
-            }
-        )
+    models = [
+        {"trained_on": trained_on, "model": model, TEST: scale * test,
+         TRAIN: [scale * train - 0.1, scale * train + 0.1],
+         VALIDATION: [scale * validation - 0.1, scale * validation + 0.1],
+         "test_halves_rmse_kpa": [0.7 * scale * test, 1.3 * scale * test]}
+        for (trained_on, model), (train, validation, test) in ERRORS.items()
+    ]  # fmt: skip
     share = 0.56 + 0.1 * (scale - 1.0)
-    return {
-        "models": models,
-        "weights": {"mean_share": {"p_o": share, "theta_d": 0.999 - share, "bias": 0.001}},
-    }
+    weights = {"mean_share": {"p_o": share, "theta_d": 0.999 - share, "bias": 0.001}}
+    return {"models": models, "weights": weights}
 
 
 def cell(model, errors, **settings):
@@ -92,21 +85,14 @@ def measures(scale):
     return {
         "rmse_deg": errors,
         "effort": dict.fromkeys(REFERENCES, 0.1),
-        "sweep": {
-            "largest_error_deg": 3.5 * scale,
-            "lag_ms": 0.0,
-            "first_third_deg": 2.0,
-            "last_third_deg": 2.2,
-        },
-        "loops": {
-            f"{name}/{controller}": {"width_over_span": width}
-            for name in LOOPS
-            for controller, width in (("pd", 0.4), ("fprc_pd", 0.05))
-        },
+        "sweep": {"largest_error_deg": 3.5 * scale, "lag_ms": 0.0,
+                  "first_third_deg": 2.0, "last_third_deg": 2.2},
+        "loops": {f"{name}/{controller}": {"width_over_span": width} for name in LOOPS
+                  for controller, width in (("pd", 0.4), ("fprc_pd", 0.05))},
         "disturbance": {"bending": 0.2, "p_o": 0.0, "error_ratio": 1.0},
         "hysteresis": {loop: dict.fromkeys(OF_LOOPS, 1.0) for loop in ("actuator", "reservoir")},
         "pressure_error": {"main": 0.0, "reservoir": 0.002},
-    }
+    }  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -316,15 +302,9 @@ PERTURBATIONS = [
     ("C9a", "flat", cells("epsilon", TRAIN, model="fprc", epsilon=0.1), 9.0, 9.1),
     ("C9b", "flat", cells("n_c", TRAIN, model="fprc", n_c=8), 9.0, 9.1),
     *(
-        (
-            "C9c",
-            f"{sweep}_{way}",
-            errors_of(
-                sweep, TEST, lambda found, s=sweep, sign=sign: 12.0 + sign * found[s], model="fprc"
-            ),
-            EVERY,
-            (),
-        )
+        ("C9c", f"{sweep}_{way}",
+         errors_of(sweep, TEST, lambda x, s=sweep, sign=sign: 12.0 + sign * x[s], model="fprc"),
+         EVERY, ())
         for sweep in ("epsilon", "n_c")
         for way, sign in (("rises", 0.1), ("falls", -0.1))
     ),
@@ -509,11 +489,8 @@ def test_order_of_seeds_models_cells_and_times_does_not_matter(ideal):
 
 
 def test_changed_verdicts_are_listed_in_the_order_of_the_ledger():
-    ledger = [
-        {"id": "C1", "verdict": "reproduced"},
-        {"id": "C2", "verdict": "not reproduced"},
-        {"id": "C10", "verdict": "reproduced"},
-    ]
+    found = {"C1": "reproduced", "C2": "not reproduced", "C10": "reproduced"}
+    ledger = [{"id": name, "verdict": verdict} for name, verdict in found.items()]
     known = {"C1": "reproduced", "C2": "reproduced", "C3": "reproduced"}
     assert changed_verdicts(ledger, known) == [
         "C2: not reproduced, but reproduced is declared",
@@ -607,17 +584,16 @@ def test_what_a_rig_may_have_been_searched_for_has_words_or_is_a_claim():
 
 def noisy_grids(noise):
     """Grids of some seeds whose test errors differ by noise alone, shape (seeds, sizes)."""
-    grids = []
-    for row in noise:
-        grid = {
+    return [
+        {
             setting: [
                 cell("fprc", ([1.0], [1.0], 10.0 * np.exp(value)), **{setting: size})
                 for size, value in enumerate(row, start=1)
             ]
             for setting in ("epsilon", "n_c")
         }
-        grids.append(grid)
-    return grids
+        for row in noise
+    ]
 
 
 def test_step_is_chosen_on_the_first_half_of_the_seeds_and_judged_on_the_others():

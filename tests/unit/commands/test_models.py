@@ -66,15 +66,9 @@ def run(*words):
     return main([str(word) for word in words])
 
 
-# --- simulate -----------------------------------------------------------------------------------
-
-
 def test_simulated_log_is_that_of_the_workflow(recorded_by_rule, few, inside):
     assert run("simulate", "complex", "--config", few, "--out", "mine.h5") == 0
     assert (inside / "mine.h5").read_bytes() == recorded_by_rule["complex"].read_bytes()
-
-
-# --- train and predict --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["fprc", "esn", "fuzzy_linear"])

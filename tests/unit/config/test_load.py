@@ -90,9 +90,6 @@ def test_unknown_key_names_the_nearest(config, unknown, nearest):
     assert f"  {unknown}: unknown key; did you mean {nearest}?" in message(config)
 
 
-# --- files --------------------------------------------------------------------------------------
-
-
 def test_later_files_win_key_by_key(written):
     first = "seed: 1\nmodels: {n_y: 7, fprc: {n_c: 4, n_u: 2}}\n"
     second = "seed: 2\nmodels: {fprc: {n_c: 5}}\n"
@@ -121,8 +118,6 @@ def test_settings_beside_the_files_win_and_are_checked(written):
     with pytest.raises(ConfigError, match=r"models\.n_z: unknown key"):
         from_files(paths, {"models": {"n_z": 1}})
 
-
-# --- rigs by name -------------------------------------------------------------------------------
 
 DRY = "fitted: {name: dry, to: [tables, C8]}\nrig: {drift: {sigma_kpa: 2.0, time_s: 3.0}}\n"
 WET = "rig: {drift: {time_s: 4.0}, bending: {preload_kpa: 30}}\n"
@@ -203,9 +198,6 @@ def test_wrong_number_in_the_file_of_a_rig_is_refused(rigs):
     (rigs / "dry.yaml").write_text("rig: {drift: {time_s: 0.1}}\n", encoding="utf-8")
     with pytest.raises(ConfigError, match=r"rig\.drift\.time_s = 0\.1"):
         from_files([], {"rig": "dry"})
-
-
-# --- the files of this repository -----------------------------------------------------------
 
 
 def test_configuration_of_the_paper_is_the_default_but_for_its_rig():

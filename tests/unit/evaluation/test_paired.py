@@ -42,9 +42,6 @@ def judge(*samples, **more):
     return outcome
 
 
-# --- one pair -------------------------------------------------------------------------------------
-
-
 @given(SAMPLES, LEVELS)
 def test_equivalence_is_two_one_sided_tests(values, level):
     ps = (
@@ -61,9 +58,6 @@ def test_superior_and_inferior_are_t_tests(values, level):
     if test.pvalue < level:
         expected = "superior" if test.statistic < 0 else "inferior"
     assert part(values, limit=1.1).verdict(level) == expected
-
-
-# --- several claims -------------------------------------------------------------------------------
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=6))
@@ -158,9 +152,6 @@ def test_p_of_two_parts_is_that_of_the_weaker():
     assert judge(normal(0.3, 0.01, 12), weak).p < judge(weak).p
 
 
-# --- units that share training data ---------------------------------------------------------------
-
-
 def test_interval_of_blocks_has_the_variance_of_nadeau_and_bengio():
     values, blocks, overlap = normal(-0.1, 0.05, 10), 10, 100 / 860
     error = math.sqrt((1 / blocks + overlap) * 0.05**2)
@@ -171,9 +162,6 @@ def test_interval_of_blocks_has_the_variance_of_nadeau_and_bengio():
     half = 2.7764 * math.sqrt((1 / 5 + overlap) * subset.var(ddof=1))
     _, low, high = part(values, overlap=overlap).interval(0.05, range(5))
     assert high - low == pytest.approx(2 * half, rel=1e-4)
-
-
-# --- other units ----------------------------------------------------------------------------------
 
 
 def test_verdict_that_fewer_units_turn_is_undecided():

@@ -17,9 +17,7 @@ from fprc.registry import build
 MODELS = {
     "n_y": 2, "alpha": 1e-3, "others": {},
     "esn": {"r": 8, "f_input": 0.02, "gamma": 0.5, "rho": 0.4, "washout": 20},
-    "fprc": {
-        "epsilon": 0.1, "n_c": 2, "n_u": 2, "sigma": 2.0, "restarts": 1
-    },
+    "fprc": {"epsilon": 0.1, "n_c": 2, "n_u": 2, "sigma": 2.0, "restarts": 1},
 }  # fmt: skip
 JUDGEMENT = Judgement(models=MODELS, folds=3, split="blocked", seed=1, purge_s=0.0)
 

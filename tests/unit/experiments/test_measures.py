@@ -7,11 +7,7 @@ from fprc.experiments.measures import measure_hysteresis, measure_pressure_error
 from fprc.paper import CONTROLLERS, REFERENCES
 
 RATE_HZ, QUIET_S = 200.0, 12.0
-RUNS = [
-    f"{reference}/{controller}"
-    for reference in (*REFERENCES, "disturbance")
-    for controller in CONTROLLERS
-]
+RUNS = [f"{name}/{law}" for name in (*REFERENCES, "disturbance") for law in CONTROLLERS]
 TIME_S = 5.0 + np.arange(int(30 * RATE_HZ)) / RATE_HZ
 PUSHED = TIME_S >= QUIET_S
 
@@ -58,12 +54,8 @@ def perfect():
 
 def test_perfect_runs_have_no_error_no_lag_and_no_loop(perfect):
     assert perfect["rmse_deg"] == dict.fromkeys(RUNS, 0.0)
-    assert perfect["sweep"] == {
-        "largest_error_deg": 0.0,
-        "lag_ms": 0.0,
-        "first_third_deg": 0.0,
-        "last_third_deg": 0.0,
-    }
+    names = ("largest_error_deg", "lag_ms", "first_third_deg", "last_third_deg")
+    assert perfect["sweep"] == dict.fromkeys(names, 0.0)
     for loop in perfect["loops"].values():
         assert loop["width_over_span"] == pytest.approx(0.0, abs=1e-3)
 
@@ -158,12 +150,8 @@ def test_tracking_error_is_that_of_the_same_time_without_pushes():
 
 def test_pressure_error_is_a_share_of_the_span_of_the_command():
     command, tone = 100.0 + 2.0 * chirp(TIME_S), np.sin(2 * np.pi * 7.0 * TIME_S)
-    log = {
-        "p_exp_command_kpa": command,
-        "p_exp_kpa": command + 3.0,
-        "p_i_command_kpa": 2.0 * command,
-        "p_i_kpa": 2.0 * command + 4.0 * tone,
-    }
+    log = {"p_exp_command_kpa": command, "p_exp_kpa": command + 3.0,
+           "p_i_command_kpa": 2.0 * command, "p_i_kpa": 2.0 * command + 4.0 * tone}  # fmt: skip
     span = float(np.ptp(command))
     expected = {"main": 3.0 / span, "reservoir": 4.0 / 2**0.5 / (2.0 * span)}
     assert measure_pressure_error(log) == pytest.approx(expected, rel=1e-3)

@@ -34,11 +34,10 @@ def models(recorded):
     log = recorded["sweep"]
     inputs = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
     y = log["p_exp_command_kpa"]
+    theta, fuzzy_linear = inputs[:, :1], FuzzyLinear(n_c=3, random_state=1)
     return {
         "fprc": FPRC(n_c=3, random_state=1).fit(inputs, y).remember(inputs),
-        "fuzzy_linear": FuzzyLinear(n_c=3, random_state=1)
-        .fit(inputs[:, :1], y)
-        .remember(inputs[:, :1]),
+        "fuzzy_linear": fuzzy_linear.fit(theta, y).remember(theta),
     }
 
 
@@ -46,12 +45,8 @@ def tick_by_tick(bench, reference, name, model):
     """Return the channels of the law in the loop that runs the real rig."""
     theta_d = bench.reference(reference)
     pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else np.zeros(len(theta_d))
-    device = SimulatedRig(
-        bench.rig,
-        seed=bench.seed,
-        run=TRACKING_RUNS[reference],
-        sample_rate_hz=bench.control.sample_rate_hz,
-    )
+    how = {"seed": bench.seed, "run": TRACKING_RUNS[reference]}
+    device = SimulatedRig(bench.rig, **how, sample_rate_hz=bench.control.sample_rate_hz)
 
     class Clock:
         def wait_for(self, tick):

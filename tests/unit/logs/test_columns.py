@@ -56,9 +56,6 @@ def outcomes(path, cases, names=NAMES):
     return found
 
 
-# --- a writer of another program ------------------------------------------------------------
-
-
 def test_log_that_another_program_has_open_is_not_called_damaged(path):
     with path.open("rb") as other:
         fcntl.flock(other, fcntl.LOCK_EX)  # as HDF5 does
@@ -92,9 +89,6 @@ def test_log_whose_writer_was_killed_is_read_or_named(path, swmr, latest):
     else:
         read = read_columns(copy, NAMES)
         assert all(np.array_equal(read.channels[name], whole.channels[name]) for name in NAMES)
-
-
-# --- round trip -----------------------------------------------------------------------------
 
 
 def test_channels_and_attributes_come_back_as_they_were(path):
@@ -156,9 +150,6 @@ def test_failed_write_leaves_the_old_log_and_no_litter(path, channels, attribute
     assert [entry.name for entry in path.parent.iterdir()] == ["log.h5"]
 
 
-# --- what cannot be opened ----------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("version", ["earliest", "v108", "v110", "latest"])
 def test_log_of_any_hdf5_format_is_read_whole_and_refused_when_cut(path, version):
     other = path.with_name("other.h5")
@@ -186,9 +177,6 @@ def test_flipped_bit_is_refused_or_carries_nothing(write_run, tmp_path, damaged_
     assert found.count("read") < 0.25 * len(found)
 
 
-# --- checksums ----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_channel_with_a_flipped_bit_is_named(path, name):
     with h5py.File(path) as file:
@@ -214,9 +202,6 @@ def test_channels_without_a_checksum_are_listed(path):
     log = read_columns(path, NAMES)
     assert log.channels["p_o_kpa"].tolist() == values.tolist()
     assert log.unchecked == ("theta_deg",)
-
-
-# --- what is wrong inside -----------------------------------------------------------------------
 
 
 def replace(name, values):
@@ -282,9 +267,6 @@ def test_code_of_the_documentation_writes_checksums(tmp_path, monkeypatch):
     size = (tmp_path / "sweep.h5").stat().st_size
     cases = [{"flip": (at, 0xFF)} for at in range(0, size, 41)]
     assert set(outcomes(tmp_path / "sweep.h5", cases)) <= {"LogError", "read"}
-
-
-# --- elsewhere, or never written --------------------------------------------------------------
 
 
 def create(samples, **more):

@@ -103,9 +103,6 @@ def test_log_of_another_experiment_is_refused(write_log):
     assert f"{path}: attribute experiment = complex; must be sweep" in message
 
 
-# --- closed-loop runs -------------------------------------------------------------------------
-
-
 def test_run_has_reference_feedforward_and_feedback(write_run):
     path = write_run()
     assert tuple(read_raw(path, **RATE).channels) == needed_by("sim", tracking=True)

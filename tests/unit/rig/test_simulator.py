@@ -49,9 +49,6 @@ def swing(frequency_hz, cycles, rate_hz=RATE_HZ):
     return 175.0 - 175.0 * np.cos(2.0 * np.pi * frequency_hz * t)
 
 
-# --- against independent solutions ------------------------------------------------------------
-
-
 def iso_6358(opening, p1, p2, c, b):
     if p2 > p1:
         return -iso_6358(opening, p2, p1, c, b)
@@ -201,9 +198,6 @@ def test_drift_is_an_exact_ornstein_uhlenbeck_process(rig):
     assert half * math.exp(-2.0 / 5.0) + half == pytest.approx(step(0.0, 1.0, 2.0) ** 2)
 
 
-# --- convergence, repeatability, limits ---------------------------------------------------------
-
-
 def test_runs_on_one_rig_share_its_instruments_but_not_their_noise(rig):
     first, second = (SimulatedRig(rig, seed=5, run=k, sample_rate_hz=200.0) for k in (0, 1))
     other = SimulatedRig(rig, seed=6, run=0, sample_rate_hz=200.0)
@@ -288,9 +282,6 @@ def test_state_is_physical_or_the_divergence_is_reported(rig):
         assert np.isfinite(readings).all()
         p_o, precharge = states["sensed_kpa"][:, 2], rig["reservoir"]["precharge_kpa"]
         assert p_o.min() >= precharge - 1e-6 * (precharge + ATMOSPHERE_KPA)
-
-
-# --- sensors --------------------------------------------------------------------------------
 
 
 def test_readings_lie_on_the_grids_of_converter_and_angle_sensor(rig):

@@ -57,8 +57,6 @@ def test_outside_of_the_range_is_moved_to_its_end(value, share, moved, low):
     assert found["drift"]["time_s"] == max(moved, low)
 
 
-# --- weights of slip elements, and the squeeze ----------------------------------------------------
-
 FULL_RIG = Settings().rig.model_dump(mode="json")
 ALL = free_parameters(Settings().calibration.free, Settings().calibration.ranges)
 in_the_cube = st.lists(
