@@ -132,7 +132,7 @@ def test_fuzzy_linear_equals_equations_6_to_12_of_theta_alone():
 
 def equations_6_to_12(states, y, *, n_c, sigma, alpha, random_state, n_y):
     """Return P_ff of each training sample, rule by rule."""
-    centers, u, _ = fuzzy_c_means(np.array(states), n_c, random_state=random_state)
+    centers, u, *_ = fuzzy_c_means(np.array(states), n_c, random_state=random_state)
     extended = np.array([[1.0, *state] for state in states])
     w_out = [augmented(extended, y, u[:, i] ** 2, alpha) for i in range(n_c)]
     outputs = []
