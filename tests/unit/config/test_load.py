@@ -90,12 +90,15 @@ def test_unknown_key_names_the_nearest(config, unknown, nearest):
     assert f"  {unknown}: unknown key; did you mean {nearest}?" in message(config)
 
 
-def test_later_files_win_key_by_key(written):
+def test_later_files_win_key_by_key_and_what_stands_beside_them_last(written):
     first = "seed: 1\nmodels: {n_y: 7, fprc: {n_c: 4, n_u: 2}}\n"
-    second = "seed: 2\nmodels: {fprc: {n_c: 5}}\n"
-    settings = from_files(written(first, second))
-    assert settings.seed == 2
-    assert (settings.models.n_y, settings.models.fprc.n_c, settings.models.fprc.n_u) == (7, 5, 2)
+    paths = written(first, "seed: 2\nmodels: {fprc: {n_c: 5}}\n")
+    for beside, n_y in ((None, 7), ({"models": {"n_y": "08"}}, 8)):
+        settings = from_files(paths, beside)
+        fprc = settings.models.fprc
+        assert (settings.seed, settings.models.n_y, fprc.n_c, fprc.n_u) == (2, n_y, 5, 2)
+    with pytest.raises(ConfigError, match=r"models\.n_z: unknown key"):
+        from_files(paths, {"models": {"n_z": 1}})
 
 
 def test_key_of_an_earlier_file_is_checked_even_if_a_later_one_is_right(written):
@@ -109,14 +112,6 @@ def test_every_file_that_cannot_be_read_is_told_at_once(written):
         from_files(paths)
     headings = [line for line in str(caught.value).splitlines() if not line.startswith("  ")]
     assert [line.split(":")[0] for line in headings] == [str(paths[k]) for k in (0, 2, 3)]
-
-
-def test_settings_beside_the_files_win_and_are_checked(written):
-    paths = written("seed: 5\nmodels: {n_y: 7, fprc: {n_u: 2}}\n")
-    settings = from_files(paths, {"models": {"n_y": "08"}})
-    assert (settings.seed, settings.models.n_y, settings.models.fprc.n_u) == (5, 8, 2)
-    with pytest.raises(ConfigError, match=r"models\.n_z: unknown key"):
-        from_files(paths, {"models": {"n_z": 1}})
 
 
 DRY = "fitted: {name: dry, to: [tables, C8]}\nrig: {drift: {sigma_kpa: 2.0, time_s: 3.0}}\n"

@@ -131,17 +131,14 @@ def test_claim_that_was_decided_elsewhere_counts_as_if_it_were_judged(place):
 
 @pytest.mark.parametrize(
     ("first", "second", "verdict"),
+    # of a second one of None nothing is known
     [(-0.3, -0.3, "superior"), (-0.3, 0.0, "equivalent"), (-0.3, 0.3, "inferior"),
-     (0.0, 0.3, "inferior"), (0.0, 0.0, "equivalent")],
+     (0.0, 0.3, "inferior"), (0.0, 0.0, "equivalent"), (-0.3, None, "undecided"),
+     (0.3, None, "inferior")],
 )  # fmt: skip
 def test_verdict_of_two_parts_is_the_weaker(first, second, verdict):
-    assert judge(normal(first, 0.01, 12), normal(second, 0.01, 12)).verdict == verdict
-    assert judge(normal(second, 0.01, 12), normal(first, 0.01, 12)).verdict == verdict
-
-
-def test_part_that_is_undecided_leaves_the_claim_undecided():
-    assert judge(normal(-0.3, 0.01, 12), normal(0.0, 1.0, 12)).verdict == "undecided"
-    assert judge(normal(0.3, 0.01, 12), normal(0.0, 1.0, 12)).verdict == "inferior"
+    parts = normal(first, 0.01, 12), normal(second or 0.0, 1.0 if second is None else 0.01, 12)
+    assert judge(*parts).verdict == judge(*reversed(parts)).verdict == verdict
 
 
 def test_p_of_two_parts_is_that_of_the_weaker():

@@ -28,17 +28,13 @@ def test_features_are_those_of_literal_loops(n_taps, spacing, degree, columns, d
     assert_allclose([features.step(x) for x in X], expected, rtol=1e-10, atol=1e-12)
 
 
-@pytest.mark.parametrize("value", [42.0, 5e-324])
-def test_column_that_is_constant_but_for_rounding_gives_zeros(value):
-    features = NVAR(2, 3).fit(value * (1.0 + 1e-15 * np.arange(10.0))[:, None])
-    assert features.scale_.tolist() == [1.0]
-    assert_allclose(features.transform(np.full((10, 1), value)), 0.0, atol=1e-12)
-
-
-@pytest.mark.parametrize("value", [101.3, 123.4, 101325.3])
-def test_constant_column_of_a_long_log_is_constant(value):
+@pytest.mark.parametrize("value", [42.0, 5e-324, 101.3, 101325.3])
+@pytest.mark.parametrize("size", [10, 24_000])
+def test_column_that_is_constant_but_for_rounding_gives_zeros(value, size):
     """The rounding of its standard deviation grows with the value and the number of samples."""
-    assert NVAR().fit(np.full((24_000, 1), value)).scale_.tolist() == [1.0]
+    features = NVAR(2, 3).fit(value * (1.0 + 1e-15 * (np.arange(size) % 10))[:, None])
+    assert features.scale_.tolist() == [1.0]
+    assert_allclose(features.transform(np.full((10, 1), value)), 0.0, atol=1e-9)
 
 
 def test_products_of_the_smallest_allowed_scale_are_finite():
