@@ -22,7 +22,7 @@ wildcard_constraints:
 
 use rule judge_family as judge_beyond with:
     input:
-        near_print=NEAR_PRINT,
+        ensemble=ENSEMBLE,
     output:
         judged=PATHS.below("beyond/{world}.json"),
     log:

@@ -1,8 +1,8 @@
 # Names that several rules of the studies share.
 
 BEYOND = SETTINGS["beyond"]
-#: Rigs near print; decision 16 says how they were found.
-NEAR_PRINT = file_of_workflow("../../config/rigs/near_print.json")
+#: Rigs that fit print, which `fprc calibrate --ensemble` found.
+ENSEMBLE = file_of_workflow("../../config/rigs/ensemble.json")
 # an unrelated folder may have docs/images too
 IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(
     os.path.join(RULES, "../.."), os.curdir
@@ -27,21 +27,14 @@ def on_rigs(part):
 
 def family_named(name):
     """Return a family: its rigs, their seeds, and the settings of their simulation."""
-    calibration = SETTINGS["calibration"]
-    drawn = {
-        "seeds_per_rig": BEYOND["seeds_per_rig"],
-        "free": {"paths": calibration["free"], "ranges": calibration["ranges"]},
-    }
     file = named_rig(name) if name in OTHER_RIGS else pick(SETTINGS, "rig", "fitted")
     return {
         "name": name,
         "rigs": name if name in SETS else "one",
         "every_model": name == CONFIGURED_FAMILY,
         "first_seed": BEYOND["first_seed"],
-        "seeds_per_rig": 1,
         "fitted": SETS.get(name, file["fitted"]["to"]),
         "on_rig": on_rig(SETTINGS) | {"rig": file["rig"]},
-        **(drawn if name == "drawn" else {}),
     }
 
 

@@ -1,5 +1,4 @@
-# Families of simulated rigs side by side: named rigs with several seeds, rigs near print, rigs drawn
-# at random.
+# Families of simulated rigs side by side: named rigs with several seeds, and the ensemble.
 
 #: Rigs that can be named, beside that of the configuration.
 OTHER_RIGS = {
@@ -8,7 +7,7 @@ OTHER_RIGS = {
 #: Those of them that were fitted.
 FITTED_RIGS = [name for name in OTHER_RIGS if named_rig(name)["fitted"]["to"]]
 #: Families of many rigs, and the terms that they were fitted to.
-SETS = {"near_print": ["tables"], "drawn": []}
+SETS = {"ensemble": SETTINGS["calibration"]["fit"]}
 FAMILY_TABLES = ("errors", "claims")
 
 
@@ -37,7 +36,7 @@ wildcard_constraints:
 
 rule judge_family:
     input:
-        near_print=NEAR_PRINT,
+        ensemble=ENSEMBLE,
     output:
         judged=PATHS.below("families/{family}.json"),
     log:
@@ -73,6 +72,7 @@ rule tabulate_families:
         controls=on_rigs("control"),
     output:
         **{name: table(f"families/{name}")[:2] for name in FAMILY_TABLES},
+        members=PATHS.below("families/members.json"),
     log:
         PATHS.messages("tabulate_families"),
     params:

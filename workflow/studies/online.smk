@@ -6,7 +6,7 @@ FIRST_ONLINE = 1001
 
 use rule judge_family as judge_online with:
     input:
-        near_print=NEAR_PRINT,
+        ensemble=ENSEMBLE,
     output:
         judged=PATHS.below("online/{world}.json"),
     log:
@@ -15,7 +15,7 @@ use rule judge_family as judge_online with:
         version=studies_with(*COMPETITORS),
         judge="online.judge.judge_online",
         family=lambda wildcards: (
-            family_named(wildcards.world) | {"first_seed": FIRST_ONLINE, "seeds_per_rig": 1}
+            family_named(wildcards.world) | {"first_seed": FIRST_ONLINE}
         ),
         units=list(range(BEYOND["slow"])),
         how={"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},

@@ -4,3 +4,6 @@ from pathlib import Path
 
 #: Declared verdicts, and the sentences of the paper that are not tested.
 VERDICTS = Path(__file__).with_name("verdicts.yaml")
+
+#: On how many rigs of the ensemble each claim holds, see ``fprc.claims.ledger.Members``.
+MEMBERS = Path(__file__).with_name("members.json")

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fprc.claims.claim import Claim
 from fprc.claims.finding import (
     NOT_INFORMATIVE,
     NOT_REPRODUCED,
@@ -11,7 +12,7 @@ from fprc.claims.finding import (
     Results,
     Statement,
 )
-from fprc.claims.paper import CLAIMS, Claim
+from fprc.claims.paper import CLAIMS
 from fprc.escape import in_words
 
 #: Terms of the calibration's objective that are not claims.
@@ -25,6 +26,13 @@ _TERMS = {
     "margin": "feedback that helps with gains half again as large",
     "closed_errors": "closed-loop Table IV",
 }
+
+#: On how many of the rigs that fit print each claim holds: ``of``, their number; ``holds``, by claim;
+#: ``ranges`` of the means, by claim and statement.
+Members = Mapping[str, Any]
+
+#: What an interval over seeds is of.
+_SEEDS = "noise seeds of this rig"
 
 #: What a rig was fitted to: terms of an objective, by the keys of ``fprc.config.Fitted``.
 Fit = Mapping[str, Sequence[str]]
@@ -96,6 +104,7 @@ def judge_claims(
     published: Mapping[str, Any],
     fitted: Fit,
     claims: Sequence[Claim] = CLAIMS,
+    members: Members | None = None,
 ) -> list[dict[str, Any]]:
     """Return one row per claim.
 
@@ -103,38 +112,47 @@ def judge_claims(
     ----------
     fitted : Mapping
         What the rig was fitted ``to``, and what the ``start`` of the fit was searched for.
+    members : Mapping, optional
+        See ``members_of``.
 
     Returns
     -------
     list of dict
         ``id``, ``claim``, ``published``, ``ours``, ``test``, ``basis``, ``note``, ``verdict``,
-        ``rig`` (see ``status_of``), ``shown_in`` (tables and figures), and ``statements``, each
-        with text, mean, interval, limits and verdict. A claim is reproduced if every statement is,
-        and not reproduced if one is not. One that almost any numbers support is not informative
-        where others would be reproduced.
+        ``rig`` (see ``status_of``), ``rigs`` (on how many members it holds), ``shown_in`` (tables
+        and figures), and ``statements``, each with text, mean, interval, range of the means over
+        the members, limits and verdict. A claim is reproduced if every statement is, and not
+        reproduced if one is not. One that almost any numbers support, or that no fit decides and
+        that holds on every member, is not informative where others would be reproduced.
     """
     rows = []
+    known = members or {"of": 0, "holds": {}, "ranges": {}}
     for claim in claims:
         statements = claim.statements(results, published)
         verdicts = {statement.verdict for statement in statements}
         weakest = (verdict for verdict in (NOT_REPRODUCED, UNDECIDED) if verdict in verdicts)
-        holds = NOT_INFORMATIVE if claim.holds_by_chance else REPRODUCED
+        status, held = status_of(claim, fitted), known["holds"].get(claim.id)
+        anyway = held == known["of"] and status in ("predicted", "half fitted")
+        holds = NOT_INFORMATIVE if claim.holds_by_chance or anyway else REPRODUCED
+        ranges = known["ranges"].get(claim.id, {})
         rows.append(
             {
                 "id": claim.id,
                 "claim": claim.text,
                 "published": claim.printed,
-                "ours": _ours(statements),
+                "ours": _ours(statements, ranges),
                 "test": _limits(statements),
                 "basis": _basis(claim, results, statements),
                 "note": _note(claim, fitted),
                 "verdict": next(weakest, holds),
-                "rig": status_of(claim, fitted),
+                "rig": status,
+                "rigs": "-" if held is None else f"{held} of {known['of']}",
                 "shown_in": list(claim.shown_in),
                 "statements": [
                     {
                         "text": statement.text,
                         **dict(zip(("mean", "first", "last"), statement.interval, strict=True)),
+                        "over_rigs": ranges.get(statement.text),
                         "limits": statement.limits(),
                         "verdict": statement.verdict,
                     }
@@ -145,14 +163,43 @@ def judge_claims(
     return rows
 
 
-def _ours(statements: Sequence[Statement]) -> str:
+def members_of(
+    rigs: Sequence[Results], published: Mapping[str, Any], claims: Sequence[Claim]
+) -> dict[str, Any]:
+    """Judge claims on rigs one by one; return ``Members``.
+
+    A range is that of the middle 95 % of the rigs.
+    """
+    rows = [judge_claims(rig, published, {}, claims) for rig in rigs]
+    holds, ranges = {}, {}
+    for claim, *of_claim in zip(claims, *rows, strict=True):
+        holds[claim.id] = sum(
+            {s["verdict"] for s in row["statements"]} == {REPRODUCED} for row in of_claim
+        )
+        of_statements = zip(*(row["statements"] for row in of_claim), strict=True)
+        ranges[claim.id] = {
+            column[0]["text"]: [
+                float(f"{end:.3g}")
+                for end in np.quantile([s["mean"] for s in column], (0.025, 0.975))
+            ]
+            for column in of_statements
+        }
+    return {"of": len(rigs), "holds": holds, "ranges": ranges}
+
+
+def _ours(statements: Sequence[Statement], ranges: Mapping[str, Sequence[float]]) -> str:
     """Return our numbers; of many statements, that nearest to its limit or furthest beyond it."""
+
+    def shown(statement: Statement) -> str:
+        over = ranges.get(statement.text)
+        return statement.shown() + (f", rigs {over[0]:.3g} to {over[1]:.3g}" if over else "")
+
     if len(statements) <= 6:
-        return "; ".join(statement.shown() for statement in statements)
+        return "; ".join(map(shown, statements))
     held = sum(statement.verdict == REPRODUCED for statement in statements)
     worst = min(statements, key=lambda statement: statement.margin)
     what = "closest" if worst.margin > 0.0 else "furthest off"
-    return f"{held} of {len(statements)} hold; {what}: {worst.shown()}"
+    return f"{held} of {len(statements)} hold; {what}: {shown(worst)}"
 
 
 def _limits(statements: Sequence[Statement]) -> str:
@@ -173,8 +220,8 @@ def _basis(claim: Claim, results: Results, statements: Sequence[Statement]) -> s
     folds = ", the first fold of each" if "grids" in claim.over else ""
     if claim.over == "halves of the grids" and seeds > 1:
         half = seeds // 2
-        return f"{interval} {seeds - half} seeds{folds}; the step is chosen on the first {half}"
-    return f"one seed{folds}" if seeds == 1 else f"{interval} {seeds} seeds{folds}"
+        return f"{interval} {seeds - half} {_SEEDS}{folds}; the step is chosen on the first {half}"
+    return f"one seed{folds}" if seeds == 1 else f"{interval} {seeds} {_SEEDS}{folds}"
 
 
 def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: Mapping[str, str]) -> list[str]:

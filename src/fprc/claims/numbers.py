@@ -40,11 +40,37 @@ def ratio(results: Results, trained_on: str, model: str, other: str, phase: str)
     return error(results, trained_on, model, phase) / error(results, trained_on, other, phase)
 
 
-def second_over_first_half(results: Results, trained_on: str, model: str) -> np.ndarray:
-    """Return the error in the second half of the test log over that in the first."""
-    halves = [report["test_halves_rmse_kpa"] for report in _of(results, trained_on, model)]
+def ratio_of_phases(
+    results: Results, trained_on: str, model: str, phase: str, other: str
+) -> np.ndarray:
+    """Return a model's error in a phase over that in another one."""
+    return error(results, trained_on, model, phase) / error(results, trained_on, model, other)
+
+
+def second_over_first_half(
+    results: Results, trained_on: str, model: str, phase: str = "test"
+) -> np.ndarray:
+    """Return the error in the second half of the training or test log over that in the first."""
+    halves = [report[f"{phase}_halves_rmse_kpa"] for report in _of(results, trained_on, model)]
     first, second = np.transpose(halves)
     return second / first
+
+
+def seen_error(results: Results, trained_on: str, model: str) -> np.ndarray:
+    """Return a model's test error at frequencies and angles of its training log, kPa."""
+    return np.array([report["seen_test_rmse_kpa"] for report in _of(results, trained_on, model)])
+
+
+def spread_over_folds(results: Results, trained_on: str, model: str, phase: str) -> np.ndarray:
+    """Return the standard deviation of a model's error over the folds, kPa."""
+    reports = _of(results, trained_on, model)
+    return np.array([np.std(report[PHASES[phase]], ddof=1) for report in reports])
+
+
+def variation_among_rules(results: Results, feature: str) -> np.ndarray:
+    """Return the standard deviation of a feature's share of the weights over the rules' mean."""
+    shares = [np.sum(r["weights"]["shares"][feature], axis=1) for r in results.replicates]
+    return np.array([np.std(share, ddof=1) / np.mean(share) for share in shares])
 
 
 def share(results: Results, feature: str) -> np.ndarray:

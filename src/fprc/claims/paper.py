@@ -1,43 +1,19 @@
 """The paper's claims: one row per claim, with its limits. ``fprc.claims.ledger`` judges them.
 
 A row whose id ends in a letter is a part of a claim of ``published.yaml``. The limits of a row were
-committed before it was judged with them, but for those of C19 (preregistration.md).
+committed before it was judged with them, but for those of C19.
 """
 
-from collections.abc import Callable, Sequence
-from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 from fprc.claims import numbers as n
 from fprc.claims import statements as s
-from fprc.claims.finding import Results, Statement
+from fprc.claims.claim import COUNTED, Claim
+from fprc.claims.finding import Statement
 from fprc.claims.numbers import PHASES
-from fprc.claims.statements import Printed
-from fprc.paper import MODELS, REFERENCE_NAMES, REFERENCES
+from fprc.claims.of_control import OF_CONTROL
+from fprc.paper import MODELS
 from fprc.registry import title_of
-
-#: Kinds of claims that no fit decides: multiplications, and what the simulated rig assumes. It
-#: assumes, as the paper does, that the reservoir's bending hardly changes P_o.
-COUNTED, ASSUMED = "counted", "assumed"
-
-
-class Claim(NamedTuple):
-    """A claim and how it is tested: every statement must hold."""
-
-    id: str
-    text: str
-    printed: str  #: what the paper prints
-    statements: Callable[[Results, Printed], Sequence[Statement]]
-    #: What the values are taken over: seeds of the logs, seeds of the grids, one run.
-    over: str = "seeds"
-    note: str = ""  #: what a reader must know about the test
-    fitted_by: tuple[str, ...] = ()  #: terms of the calibration's objective that decide it
-    half_fitted_by: tuple[str, ...] = ()  #: terms that decide a part of it
-    kind: str = ""  #: ``COUNTED`` or ``ASSUMED``
-    #: Whether it holds for almost any numbers: then only its failure would tell something.
-    holds_by_chance: bool = False
-    shown_in: tuple[str, ...] = ()  #: tables and figures with the numbers
-
 
 _ON_WORK = (
     "judged on multiplications by the models' equations; the times, which depend on processor and "
@@ -53,14 +29,12 @@ _WORK_OVER_N_C: dict[str, Any] = {
     "over": "one run", "kind": COUNTED, "note": _ON_WORK.format("Fig. 10(c)"),
     "shown_in": ("fig10",),
 }  # fmt: skip
-_TRACKING = ("table4_seeds", "fig12", "fig13", "fig14", "fig15")
 _TABLES = ("tables", "orders")
 _TAPS = "few and many: three tenths of the sizes at either end; of 1 to 10 taps 1 to 3, 8 to 10"
 _BEST_N_U = (
     "the paper's contrast, few n_u best in training and a medium one in the test, needs C12a and "
     "C12c"
 )
-
 
 CLAIMS = (
     Claim(
@@ -74,6 +48,16 @@ CLAIMS = (
         "11.5 against 11.6 and 14.9 kPa; 11.5 against 11.7 and 14.9 kPa",
         lambda r, p: s.lowest(r, "sweep", "esn", "training", "validation"),
         fitted_by=("tables", "C1b"), shown_in=("table2_seeds",),
+    ),
+    Claim(
+        "C1c", "validation RMSE equals training RMSE", "within 1 %, in Tables II and III",
+        s.validation_equals_training, note="limit: 2 %", shown_in=("table2_seeds", "table3_seeds"),
+    ),
+    Claim(
+        "C1d", "the errors differ among the folds by as much as printed",
+        "12 spreads, 0.0143 to 0.188 kPa", s.printed_spreads,
+        note="limit: a factor of three; of five folds",
+        shown_in=("table2_seeds", "table3_seeds"),
     ),
     Claim(
         "C2", "FPRC has the lowest test RMSE of the three models", "11.0 against 16.5 and 16.7 kPa",
@@ -163,11 +147,24 @@ CLAIMS = (
     Claim(
         "C7d", "unseen frequencies make the reversed test RMSE worse", "given as the cause",
         lambda r, p: [
-            Statement(f"error in the second / first half of the sweep, {title_of(model)}",
-                      n.second_over_first_half(r, "complex", model), low=1.0)
+            Statement(f"second / first half of the sweep, {title_of(model)}, over the same where "
+                      "the sweep trained",
+                      n.second_over_first_half(r, "complex", model)
+                      / n.second_over_first_half(r, "sweep", model, "train"), low=1.0)
             for model in MODELS
         ],
         note="the training log ends at 0.31 Hz, the first half of the sweep at 0.55 Hz",
+    ),
+    Claim(
+        "C7e", "the reversed test RMSE is worse because of unseen frequencies alone",
+        "given as the cause",
+        lambda r, p: [
+            Statement(f"at frequencies and angles that were seen / in training, {title_of(model)}",
+                      n.seen_error(r, "complex", model)
+                      / n.error(r, "complex", model, "training"), high=1.5)
+            for model in MODELS
+        ],
+        note="first quarter of the sweep, to 0.325 Hz; the limit is ours",
     ),
     Claim(
         "C8a", "the weights of the filtered P_o and of theta_d have the same magnitude on average",
@@ -195,6 +192,15 @@ CLAIMS = (
         shown_in=("fig9",),
     ),
     Claim(
+        "C8d", "the importance of the features differs among the rules", "Fig. 9",
+        lambda r, p: [
+            Statement(f"standard deviation of the share of {words} over the rules [% of its mean]",
+                      100 * n.variation_among_rules(r, key), low=10.0, ratio=False)
+            for key, words in (("p_o", "P_o"), ("theta_d", "theta_d"))
+        ],
+        note="the limit is ours", shown_in=("fig9",),
+    ),
+    Claim(
         "C9a", "raising epsilon lowers FPRC's training RMSE", "training falls at every step",
         lambda r, p: s.falls_at_every_step(r, "epsilon"),
         over="grids", fitted_by=("C9a",), shown_in=("fig10",),
@@ -218,7 +224,7 @@ CLAIMS = (
         "training lengthens, test hardly changes", s.work_over_n_c, **_WORK_OVER_N_C,
     ),
     Claim(
-        "C11",
+        "C11a",
         "FPRC is below Fuzzy-linear in training, validation and test RMSE at every n_c in 1, 2, 4, "
         "8, 16",
         "at every n_c",
@@ -232,6 +238,12 @@ CLAIMS = (
             )
         ],
         over="grids", fitted_by=("C11",), shown_in=("fig10",),
+    ),
+    Claim(
+        "C11b", "FPRC is below Fuzzy-linear in training, validation and test RMSE at every epsilon",
+        "at every epsilon from 0.0001 to 1", s.below_fuzzy_linear_over_epsilon,
+        over="grids", note="Fuzzy-linear with 8 rules; it has no epsilon",
+        half_fitted_by=("tables", "C9a"), shown_in=("fig10",),
     ),
     Claim(
         "C12a", "fewer n_u help training and validation", "fewer n_u",
@@ -250,106 +262,5 @@ CLAIMS = (
         over="grids", note=f"{_TAPS}; means over n_y; {_BEST_N_U}",
         shown_in=("fig11",),
     ),
-    Claim(
-        "C13a",
-        "open-loop FPRC and closed-loop FPRC+PD both follow all four references; FPRC+PD has the "
-        "lower RMSE on each (Table IV)",
-        "open loop 1.70-2.67 deg; less with feedback",
-        lambda r, p: [
-            *(Statement(f"FPRC, {REFERENCE_NAMES[name]} [deg]",
-                        n.tracking_error(r, name, "fprc"), high=5.0, ratio=False)
-              for name in REFERENCES),
-            *(Statement(f"FPRC+PD / FPRC, {REFERENCE_NAMES[name]}", cut, high=1.0)
-              for name, cut in s.cuts(r).items()),
-        ],
-        fitted_by=("closed_loop",), half_fitted_by=("open_loop", "closed_errors"),
-        shown_in=_TRACKING,
-    ),
-    Claim(
-        "C13b", "feedback cuts the error of each reference by as much as Table IV shows",
-        "FPRC+PD / FPRC: 0.39, 0.52, 0.64, 0.36",
-        lambda r, p: [
-            Statement(f"FPRC+PD / FPRC over the printed ratio, {REFERENCE_NAMES[name]}",
-                      cut / s.printed_cuts(p)[name], 1 / 1.5, 1.5)
-            for name, cut in s.cuts(r).items()
-        ],
-        half_fitted_by=("open_loop", "closed_loop", "closed_sweep", "closed_errors"),
-        shown_in=_TRACKING,
-    ),
-    Claim(
-        "C13c", "feedback cuts less of the error at higher frequencies",
-        "FPRC+PD / FPRC: 0.39 at 0.2 Hz, 0.52 at 0.5 Hz, 0.64 on the sweep",
-        lambda r, p: [
-            Statement(f"cut, {REFERENCE_NAMES[faster]} / {REFERENCE_NAMES[slower]}",
-                      s.cuts(r)[faster] / s.cuts(r)[slower], low=1.0)
-            for slower, faster in pairwise(("sine_0p2", "sine_0p5", "sweep"))
-        ],
-        half_fitted_by=("open_loop", "closed_sweep", "closed_errors"), shown_in=_TRACKING,
-    ),
-    Claim(
-        "C14", "P_ff predominates over P_fb in FPRC+PD", "P_ff predominates",
-        lambda r, p: [
-            Statement(f"P_fb / P_ff (rms), {REFERENCE_NAMES[name]}",
-                      n.measured(r, "effort", name), high=0.25)
-            for name in REFERENCES
-        ],
-        note="follows from C13a: errors of a few degrees need little feedback",
-        half_fitted_by=("open_loop", "closed_loop", "closed_errors"), shown_in=_TRACKING[1:],
-    ),
-    Claim(
-        "C15",
-        "in the sweep the closed-loop error stays within +-8 deg, with no detectable phase lag at "
-        "high frequency, and grows with frequency",
-        "within 8 deg, no lag, error grows",
-        lambda r, p: [
-            Statement("largest error [deg]", n.measured(r, "sweep", "largest_error_deg"),
-                      high=p["fig_sweep_max_abs_error_deg"]["fprc_pd"], ratio=False),
-            # 30 ms are 10 deg of phase at 0.95 Hz
-            Statement("lag in the last 10 s [ms]", n.measured(r, "sweep", "lag_ms"),
-                      -30.0, 30.0, ratio=False),
-            Statement("error in the last / first third",
-                      n.measured(r, "sweep", "last_third_deg")
-                      / n.measured(r, "sweep", "first_third_deg"), low=1.0),
-        ],
-        half_fitted_by=("closed_sweep", "closed_errors"), shown_in=("fig14",),
-    ),
-    Claim(
-        "C16",
-        "PD alone shows marked hysteresis loops in reference against actual; FPRC+PD largely "
-        "removes them",
-        "marked loops of PD, largely removed by FPRC+PD", s.loops_removed,
-        half_fitted_by=("closed_sweep", "closed_errors"), shown_in=("fig16",),
-    ),
-    Claim(
-        "C17",
-        "disturbing the reservoir distorts its bending, but P_o and the tracking are not affected",
-        "bending distorted, P_o and tracking not",
-        lambda r, p: [
-            Statement("change of the bending [% of its swing]",
-                      100 * n.measured(r, "disturbance", "bending"), low=10.0, ratio=False),
-            Statement("change of P_o [% of its swing]",
-                      100 * n.measured(r, "disturbance", "p_o"), high=1.0, ratio=False),
-            Statement("tracking error, pushed / not pushed",
-                      n.measured(r, "disturbance", "error_ratio"), 1 / 1.1, 1.1),
-        ],
-        note="each pushed run against the same run without pushes",
-        kind=ASSUMED, shown_in=("fig17",),
-    ),
-    Claim(
-        "C18", "the hysteresis loops of actuator and reservoir are frequency-independent",
-        "no dependence on frequency", s.frequency_independent,
-        note="last / first quarter of the sweep, over the commanded pressure; limit: a factor of "
-        "1.2",
-        fitted_by=("C18",), half_fitted_by=("plausible",), shown_in=("fig4", "fig5"),
-    ),
-    Claim(
-        "C19", "the PI controller of the actuator's pressure is nearly ideal",
-        "assumed ideal (Sec. III)",
-        lambda r, p: [
-            Statement("rms pressure error [% of the span]",
-                      100 * n.measured(r, "pressure_error", "main"), high=2.0, ratio=False)
-        ],
-        note="on the first hysteresis experiment; errors of the reservoir's controller are part of "
-        "the reservoir (Sec. III-B)",
-    ),
+    *OF_CONTROL,
 )  # fmt: skip

@@ -10,10 +10,12 @@ from scipy.stats import spearmanr
 
 from fprc.claims import numbers as n
 from fprc.claims.finding import Results, Statement
-from fprc.paper import LOOPS, MODELS, REFERENCE_NAMES, REFERENCES
-from fprc.registry import title_of
+from fprc.paper import LOOPS, MODELS, PRINTED, REFERENCE_NAMES, REFERENCES
+from fprc.registry import controller_title, title_of
 
 Printed = Mapping[str, Any]
+
+_TABLES = {"Table II": "sweep", "Table III": "complex"}
 
 
 def similar_training(r: Results, p: Printed) -> list[Statement]:
@@ -41,6 +43,66 @@ def consistent_test(r: Results, p: Printed) -> list[Statement]:
     return [
         Statement("test / training, FPRC", ours["fprc"], 1 / limit, limit),
         Statement("test / training, ESN", ours["esn"], low=limit),
+    ]
+
+
+def validation_equals_training(r: Results, p: Printed) -> list[Statement]:
+    """Ask for validation errors like the training errors; in print they differ by 1 % at most."""
+    return [
+        Statement(
+            f"validation / training, {title_of(model)}, {table}",
+            n.ratio_of_phases(r, log, model, "validation", "training"), 1 / 1.02, 1.02,
+        )
+        for table, log in _TABLES.items()
+        for model in MODELS
+    ]  # fmt: skip
+
+
+def printed_spreads(r: Results, p: Printed) -> list[Statement]:
+    """Compare the spreads over the folds with the twelve that the paper prints."""
+    return [
+        Statement(
+            f"spread of {title_of(model)} in {phase} over print, {table}",
+            n.spread_over_folds(r, log, model, phase) / p[PRINTED[log]][model][n.PHASES[phase]][1],
+            1 / 3.0, 3.0,
+        )
+        for table, log in _TABLES.items()
+        for model in MODELS
+        for phase in ("training", "validation")
+    ]  # fmt: skip
+
+
+def order_of_references(r: Results, p: Printed) -> list[Statement]:
+    """Ask for the errors of Table IV to rise from reference to reference as in print."""
+    table, statements = p["table_4_tracking_rmse_deg"], []
+    for controller in ("fprc", "fprc_pd"):
+        order = sorted(REFERENCES, key=table[controller].__getitem__)
+        title = controller_title(controller)
+        statements += [
+            Statement(
+                f"{title}, {REFERENCE_NAMES[more]} / {REFERENCE_NAMES[less]}",
+                n.tracking_error(r, more, controller) / n.tracking_error(r, less, controller),
+                low=1.0,
+            )
+            for less, more in pairwise(order)
+        ]
+    return statements
+
+
+def below_fuzzy_linear_over_epsilon(r: Results, p: Printed) -> list[Statement]:
+    """Compare FPRC at every epsilon with Fuzzy-linear, which has none."""
+    at = n.sizes(r, "n_c").index(8)
+    return [
+        Statement(f"FPRC / Fuzzy-linear at epsilon {epsilon:g}, {phase}", column, high=1.0)
+        for phase in n.PHASES
+        for epsilon, column in zip(
+            n.sizes(r, "epsilon"),
+            (
+                n.grid(r, "epsilon", "fprc", phase)
+                / n.grid(r, "n_c", "fuzzy_linear", phase)[:, [at]]
+            ).T,
+            strict=True,
+        )
     ]
 
 

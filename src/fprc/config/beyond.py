@@ -16,7 +16,6 @@ class Beyond(Section):
         4, (1, 10000), "units that also judge what is slow: models of no claim (ESN, trees, MLP), "
         "and a model that learns while it runs",
     )  # fmt: skip
-    seeds_per_rig: int = quantity(1, (1, 100), "seeds of each drawn rig")
     restarts: int = quantity(
         10, (1, 1000), "starts of every clustering; the lowest objective is kept"
     )

@@ -78,13 +78,31 @@ def cross_validate_both(name: str, judgement: Judgement, logs: Mapping[str, Data
             "validation_rmse_kpa": judged.validation_rmse,
             "best_fold": judged.best,
             "test_rmse_kpa": test_rmse,
-            "test_halves_rmse_kpa": [
-                rmse(*half)
-                for half in zip(np.array_split(expected, 2), np.array_split(tested, 2), strict=True)
-            ],
+            "test_halves_rmse_kpa": _halves(expected, tested),
+            "train_halves_rmse_kpa": _halves(
+                prepared.y[train], judged.model.readout_.predict(prepared.rows[train])
+            ),
+            "seen_test_rmse_kpa": _seen(logs[train], logs[test], expected, tested),
         }
         results.append((judged, report, tested))
     return results
+
+
+def _halves(expected: np.ndarray, predicted: np.ndarray) -> list[float]:
+    """Return the RMSE in the first and in the second half of a log."""
+    pairs = zip(np.array_split(expected, 2), np.array_split(predicted, 2), strict=True)
+    return [rmse(*pair) for pair in pairs]
+
+
+def _seen(train: Data, test: Data, expected: np.ndarray, predicted: np.ndarray) -> float:
+    """Return the RMSE in the first quarter of a test log, at angles that the training log has.
+
+    In that quarter the sweep reaches the highest frequency of the complex log.
+    """
+    seen, theta = train.channels["theta_deg"], test.channels["theta_deg"]
+    quarter = np.arange(len(theta)) < len(theta) // 4
+    known = quarter & (theta >= seen.min()) & (theta <= seen.max())
+    return rmse(expected[known], predicted[known]) if known.any() else float("nan")
 
 
 def errors_over_starts(

@@ -1,12 +1,14 @@
 """Measures of closed-loop runs and hysteresis loops, for claims C13 to C19."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.stats import spearmanr
 
 from fprc.paper import LOOPS, REFERENCES
-from fprc.signals import loop_changes, loop_width, rms
+from fprc.signals import loop_changes, loop_width, rms, turning_points
 
 Channels = Mapping[str, np.ndarray]
 
@@ -53,6 +55,28 @@ def measure_hysteresis(sweep: Channels) -> dict[str, dict[str, float]]:
     return {
         "actuator": loop_changes(time_s, theta, sweep["p_exp_command_kpa"], theta),
         "reservoir": loop_changes(time_s, theta, p_o, p_o),
+    }
+
+
+#: Angle up to which the actuator counts as straight, deg.
+_STRAIGHT_DEG = 1.0
+
+
+def measure_range(sweep: Channels) -> dict[str, float]:
+    """Return the largest angle, the dead zone, and how monotonic the reservoir's response is.
+
+    The dead zone is the median over the rises of the angle of the commanded P_exp at which the
+    actuator leaves ``_STRAIGHT_DEG``, over the span of the command. ``monotony`` is the mean rank
+    correlation of P_o with theta from one turn of theta to the next, without its sign.
+    """
+    theta, command, p_o = (sweep[n] for n in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"))
+    rises = np.flatnonzero((theta[:-1] <= _STRAIGHT_DEG) & (theta[1:] > _STRAIGHT_DEG))
+    turns = turning_points(theta)
+    parts = [slice(begin, end) for begin, end in pairwise(turns)]
+    return {
+        "angle_deg": float(theta.max()),
+        "dead_zone": float(np.median(command[rises]) / np.ptp(command)) if len(rises) else 0.0,
+        "monotony": float(np.mean([abs(spearmanr(theta[p], p_o[p]).statistic) for p in parts])),
     }
 
 

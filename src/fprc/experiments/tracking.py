@@ -19,6 +19,7 @@ from fprc.experiments.data import Data
 from fprc.experiments.measures import (
     measure_hysteresis,
     measure_pressure_error,
+    measure_range,
     measure_runs,
 )
 from fprc.models import Learning, Online, SequenceModel
@@ -249,6 +250,7 @@ def measure_control(
     unpushed = follow(quiet, DISTURBANCE, ["fprc_pd"])["fprc_pd"]
     return {
         "hysteresis": measure_hysteresis(sweep.channels),
+        "range": measure_range(sweep.channels),
         "pressure_error": measure_pressure_error(sweep.channels),
         **measure_runs(runs, unpushed, bench.tracking.pushes.quiet_s),
     }

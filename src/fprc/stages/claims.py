@@ -24,6 +24,7 @@ def write_ledger(
     times: str,
     times_over_n_c: str,
     untested: str,
+    members: str,
     claims: Sequence[str],
     *,
     fitted: Mapping[str, Any],
@@ -36,6 +37,8 @@ def write_ledger(
         JSON and Markdown of the ledger.
     untested : str
         File whose ``not_tested`` has the sentences that cannot be tested, with reasons.
+    members : str
+        On how many rigs of the ensemble each claim holds.
     fitted : Mapping
         Name of the rig, the terms that it was fitted to, and those that the rig at which the fit
         began was searched for.
@@ -48,12 +51,14 @@ def write_ledger(
         times=read_json(times),
         times_over_n_c=read_json(times_over_n_c),
     )
-    ledger = judge_claims(every, printed, fitted)
+    ledger = judge_claims(every, printed, fitted, members=read_json(members))
     source = every.controls[0]["source"]
     origin = (
         f"The rig {fitted['name']} was fitted to {fit_in_words(fitted)}; the other claims were not "
-        "part of the fit. A verdict is undecided where the 95 % interval of the mean over seeds "
-        "contains a limit."
+        "part of the fit. A verdict is undecided where the 95 % interval of the mean over noise "
+        "seeds of this rig contains a limit. Rigs: on how many rigs that fit Tables II and III too "
+        "the claim holds with one seed, and the middle 95 % of their numbers; what holds on all of "
+        "them and no fit decides is not informative."
     )
     reasons = read_yaml(untested)["not_tested"]
     json, md = claims

@@ -28,7 +28,7 @@ BEST_MEASURES = ("blocks", "forward", "reversed", "open_loop", "closed_loop")
 LOOPS = ("open_loop", "closed_loop")
 
 #: Names of families for readers, where these are not those of the settings.
-_TITLES = {"bouc_wen": "Bouc-Wen", "near_print": "near print"}
+_TITLES = {"bouc_wen": "Bouc-Wen"}
 
 
 #: Best models of one side, chosen on other units, for readers.

@@ -151,12 +151,12 @@ def fit_rig(
     bench = Bench(on_rig, free, judgement, tracking)
     of = targets(printed, calibration["fit"])
     first = FIRST_SEED + SEEDS_PER_FIT * calibration["seed"]
-    with _pool(workers) as pool:
+    with pool_of(workers) as pool:
         points = _plausible(bench, of, calibration["members"], first, pool)
-        points, starts = _smoothed(bench, of, points, calibration["assimilations"], first, pool)
+        points = smoothed(bench, of, points, calibration["assimilations"], first, pool)
         seeds = range(first + _SEARCH, first + _SEARCH + calibration["seeds"])
         full_seeds = range(first + _FULL, first + _FULL + calibration["full_seeds"])
-        start = _best_start(bench, of, starts, seeds, pool)
+        start = _best_start(bench, of, ndtr(points[:_STARTS]), seeds, pool)
         found = _searched(bench, of, start, calibration["rounds"], seeds, full_seeds, pool)
         full = pool(delayed(bench.fully)(found, seed) for seed in full_seeds)
     outcome = _outcome(full, printed)
@@ -178,7 +178,8 @@ def fit_rig(
 
 
 @contextmanager
-def _pool(workers: int) -> Iterator[Parallel]:
+def pool_of(workers: int) -> Iterator[Parallel]:
+    """Yield a pool of processes with one thread each."""
     with (
         parallel_config("loky", inner_max_num_threads=1),
         Parallel(n_jobs=workers) as pool,
@@ -213,15 +214,15 @@ def _plausible(
     return points[kept]
 
 
-def _smoothed(
+def smoothed(
     bench: Bench,
     of: Sequence[Target],
     points: np.ndarray,
     assimilations: int,
     first: int,
     pool: Parallel,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Assimilate the targets; return the last ensemble, and its best members with those before."""
+) -> np.ndarray:
+    """Assimilate the targets; return the members of all turns, the best first."""
     rng = np.random.default_rng(first + 1)
     low, high, tolerance = (np.array([t[k] for t in of]) for k in (3, 4, 5))
     known: list[tuple[float, np.ndarray]] = []
@@ -260,7 +261,7 @@ def _smoothed(
         pairs = rng.integers(len(moved), size=(len(points) - len(moved), 2))
         points = np.concatenate([moved, moved[pairs].mean(axis=1)])
     known.sort(key=lambda pair: pair[0])
-    return points, ndtr(np.array([point for _, point in known[:_STARTS]]))
+    return np.array([point for _, point in known])
 
 
 def _losses(numbers: np.ndarray, of: Sequence[Target]) -> np.ndarray:

@@ -76,6 +76,25 @@ def decode(point: np.ndarray, rig: Mapping[str, Any], free: Sequence[Free]) -> d
     return changed
 
 
+def value_at(rig: Mapping[str, Any], path: str) -> float:
+    """Return a number of a rig."""
+    holder, key = _place(rig, path)
+    return float(holder[key])
+
+
+def with_values(
+    rig: Mapping[str, Any], paths: Sequence[str], values: Sequence[float]
+) -> dict[str, Any]:
+    """Return a copy of ``rig`` with numbers at paths; the last slip weights follow."""
+    changed = copy.deepcopy(dict(rig))
+    for path, value in zip(paths, values, strict=True):
+        holder, key = _place(changed, path)
+        holder[key] = value
+    for section in ("bending", "reservoir"):
+        changed[section]["slip_weight"] = _summing_to_one(changed[section]["slip_weight"])
+    return changed
+
+
 def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:
     """Return the rig with a damping of the squeeze that its lag and its integration step allow.
 

@@ -1,1 +1,1 @@
-"""The claims on families of simulated rigs: named rigs, rigs near print, and drawn rigs."""
+"""The claims on families of simulated rigs: named rigs, and the ensemble."""

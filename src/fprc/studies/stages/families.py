@@ -8,9 +8,10 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from fprc.artifacts import read_json
+from fprc.claims.claim import ASSUMED, COUNTED
 from fprc.claims.finding import REPRODUCED, Results
 from fprc.claims.ledger import Fit, judge_claims
-from fprc.claims.paper import ASSUMED, CLAIMS, COUNTED
+from fprc.claims.paper import CLAIMS
 from fprc.errors import FprcError
 from fprc.paper import ERRORS, REFERENCE_NAMES, SOURCES
 from fprc.registry import controller_title, title_of

@@ -12,7 +12,7 @@ from fprc.studies.families.family import unit_of
 
 def judge_family(
     judged: str,
-    near_print: str = "",
+    ensemble: str = "",
     *,
     judge: str,
     family: Mapping[str, Any],
@@ -28,8 +28,8 @@ def judge_family(
 
     Parameters
     ----------
-    near_print : str
-        File of the rigs near print, if the family has them.
+    ensemble : str
+        File of the ensemble, if the family has them.
     judge : str
         Function below ``fprc.studies``, such as ``online.judge.judge_online``. It takes a
         ``fprc.experiments.settings.Unit`` and ``how``, and returns a list of JSON mappings.
@@ -41,10 +41,10 @@ def judge_family(
         ``checkpoint`` and ``version`` of ``judged_cells``.
     """
     with judged_cells(
-        partial(_judge, judge=judge, family=family, near_print=near_print, how=how),
+        partial(_judge, judge=judge, family=family, ensemble=ensemble, how=how),
         [{"unit": unit} for unit in units],
         settings=[family, how],
-        files=[near_print] if near_print else [],
+        files=[ensemble] if ensemble else [],
         # to start a process takes as long as several units
         workers=max(1, min(workers, len(units) // 4)),
         **run,
@@ -59,9 +59,9 @@ def _judge(
     *,
     judge: str,
     family: Mapping[str, Any],
-    near_print: str,
+    ensemble: str,
     how: Mapping[str, Any],
 ) -> dict[str, Any]:
     module, _, function = judge.rpartition(".")
     judged_by = getattr(import_module(f"fprc.studies.{module}"), function)
-    return {"found": judged_by(unit_of(cell["unit"], family, near_print), **how)}
+    return {"found": judged_by(unit_of(cell["unit"], family, ensemble), **how)}
