@@ -51,7 +51,7 @@ site: .venv/.ready  ## the documentation, into docs/_build/html, with its exampl
 	sphinx-build -W --keep-going -q docs docs/_build/html
 
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
-	$(STUDIES) readme rigs_page beyond_page drift_page
+	$(STUDIES) readme beyond_page drift_page
 
 check: .venv/.ready  ## compare verdicts and pictures with what is declared
 	$(STUDIES) check

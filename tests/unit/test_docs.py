@@ -153,8 +153,8 @@ def rows_of(block):
 
 OPEN, CLOSED, FORWARD = "Open loop [deg]", "Closed loop [deg]", "Forward test [kPa]"
 BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/results.md"
-DRIFT, RIGS = "docs/drift.md", "docs/rigs.md"
-PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, RIGS, "README.md")
+DRIFT = "docs/drift.md"
+PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, "README.md")
 
 
 @pytest.mark.parametrize(

@@ -29,8 +29,7 @@ def quoted():
             f"seeds {seeds.first_seed} to {seeds.first_seed + seeds.units - 1}, "
         ],
         "docs/beyond-details.md": [
-            f"on {seeds.units} seeds each, *near print* on {seeds.units} rigs",
-            f"*drawn* on {seeds.units} rigs.",
+            f"*ensemble* on {seeds.units} rigs.",
         ],
         "docs/decisions.md": [
             f"up to {checked._PIXELS} pixels differ by more than {checked._LEVELS} levels"

@@ -1,3 +1,4 @@
+import json
 import re
 import sys
 
@@ -45,7 +46,7 @@ def test_smoke_touches_every_rule(smoked, studied, project):
     working = project.stages().keys()
     assert len(working) > 35
     # these look at results and make none, or take minutes and are tested by themselves
-    by_hand = {"check", "readme", "rigs_page", "beyond_page", "drift_page"}
+    by_hand = {"check", "readme", "beyond_page", "drift_page"}
     by_hand |= {"grid"}  # of recorded logs: test_recorded.py
     assert working - rules_run(smoked[1]) - rules_run(studied[1]) == by_hand
 
@@ -68,21 +69,20 @@ def test_families_stand_side_by_side(studied):
     folder = studied[0].folder / "results/smoke/families"
     errors = pd.read_csv(folder / "errors.csv").dropna(subset="published")
     assert errors.groupby("rigs").size().to_dict() == dict.fromkeys(
-        ("Rig paper", "Rig dry", "Rig viscous", "Near print", "Drawn"), 26
+        ("Rig paper", "Rig dry", "Rig viscous", "Ensemble"), 26
     )
     claims = pd.read_csv(folder / "claims.csv")
-    for family in ("Near print", "Drawn"):
-        held = claims[claims["rigs"] == family]
-        assert set(held["judged"]) == {2}
-        assert (held["low"] <= held["share"]).all()
-        assert (held["share"] <= held["high"]).all()
-        assert {"C1a", "C7a", "C13a", "C18"} <= set(held["id"])
+    held = claims[claims["rigs"] == "Ensemble"].set_index("id")
+    assert set(held["judged"]) == {2}
+    assert {"C1a", "C7a", "C13a", "C18"} <= set(held.index)
+    members = json.loads((folder / "members.json").read_text(encoding="utf-8"))
+    assert members["holds"] == held["holds"].astype(int).to_dict()
 
 
 def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(studied):
     folder = studied[0].folder / "results/smoke/beyond"
     claims = pd.read_csv(folder / "claims.csv")
-    families = ["paper", "bouc_wen", "dry", "viscous", "near_print", "drawn"]
+    families = ["paper", "bouc_wen", "dry", "viscous", "ensemble"]
     ids = claims.groupby("world", sort=False)["id"].unique().map(list).to_dict()
     assert ids == {family: [f"B{n}" for n in range(1, 8)] for family in families}
     # two seeds decide nothing
@@ -90,6 +90,6 @@ def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(
     models = pd.read_csv(folder / "models.csv").dropna(axis="columns", how="all")
     forward = models[models["measure"] == "forward"]
     assert forward.groupby("world")["model"].nunique().to_dict() == {
-        "paper": 28, "bouc_wen": 9, "dry": 9, "viscous": 9, "near_print": 9, "drawn": 9,
+        "paper": 28, "bouc_wen": 9, "dry": 9, "viscous": 9, "ensemble": 9,
     }  # fmt: skip
     assert (forward["units"] == 2).sum() == len(forward) - 4  # the slow models have one seed

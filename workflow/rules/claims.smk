@@ -11,6 +11,7 @@ rule ledger:
         times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
         untested=str(VERDICTS),
         made_from=PLAN.data,
+        members=str(MEMBERS),
     output:
         **PLAN.possible(claims=[PATHS.below("claims.json"), PATHS.below("claims.md")]),
     log:
@@ -20,7 +21,7 @@ rule ledger:
         code=SHOWS,
         fitted=SETTINGS["fitted"],
     message:
-        "Claims C1 to C19"
+        "Claims C1 to C22"
     script:
         "../scripts/stage.py"
 

@@ -8,40 +8,26 @@ PICTURES = {
 }
 
 
-rule rigs_page:
-    input:
-        **by_block("families", FAMILY_TABLES),
-        figures=[],
-        made_from=STUDY_TARGETS["families"],
-    log:
-        PATHS.messages("rigs_page"),
-    localrule: True
-    params:
-        stage="studies.stages.documents.update_pages",
-        code=SHOWS,
-        pages=["docs/rigs.md"],
-        pictures=[],
-    message:
-        "Numbers of docs/rigs.md"
-    script:
-        "../scripts/stage.py"
-
-
-use rule rigs_page as beyond_page with:
+rule beyond_page:
     input:
         **by_block("beyond", PAGES_BEYOND),
         figures=[PICTURES["docs/images/beyond_pairs.png"]],
         made_from=STUDY_TARGETS["beyond"],
     log:
         PATHS.messages("beyond_page"),
+    localrule: True
     params:
+        stage="studies.stages.documents.update_pages",
+        code=SHOWS,
         pages=["README.md", "docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
         pictures=["docs/images/beyond_pairs.png"],
     message:
         "Numbers and pictures of the pages on models beyond the paper's"
+    script:
+        "../scripts/stage.py"
 
 
-use rule rigs_page as drift_page with:
+use rule beyond_page as drift_page with:
     input:
         **by_block("online", ("verdicts", "errors")),
         figures=[PICTURES["docs/images/drift.png"]],
@@ -59,7 +45,7 @@ use rule rigs_page as drift_page with:
 if PLAN.on_simulated_rig:
     SHOWN_IN_README = {Path(page).stem: page.replace(".json", ".md") for page in PAGES[1:]}
 
-    use rule rigs_page as readme with:
+    use rule beyond_page as readme with:
         input:
             **SHOWN_IN_README,
             verdicts=PATHS.below("claims.json"),

@@ -14,9 +14,7 @@ use rule judge_family as judge_online with:
     params:
         version=studies_with(*COMPETITORS),
         judge="online.judge.judge_online",
-        family=lambda wildcards: (
-            family_named(wildcards.world) | {"first_seed": FIRST_ONLINE}
-        ),
+        family=lambda wildcards: (family_named(wildcards.world) | {"first_seed": FIRST_ONLINE}),
         units=list(range(BEYOND["slow"])),
         how={"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
         checkpoint=checkpoint_of("online/{world}"),

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from fprc.claims.claim import Claim
 from fprc.claims.finding import (
     NOT_INFORMATIVE,
@@ -27,8 +29,8 @@ _TERMS = {
     "closed_errors": "closed-loop Table IV",
 }
 
-#: On how many of the rigs that fit print each claim holds: ``of``, their number; ``holds``, by claim;
-#: ``ranges`` of the means, by claim and statement.
+#: On how many of the rigs that fit print each claim holds: ``of``, their number; ``holds``, by
+#: claim; ``ranges`` of the means, by claim and statement.
 Members = Mapping[str, Any]
 
 #: What an interval over seeds is of.
@@ -179,7 +181,7 @@ def members_of(
         of_statements = zip(*(row["statements"] for row in of_claim), strict=True)
         ranges[claim.id] = {
             column[0]["text"]: [
-                float(f"{end:.3g}")
+                float(f"{end:.4g}")
                 for end in np.quantile([s["mean"] for s in column], (0.025, 0.975))
             ]
             for column in of_statements

@@ -8,23 +8,28 @@ from pathlib import Path
 from joblib import effective_n_jobs
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import refuse_output, write_text
+from fprc.artifacts import refuse_output, write_json, write_text
 from fprc.config import PUBLISHED, from_files, local_files
 from fprc.errors import ConfigError
 from fprc.experiments.settings import RigSettings
 from fprc.given import read_given
 from fprc.plan.arguments import judgement, on_rig
+from fprc.studies.calibration.ensemble import ensemble_around
 from fprc.studies.calibration.fit import fit_rig
 from fprc.studies.calibration.rig_file import WRITTEN, parameter_file
 from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
+#: Rigs of an ensemble.
+MEMBERS = 40
+
 
 def calibrate_from_files(
     files: Sequence[str] = (),
     *,
     out: str = "config/rigs/fitted.yaml",
+    ensemble: str | None = None,
     published: str | None = None,
     workers: int | None = None,
 ) -> None:
@@ -40,15 +45,24 @@ def calibrate_from_files(
             "control.feedforward.adapt: a fit compares with the paper, whose models do not learn "
             "while they run; set it to false"
         )
-    refuse_output(out, ".yaml", ours=lambda old: WRITTEN.encode() in read_given(old))
+    path = ensemble or out
+    refuse_output(path, Path(path).suffix, ours=lambda old: WRITTEN.encode() in read_given(old))
+    printed = read_yaml(PUBLISHED if published is None else published)
+    rig = RigSettings(**on_rig(settings))
+    how = {
+        "judgement": judgement(settings, without="seed"),
+        "calibration": settings["calibration"],
+        "tracking": settings["tracking"],
+        "workers": effective_n_jobs(workers or -1),
+    }
     with threadpool_limits(1):
-        rig, summary = fit_rig(
-            read_yaml(PUBLISHED if published is None else published),
-            RigSettings(**on_rig(settings)),
-            judgement=judgement(settings, without="seed"),
-            calibration=settings["calibration"],
-            tracking=settings["tracking"],
-            workers=effective_n_jobs(workers or -1),
-        )
-    write_text(out, parameter_file(rig, summary, Path(out).stem))
-    log.info("wrote %s", out)
+        if ensemble:
+            found = {
+                "note": f"{WRITTEN} --ensemble",
+                **ensemble_around(printed, rig, MEMBERS, **how),
+            }
+            write_json(ensemble, found)
+        else:
+            fitted, summary = fit_rig(printed, rig, **how)
+            write_text(out, parameter_file(fitted, summary, Path(out).stem))
+    log.info("wrote %s", path)

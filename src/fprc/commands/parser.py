@@ -237,7 +237,8 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         Fit the simulated rig to what the paper prints and claims.
 
         Fits the free parameters of the rig, from their ranges alone, and writes a
-        parameter file; docs/rigs.md says how. Takes an hour on two processors.
+        parameter file; docs/rigs.md says how. Takes an hour on two processors. With
+        --ensemble it writes rigs around that of the configuration instead.
 
         examples:
           fprc calibrate
@@ -246,6 +247,8 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         _arg("files", "FILE", f"configuration; {_LOCAL}", nargs="*", default=()),
         _arg("--out", "FILE.yaml", "parameter file to write, by default config/rigs/fitted.yaml; "
              "its name becomes that of the rig", default="config/rigs/fitted.yaml"),
+        _arg("--ensemble", "FILE.json", "write 40 rigs around that of the configuration that fit "
+             "Tables II and III too, instead of a fit"),
         _arg("--published", "FILE", "numbers to fit; by default what `fprc config published` "
              "prints"),
         _WORKERS,

@@ -61,22 +61,30 @@ def measure_hysteresis(sweep: Channels) -> dict[str, dict[str, float]]:
 #: Angle up to which the actuator counts as straight, deg.
 _STRAIGHT_DEG = 1.0
 
+#: Samples that a part of a swing needs to count.
+_LEG = 20
+
 
 def measure_range(sweep: Channels) -> dict[str, float]:
     """Return the largest angle, the dead zone, and how monotonic the reservoir's response is.
 
     The dead zone is the median over the rises of the angle of the commanded P_exp at which the
     actuator leaves ``_STRAIGHT_DEG``, over the span of the command. ``monotony`` is the mean rank
-    correlation of P_o with theta from one turn of theta to the next, without its sign.
+    correlation of P_o with theta from one turn of theta to the next, without its sign, where the
+    actuator is not straight: there noise alone moves.
     """
     theta, command, p_o = (sweep[n] for n in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"))
     rises = np.flatnonzero((theta[:-1] <= _STRAIGHT_DEG) & (theta[1:] > _STRAIGHT_DEG))
     turns = turning_points(theta)
-    parts = [slice(begin, end) for begin, end in pairwise(turns)]
+    legs = (np.arange(begin, end) for begin, end in pairwise(turns))
+    parts = [leg[theta[leg] > _STRAIGHT_DEG] for leg in legs]
+    # a leg of a few samples says nothing, and may be constant
+    moving = [part for part in parts if len(part) >= _LEG]
+    found = [abs(spearmanr(theta[part], p_o[part]).statistic) for part in moving]
     return {
         "angle_deg": float(theta.max()),
         "dead_zone": float(np.median(command[rises]) / np.ptp(command)) if len(rises) else 0.0,
-        "monotony": float(np.mean([abs(spearmanr(theta[p], p_o[p]).statistic) for p in parts])),
+        "monotony": float(np.mean(found or [0.0])),
     }
 
 

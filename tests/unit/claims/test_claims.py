@@ -3,6 +3,7 @@ from functools import reduce
 from operator import getitem
 from types import SimpleNamespace
 from typing import get_args
+from unittest.mock import ANY
 
 import numpy as np
 import pytest
@@ -13,11 +14,22 @@ from scipy.stats import spearmanr, ttest_1samp
 
 from fprc import config
 from fprc.claims.finding import Results, Statement
-from fprc.claims.ledger import changed_verdicts, fit_in_words, judge_claims, status_of
+from fprc.claims.ledger import (
+    changed_verdicts,
+    fit_in_words,
+    judge_claims,
+    members_of,
+    status_of,
+)
 from fprc.claims.numbers import tap_trend, thirds_of_taps
 from fprc.claims.paper import CLAIMS
 from fprc.config.calibration import SearchedFor
+from fprc.config.rig import squeeze_lag
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.measures import measure_hysteresis
+from fprc.experiments.settings import RigSettings
 from fprc.paper import LOOPS, REFERENCES
+from fprc.plan.arguments import on_rig
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 SCALES = (0.99, 1.0, 1.02)  # of the errors, a seed each
@@ -38,17 +50,39 @@ BY_ID = {claim.id: claim for claim in CLAIMS}
 N_C = (16, 8, 4, 2, 1)
 
 
+def folds(mean, trained_on, model, phase):
+    """Return errors of two folds with the printed spread."""
+    table = {"sweep": "table_2_models", "complex": "table_3_reversed"}[trained_on]
+    half = PUBLISHED[table][model][phase][1] / 2**0.5
+    return [mean - half, mean + half]
+
+
 def replicate(scale):
-    models = [
-        {"trained_on": trained_on, "model": model, TEST: scale * test,
-         TRAIN: [scale * train - 0.1, scale * train + 0.1],
-         VALIDATION: [scale * validation - 0.1, scale * validation + 0.1],
-         "test_halves_rmse_kpa": [0.7 * scale * test, 1.3 * scale * test]}
-        for (trained_on, model), (train, validation, test) in ERRORS.items()
-    ]  # fmt: skip
+    models = []
+    for (trained_on, model), (train, validation, test) in ERRORS.items():
+        models.append(
+            {
+                "trained_on": trained_on,
+                "model": model,
+                TRAIN: folds(scale * train, trained_on, model, TRAIN),
+                VALIDATION: folds(scale * validation, trained_on, model, VALIDATION),
+                TEST: scale * test,
+                "test_halves_rmse_kpa": [0.7 * scale * test, 1.3 * scale * test],
+                "train_halves_rmse_kpa": [1.1 * scale * train, 0.9 * scale * train],
+                "seen_test_rmse_kpa": 1.2 * scale * train,
+            }
+        )
     share = 0.56 + 0.1 * (scale - 1.0)
-    weights = {"mean_share": {"p_o": share, "theta_d": 0.999 - share, "bias": 0.001}}
-    return {"models": models, "weights": weights}
+    return {
+        "models": models,
+        "weights": {
+            "mean_share": {"p_o": share, "theta_d": 0.999 - share, "bias": 0.001},
+            "shares": {
+                "p_o": [[0.2, 0.1], [0.4, 0.2], [0.3, 0.4]],
+                "theta_d": [[0.7], [0.4], [0.3]],
+            },
+        },
+    }
 
 
 def cell(model, errors, **settings):
@@ -76,23 +110,32 @@ def grid_values():
 def measures(scale):
     """Numbers of one seed's closed loop, as ``experiments.measures`` gives them."""
     printed = PUBLISHED["table_4_tracking_rmse_deg"]
-    errors = {f"{name}/fprc": 4.24 * scale for name in REFERENCES}
+    opened = {"complex": 3.6, "sine_0p2": 4.0, "sine_0p5": 4.3, "sweep": 4.6}
+    errors = {f"{name}/fprc": opened[name] * scale for name in REFERENCES}
     errors |= {
-        f"{name}/fprc_pd": 4.24 * scale * printed["fprc_pd"][name] / printed["fprc"][name]
+        f"{name}/fprc_pd": opened[name] * scale * printed["fprc_pd"][name] / printed["fprc"][name]
         for name in REFERENCES
     }
     errors |= {f"{name}/pd": 8.0 * scale for name in LOOPS}
     return {
         "rmse_deg": errors,
         "effort": dict.fromkeys(REFERENCES, 0.1),
-        "sweep": {"largest_error_deg": 3.5 * scale, "lag_ms": 0.0,
-                  "first_third_deg": 2.0, "last_third_deg": 2.2},
-        "loops": {f"{name}/{controller}": {"width_over_span": width} for name in LOOPS
-                  for controller, width in (("pd", 0.4), ("fprc_pd", 0.05))},
+        "sweep": {
+            "largest_error_deg": 3.5 * scale,
+            "lag_ms": 0.0,
+            "first_third_deg": 2.0,
+            "last_third_deg": 2.2,
+        },
+        "loops": {
+            f"{name}/{controller}": {"width_over_span": width}
+            for name in LOOPS
+            for controller, width in (("pd", 0.4), ("fprc_pd", 0.05))
+        },
         "disturbance": {"bending": 0.2, "p_o": 0.0, "error_ratio": 1.0},
         "hysteresis": {loop: dict.fromkeys(OF_LOOPS, 1.0) for loop in ("actuator", "reservoir")},
         "pressure_error": {"main": 0.0, "reservoir": 0.002},
-    }  # fmt: skip
+        "range": {"angle_deg": 60.0 * scale, "dead_zone": 0.1, "monotony": 0.99},
+    }
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +190,8 @@ def error(trained_on, model, phase, over=None):
                 if entry["trained_on"] == trained_on
             }
             value = number * (np.mean(reports[over[0]][over[1]]) if over else 1.0)
-            reports[model][phase] = value if phase == TEST else [value - 0.3, value + 0.3]
+            spread = folds(value, trained_on, model, phase) if phase != TEST else value
+            reports[model][phase] = spread
 
     return change
 
@@ -164,6 +208,28 @@ def work(table, **which):
 def taps(per_n_u, per_n_y):
     """Return an error that is linear in both tap sizes."""
     return lambda found: 30.0 + per_n_u * found["n_u"] + per_n_y * found["n_y"]
+
+
+def field_of(trained_on, model, key):
+    """Set a field of a model's report to what a function returns of it and a number."""
+
+    def change(material, function):
+        for found in material.replicates:
+            for entry in found["models"]:
+                if (entry["trained_on"], entry["model"]) == (trained_on, model):
+                    entry[key] = function(entry[key])
+
+    return change
+
+
+def shares_among_rules(feature):
+    """Set by how much the shares of a feature differ among three rules."""
+
+    def change(material, step):
+        for found in material.replicates:
+            found["weights"]["shares"][feature] = [[0.4 - step], [0.4], [0.4 + step]]
+
+    return change
 
 
 def share_of_p_o(material, share, seeds=EVERY):
@@ -207,14 +273,9 @@ def measure(*keys):
 
 def halves_of(model):
     """Set the error in the second half of the sweep over that in the first."""
-
-    def change(material, ratio):
-        for found in material.replicates:
-            for entry in found["models"]:
-                if (entry["trained_on"], entry["model"]) == ("complex", model):
-                    entry["test_halves_rmse_kpa"] = [1.0, ratio]
-
-    return change
+    return lambda material, ratio: field_of("complex", model, "test_halves_rmse_kpa")(
+        material, lambda _: [1.0, ratio]
+    )
 
 
 def feedback_leaves(name):
@@ -255,6 +316,19 @@ def esn_training_at(material, ratio):
     error("sweep", "esn", TEST)(material, 20.0)
 
 
+def scale_spread(phase):
+    """Multiply the spread of an error over the folds."""
+
+    def change(material, factor):
+        def spread(errors):
+            mean = np.mean(errors)
+            return [mean + factor * (error - mean) for error in errors]
+
+        field_of("complex", "esn", phase)(material, spread)
+
+    return change
+
+
 ONE = (1,)
 
 #: Claims, name, change, number that spoils the claims, and number that nearly does.
@@ -266,6 +340,15 @@ PERTURBATIONS = [
     ("C1a", "validation_below", error("sweep", "esn", VALIDATION, over=("fprc", VALIDATION)),
      0.87, 0.89),
     ("C1b", "training_not_best", error("sweep", "esn", TRAIN, over=("fprc", TRAIN)), 1.03, 0.98),
+    *(
+        ("C1c", side, error("complex", "esn", VALIDATION, over=("esn", TRAIN)), *x)
+        for side, *x in (("above", 1.03, 1.015), ("below", 0.97, 0.985))
+    ),
+    *(
+        ("C1d", f"{phase}_{spoils}", scale_spread(phase), spoils, spares)
+        for phase in (TRAIN, VALIDATION)
+        for spoils, spares in ((3.2, 2.8), (0.31, 0.36))
+    ),
     ("C3", "fprc_too_good", error("sweep", "fprc", TEST, over=("fprc", TRAIN)), 0.80, 0.83),
     ("C3", "fprc_too_bad", error("sweep", "fprc", TEST, over=("fprc", TRAIN)), 1.24, 1.22),
     ("C3", "esn_consistent", error("sweep", "esn", TEST, over=("esn", TRAIN)), 1.22, 1.24),
@@ -294,11 +377,17 @@ PERTURBATIONS = [
     ("C7b", "validation", error("complex", "fprc", VALIDATION, over=("esn", VALIDATION)),
      1.01, 0.99),
     ("C7c", "esn_below", error("complex", "esn", TEST, over=("fuzzy_linear", TEST)), 0.99, 1.01),
-    *(("C7d", model, halves_of(model), 0.99, 1.01) for model in SECONDS),
+    *(("C7d", model, halves_of(model), 0.81, 0.83) for model in SECONDS),
+    *(
+        ("C7e", model, field_of("complex", model, "seen_test_rmse_kpa"),
+         lambda error: 1.27 * error, lambda error: 1.23 * error)
+        for model in SECONDS
+    ),
     ("C8a", "p_o", share_of_p_o, 0.67, 0.66),
     ("C8a C8b", "theta_d", share_of_p_o, 0.33, 0.51),
     ("C8b", "smaller", share_of_p_o, 0.49, 0.51),
     ("C8c", "bias", share_of_bias, 0.011, 0.009),
+    *(("C8d", name, shares_among_rules(name), 0.039, 0.041) for name in ("p_o", "theta_d")),
     ("C9a", "flat", cells("epsilon", TRAIN, model="fprc", epsilon=0.1), 9.0, 9.1),
     ("C9b", "flat", cells("n_c", TRAIN, model="fprc", n_c=8), 9.0, 9.1),
     *(
@@ -315,8 +404,12 @@ PERTURBATIONS = [
         )
     ),
     *(
-        ("C11", phase, cells("n_c", phase, model="fuzzy_linear", n_c=4), 11.0, 11.1)
+        ("C11a", phase, cells("n_c", phase, model="fuzzy_linear", n_c=4), 11.0, 11.1)
         for phase in PHASES
+    ),
+    *(
+        ("C11b", f"epsilon_{phase}", cells("epsilon", phase, model="fprc", epsilon=1e-4), *x)
+        for phase, *x in ((TRAIN, 15.1, 14.9), (VALIDATION, 15.1, 14.9), (TEST, 16.1, 15.9))
     ),
     *(
         (claim, name, errors_of("taps", phase, function), EVERY, ())
@@ -365,7 +458,7 @@ PERTURBATIONS = [
     ),
     *(
         ("C16", f"error_of_pd_{name}", measure("rmse_deg", f"{name}/pd"), *x)
-        for name, *x in (("sine_0p5", 2.1, 2.35), ("sweep", 2.55, 2.9))
+        for name, *x in (("sine_0p5", 2.1, 2.5), ("sweep", 2.75, 3.2))
     ),
     ("C17", "bending_within_a_tenth", measure("disturbance", "bending"), 0.095, 0.105),
     ("C17", "p_o_distorted", measure("disturbance", "p_o"), 0.011, 0.009),
@@ -378,6 +471,14 @@ PERTURBATIONS = [
         for side, *x in (("widens", 1.21, 1.19), ("narrows", 0.82, 0.84))
     ),
     ("C19", "main", measure("pressure_error", "main"), 0.021, 0.019),
+    ("C20", "stiff", measure("range", "angle_deg"), 56.9, 57.1),
+    ("C20", "soft", measure("range", "angle_deg"), 63.1, 62.9),
+    ("C21", "none", measure("range", "dead_zone"), 0.04, 0.06),
+    ("C22", "turns_back", measure("range", "monotony"), 0.94, 0.96),
+    *(
+        ("C13d", f"{name}_above_the_next", measure("rmse_deg", f"{name}/fprc"), *x)
+        for name, *x in (("complex", 4.5, 3.7), ("sine_0p2", 4.8, 4.1), ("sine_0p5", 4.95, 4.4))
+    ),
 ]  # fmt: skip
 
 
@@ -394,7 +495,7 @@ def test_every_claim_is_reproduced_where_it_holds(ideal):
 
 def test_ids_are_unique_and_in_order_and_texts_are_those_of_the_published_claims(ideal):
     rows = judged(ideal)
-    numbers = [int(row["id"].lstrip("C").rstrip("abcd")) for row in rows]
+    numbers = [int(row["id"].lstrip("C").rstrip("abcde")) for row in rows]
     assert numbers == sorted(numbers)
     assert len({row["id"] for row in rows}) == len(rows)
     whole = {claim["id"]: claim["text"] for claim in PUBLISHED["claims"]}
@@ -417,9 +518,13 @@ def test_no_text_of_the_ledger_shows_nan_or_a_numpy_type(ideal):
 def test_perturbation_beyond_the_threshold_flips_its_claims_and_no_other(
     ideal, claims, change, spoils, spares
 ):
-    flipped = dict.fromkeys(claims.split(), "not reproduced")
-    assert after(ideal, change, spoils) == EXPECTED | flipped
-    assert after(ideal, change, spares) == EXPECTED
+    expected = EXPECTED | dict.fromkeys(claims.split(), "not reproduced")
+    # a change of one phase alone changes its ratio to the other; both claims have their own cases
+    expected |= dict.fromkeys({"C1c", "C13d"} - {*claims.split()}, ANY)
+    assert after(ideal, change, spoils) == expected
+    assert after(ideal, change, spares) == EXPECTED | {
+        k: v for k, v in expected.items() if v is ANY
+    }
 
 
 @given(st.lists(st.integers(0, 4), min_size=12, max_size=12), st.randoms())
@@ -451,8 +556,8 @@ def test_every_claim_is_perturbed_but_one_with_a_test_of_its_own():
         ("C2 C3", error("sweep", "esn", TEST, over=("fprc", TEST)), 0.99, EVERY, "not reproduced"),
         ("C2 C4", error("sweep", "fuzzy_linear", TEST, over=("fprc", TEST)), 0.99, EVERY,
          "not reproduced"),
-        ("C13b", measure("rmse_deg", "complex/fprc_pd"), 3.6, EVERY, "not reproduced"),
-        ("C13a C13b", measure("rmse_deg", "complex/fprc_pd"), 4.6, EVERY, "not reproduced"),
+        ("C13b C13d", measure("rmse_deg", "complex/fprc_pd"), 3.2, EVERY, "not reproduced"),
+        ("C13a C13b C13d", measure("rmse_deg", "complex/fprc_pd"), 4.0, EVERY, "not reproduced"),
         # one seed of three contradicts
         ("C8a C8b", share_of_p_o, 0.8, ONE, "undecided"),
         ("C9b", cells("n_c", TRAIN, model="fprc", n_c=8), 9.0, ONE, "undecided"),
@@ -557,8 +662,13 @@ def test_claim_is_fitted_where_a_term_of_the_objective_asks_for_it(claim, terms,
 @pytest.mark.parametrize(
     ("to", "start", "half", "began"),
     [
-        ("closed_loop", "closed_errors", "C13b C13c C14 C15 C16", "C13a C13b C13c C14 C15 C16"),
-        ("tables", "C9a", "C9a C9c", "C9a"),
+        (
+            "closed_loop",
+            "closed_errors",
+            "C13b C13c C13d C14 C15 C16",
+            "C13a C13b C13c C13d C14 C15 C16",
+        ),
+        ("tables", "C9a", "C9a C9c C11b", "C9a C11b"),
         # what the fit asks for counts, and not where it began
         ("C8", "C8", "C8b", ""),
         ("C12", "C8", "C8a C8b", "C8a C8b"),
@@ -605,3 +715,54 @@ def test_step_is_chosen_on_the_first_half_of_the_seeds_and_judged_on_the_others(
     assert statements[:2] == [
         ("test at epsilon 3 / 2", round(3.0 / 1.1, 3)), ("test at epsilon 2 / 1", 1.1)
     ]  # fmt: skip
+
+
+def verdicts_on_loops(lag_s):
+    """Return the verdict of each statement of C18 on the default rig with another lag."""
+    settings = config.from_files([]).model_dump(mode="json")
+    arguments = on_rig(settings)
+    arguments["signals"] = {"sweep": arguments["signals"]["sweep"]}
+    reservoir = arguments["rig"]["reservoir"]
+    reservoir["squeeze_damping_kpa_s_per_ml"] *= lag_s / squeeze_lag(arguments["rig"])
+    rig = RigSettings(**arguments)
+    measured = [measure_hysteresis(simulate(rig, seed)["sweep"].channels) for seed in (1, 2)]
+    results = Results([], [], [{"hysteresis": found} for found in measured], {}, {})
+    (row,) = judge_claims(results, PUBLISHED, {}, [BY_ID["C18"]])
+    return row["verdict"], {s["text"]: s["verdict"] for s in row["statements"]}
+
+
+def test_reservoir_with_a_lag_of_0_4_s_is_seen_in_its_swing_and_slope():
+    verdict, slow = verdicts_on_loops(0.4)
+    _, fast = verdicts_on_loops(0.02)
+    assert verdict == "not reproduced"
+    for measure in ("swing, reservoir", "slope, reservoir"):
+        assert (slow[measure], fast[measure]) == ("not reproduced", "reproduced")
+
+
+def test_claim_that_no_fit_decides_and_that_holds_on_every_member_is_not_informative(ideal):
+    results = Results(**vars(ideal))
+    members = {
+        "of": 40, "holds": {"C1a": 40, "C8c": 40, "C19": 39},
+        "ranges": {"C8c": {"share of the bias [%]": [0.1, 0.4]}},
+    }  # fmt: skip
+    rows = {
+        row["id"]: row
+        for row in judge_claims(results, PUBLISHED, {"to": ["tables"]}, members=members)
+    }
+    assert [rows[name]["verdict"] for name in ("C1a", "C8c", "C19", "C22")] == [
+        "reproduced", "not informative", "reproduced", "reproduced",
+    ]  # fmt: skip
+    assert [rows[name]["rigs"] for name in ("C8c", "C19", "C22")] == ["40 of 40", "39 of 40", "-"]
+    assert rows["C8c"]["ours"].endswith("rigs 0.1 to 0.4")
+    assert rows["C8c"]["statements"][0]["over_rigs"] == [0.1, 0.4]
+
+
+def test_members_are_judged_one_by_one(ideal):
+    ideal = deepcopy(ideal)
+    rigs = [Results([ideal.replicates[k]], [], [ideal.controls[k]], {}, {}) for k in EVERY]
+    error("sweep", "fprc", TEST, over=("fuzzy_linear", TEST))(ideal, 1.2, seeds=(2,))
+    found = members_of(rigs, PUBLISHED, [BY_ID["C2"], BY_ID["C19"]])
+    assert (found["of"], found["holds"]) == (3, {"C2": 2, "C19": 3})
+    (low, high) = found["ranges"]["C2"]["FPRC / best other model, test"]
+    assert low == pytest.approx(11.0 / 16.5, rel=1e-3)
+    assert 1.1 < high < 1.22

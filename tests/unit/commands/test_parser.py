@@ -41,7 +41,7 @@ def test_arguments_have_types_and_defaults():
     del given["run"]
     assert given == {
         "files": ["a.yaml", "b.yaml"], "out": "config/rigs/fitted.yaml", "published": None,
-        "workers": 3,
+        "workers": 3, "ensemble": None,
     }  # fmt: skip
     assert parsed("fprc calibrate").files == ()
 

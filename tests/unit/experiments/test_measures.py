@@ -3,7 +3,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.experiments.measures import measure_hysteresis, measure_pressure_error, measure_runs
+from fprc.experiments.measures import (
+    measure_hysteresis,
+    measure_pressure_error,
+    measure_range,
+    measure_runs,
+)
 from fprc.paper import CONTROLLERS, REFERENCES
 
 RATE_HZ, QUIET_S = 200.0, 12.0
@@ -197,3 +202,22 @@ def test_swing_and_slope_of_p_o_are_compared_without_its_start_from_rest():
     found = measure_hysteresis(log | {"p_o_kpa": p_o})["reservoir"]
     assert found["swing"] == pytest.approx(0.6, rel=0.05)
     assert found["slope"] == pytest.approx(0.6, rel=0.05)
+
+
+def test_range_has_largest_angle_dead_zone_and_monotony():
+    time_s = np.arange(int(40 * RATE_HZ)) / RATE_HZ
+    command = 175.0 - 175.0 * np.cos(2 * np.pi * 0.2 * time_s)
+    theta = np.clip(0.25 * (command - 70.0), 0.0, None)  # 1 deg at 74 kPa
+    up = np.gradient(command) > 0
+    log = {
+        "theta_deg": theta,
+        "p_exp_command_kpa": command,
+        "p_o_kpa": 100.0 + theta + np.where(up, 5.0, 0.0),
+    }
+    found = measure_range(log)
+    assert found["angle_deg"] == pytest.approx(70.0)
+    assert found["dead_zone"] == pytest.approx(74.0 / 350.0, rel=0.03)
+    assert found["monotony"] == pytest.approx(1.0, abs=0.02)
+    folded = measure_range(log | {"p_o_kpa": 100.0 + np.abs(theta - 35.0)})
+    assert folded["monotony"] < 0.5
+    assert measure_range(log | {"theta_deg": 0.0 * theta})["dead_zone"] == 0.0

@@ -13,7 +13,6 @@ def family(signals):
         "rigs": "one",
         "fitted": ["tables"],
         "first_seed": 601,
-        "seeds_per_rig": 1,
         "on_rig": on_rig(settings)
         | {"signals": {name: signal.model_dump() for name, signal in signals.items()}},
     }

@@ -1,7 +1,4 @@
-"""Claims W1-W4 and B1-B8: what P_o is worth, and what FPRC's readout is worth.
-
-docs/archive/preregistration.md has them with their limits.
-"""
+"""Claims W1-W4 and B1-B8: what P_o is worth, and what FPRC's readout is worth."""
 
 from collections.abc import Mapping, Sequence
 from itertools import product

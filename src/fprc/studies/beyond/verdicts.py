@@ -70,7 +70,7 @@ def judge_family(
         See ``fprc.studies.beyond.measurements``; ``fitted``: the terms its rigs were fitted to.
     claims : Mapping
         By their ids.
-    decided : Mapping
+    decided : Mapping, optional
         By family, the p of one more claim that was decided in November 2026 and is not measured any
         more; one that was not judged in a family counts too. None if there is none.
 
@@ -84,6 +84,7 @@ def judge_family(
         supports the claim.
     """
     rows = []
+    further = [] if decided is None else [decided.get(family["name"], 1.0)]
     parts = {
         name: (claim.text, [part_of(pair, numbers, family) for pair in claim.parts])
         for name, claim in claims.items()

@@ -59,6 +59,8 @@ _MOST = 100.0
 #: the search chooses its start.
 _CORRECTING, _STARTS = 3, 12
 
+_IMPOSSIBLE = "the best rig cannot be simulated with other noise; choose another calibration.seed"
+
 #: Offsets of the seeds of the search and of the full models from those of the members.
 _SEARCH, _FULL = 9000, 9500
 
@@ -116,10 +118,14 @@ class Bench(NamedTuple):
         self.estimate(share, [seed], centers)
         return centers[seed]
 
-    def fully(self, share: np.ndarray, seed: int) -> dict[str, Any]:
-        """Judge a rig by the full models."""
-        how = Judgement(**self.judgement, seed=int(seed))
-        return judge_fully(self.rig_at(share), how, self.tracking)
+    def fully(self, share: np.ndarray, seed: int) -> dict[str, Any] | None:
+        """Judge a rig by the full models; None if it is impossible."""
+        on_rig, how = self.rig_at(share), Judgement(**self.judgement, seed=int(seed))
+        try:
+            Rig.model_validate(on_rig.rig)
+            return judge_fully(on_rig, how, self.tracking)
+        except (FprcError, ValueError):
+            return None
 
 
 def fit_rig(
@@ -153,12 +159,12 @@ def fit_rig(
     first = FIRST_SEED + SEEDS_PER_FIT * calibration["seed"]
     with pool_of(workers) as pool:
         points = _plausible(bench, of, calibration["members"], first, pool)
-        points = smoothed(bench, of, points, calibration["assimilations"], first, pool)
+        points = _smoothed(bench, of, points, calibration["assimilations"], first, pool)
         seeds = range(first + _SEARCH, first + _SEARCH + calibration["seeds"])
         full_seeds = range(first + _FULL, first + _FULL + calibration["full_seeds"])
         start = _best_start(bench, of, ndtr(points[:_STARTS]), seeds, pool)
         found = _searched(bench, of, start, calibration["rounds"], seeds, full_seeds, pool)
-        full = pool(delayed(bench.fully)(found, seed) for seed in full_seeds)
+        full = _judged_fully(bench, found, full_seeds, pool)
     outcome = _outcome(full, printed)
     log.info(
         "median deviation %.1f %%, largest %.1f %%",
@@ -214,7 +220,7 @@ def _plausible(
     return points[kept]
 
 
-def smoothed(
+def _smoothed(
     bench: Bench,
     of: Sequence[Target],
     points: np.ndarray,
@@ -242,8 +248,8 @@ def smoothed(
             delayed(bench.fully)(shares[possible[k]], seeds[possible[k]])
             for k in order[:_CORRECTING]
         )
-        off = [numbers_of([one], of) - raw[k] for one, k in zip(full, order, strict=False)]
-        added = np.nan_to_num(np.mean(off, axis=0))
+        off = [numbers_of([one], of) - raw[k] for one, k in zip(full, order, strict=False) if one]
+        added = np.nan_to_num(np.mean(off, axis=0)) if off else added
         losses = _losses(raw + added, of)
         log.info(
             "assimilation %d of %d: misfit %.0f in the median, %.0f at best",
@@ -308,11 +314,20 @@ def _searched(
     def correction_at(point: np.ndarray) -> np.ndarray:
         (numbers,) = judge([point], point)
         if numbers is None:
-            raise EvaluationError("the best rig is impossible with other noise")
-        full = pool(delayed(bench.fully)(point, seed) for seed in full_seeds)
+            raise EvaluationError(_IMPOSSIBLE)
+        full = _judged_fully(bench, point, full_seeds, pool)
         return np.nan_to_num(numbers_of(full, of) - numbers)
 
     return search(judge, correction_at, lambda numbers: misses(numbers, of), start, rounds).point
+
+
+def _judged_fully(
+    bench: Bench, point: np.ndarray, seeds: Sequence[int], pool: Parallel
+) -> list[dict[str, Any]]:
+    full = pool(delayed(bench.fully)(point, seed) for seed in seeds)
+    if None in full:
+        raise EvaluationError(_IMPOSSIBLE)
+    return full
 
 
 def _outcome(full: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) -> dict[str, Any]:

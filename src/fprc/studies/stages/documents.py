@@ -83,6 +83,7 @@ def _verdicts(judged: Mapping[str, Any]) -> str:
         "claim": "Claim",
         "verdict": "Verdict",
         "rig": "Fitted?",
+        "rigs": "Rigs",
         "ours": "Ours, 95 % interval",
         "limits": "Limits",
         "note": "Note",

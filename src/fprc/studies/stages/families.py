@@ -5,17 +5,15 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
 
-from fprc.artifacts import read_json
+from fprc.artifacts import read_json, write_json
 from fprc.claims.claim import ASSUMED, COUNTED
-from fprc.claims.finding import REPRODUCED, Results
-from fprc.claims.ledger import Fit, judge_claims
+from fprc.claims.finding import Results
+from fprc.claims.ledger import Fit, judge_claims, members_of
 from fprc.claims.paper import CLAIMS
 from fprc.errors import FprcError
 from fprc.paper import ERRORS, REFERENCE_NAMES, SOURCES
 from fprc.registry import controller_title, title_of
-from fprc.signals import LEVEL
 from fprc.studies.beyond.measurements import family_title
 from fprc.tables.models import over_seeds
 from fprc.tables.text import format_mean, spread, write_table
@@ -34,8 +32,7 @@ _ERRORS_NOTE = (
 )
 _CLAIMS_NOTE = (
     "Claims on families of rigs. Of one rig: the verdict over seeds, and whether the rig was "
-    "fitted to the claim. Of many rigs: on how many the claim holds, and the share with its "
-    "95 % interval, which does not cover the choice of how the rigs were found; grids are not "
+    "fitted to the claim. Of many rigs: on how many the claim holds with one seed; grids are not "
     "judged on them."
 )
 
@@ -49,6 +46,7 @@ def tabulate_families(
     named: Mapping[str, Fit],
     errors: Sequence[str],
     claims: Sequence[str],
+    members: str,
     **judged: str,
 ) -> None:
     """Judge every family; write its errors beside the printed ones, and the verdicts.
@@ -61,6 +59,8 @@ def tabulate_families(
         What each named rig was fitted to, see ``judge_claims``.
     errors, claims : sequence of str
         The tables to write, as CSV and as Markdown: see ``family_errors`` and ``family_claims``.
+    members : str
+        What ``members_of`` returns of the family of many rigs, as JSON.
     **judged
         Families of many rigs, by their names: results of ``judge_tables``.
 
@@ -93,6 +93,7 @@ def tabulate_families(
                 f"{cells[0]['failed']}"
             )
         families.append((family_title(name).capitalize(), {"to": report["fitted"]}, good))
+        write_json(members, members_of(good, printed, JUDGED_BY_RIG))
     of_errors = pd.concat(
         family_errors(rigs, printed).assign(rigs=title) for title, _, rigs in families
     )
@@ -197,26 +198,16 @@ def family_claims(rigs: Sequence[Results], fitted: Fit, printed: Mapping[str, An
     """Return the verdicts on one rig over its seeds, or on how many of several rigs a claim holds.
 
     Columns are ``id`` and ``claim``; of one rig ``verdict`` and ``fitted``; of several ``holds``,
-    their number, of ``judged``, with the ``share`` and its Wilson interval, ``low`` and ``high``;
-    and ``text``, for readers.
+    their number, of ``judged``; and ``text``, for readers.
     """
     if rigs[0].grids:
         claims = [claim for claim in CLAIMS if claim.kind != COUNTED]
         table = pd.DataFrame(judge_claims(rigs[0], printed, fitted, claims))
         table = table[["id", "claim", "verdict", "rig"]].rename(columns={"rig": "fitted"})
         return table.assign(text=table["verdict"] + " (" + table["fitted"] + ")")
-    ledgers = [pd.DataFrame(judge_claims(rig, printed, fitted, JUDGED_BY_RIG)) for rig in rigs]
-    holds = sum((ledger["verdict"] == REPRODUCED).astype(int) for ledger in ledgers)
-    table = ledgers[0][["id", "claim"]].assign(holds=holds, judged=len(rigs))
-    table["share"] = table["holds"] / table["judged"]
-    intervals = [
-        binomtest(count, len(rigs)).proportion_ci(LEVEL, method="wilson") for count in holds
-    ]
-    table["low"], table["high"] = zip(*intervals, strict=True)
-    return table.assign(
-        text=[
-            f"{row.holds} of {row.judged}: {100 * row.share:.0f} % "
-            f"({100 * row.low:.0f} to {100 * row.high:.0f})"
-            for row in table.itertuples()
-        ]
-    )
+    holds = members_of(rigs, printed, JUDGED_BY_RIG)["holds"]
+    return pd.DataFrame(
+        {"id": claim.id, "claim": claim.text, "holds": holds[claim.id], "judged": len(rigs),
+         "text": f"{holds[claim.id]} of {len(rigs)}"}
+        for claim in JUDGED_BY_RIG
+    )  # fmt: skip

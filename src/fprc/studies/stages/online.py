@@ -105,7 +105,7 @@ def tabulate_verdicts(families: Sequence[str], **files: str) -> None:
     tidy = table.assign(family=table["world"], verdict=table["words"])
     kept = ["family", "id", "claim", "part", "verdict", "mean", "low", "high", "units", "source"]
     note = (
-        "Learning while it runs: verdicts on D1 to D3 of the preregistration, with the means of "
+        "Learning while it runs: verdicts on D1 to D3, with the means of "
         "the ratios. D1: at -5 and +5 kPa, in open and in closed loop; D2: open and closed loop; "
         "D3: at 0.5 Hz and in the sweep."
     )

@@ -1,12 +1,11 @@
 """Claims in families whose ratios are known."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fprc.studies.beyond.claims import CLAIMS, best_of, best_page, memory_page, numbers_of
+from fprc.studies.beyond.claims import best_of, best_page, memory_page, numbers_of
 from fprc.studies.beyond.measurements import measured
 
 
@@ -19,14 +18,6 @@ def judged(judge_claims):
 def first(rows, column):
     """Return what the first part of each claim has in a column."""
     return {name: of_claim[column].iloc[0] for name, of_claim in rows.items()}
-
-
-def test_claims_stand_in_the_page_that_was_written_before():
-    page = (Path(__file__).parents[4] / "docs/archive/preregistration.md").read_text(
-        encoding="utf-8"
-    )
-    for name, claim in CLAIMS.items():
-        assert f"| {name} | {claim.text} |" in page
 
 
 def test_every_claim_compares_what_it_says(make_family, judged):

@@ -39,7 +39,7 @@ def judged():
     """What the judgement of one short unit gives, as a frame."""
     signals = {name: spec | {"duration_s": 10.0} for name, spec in SETTINGS["experiments"].items()}
     rig = on_rig(SETTINGS) | {"signals": signals}
-    family = {"rigs": "one", "first_seed": 5, "seeds_per_rig": 1, "on_rig": rig}
+    family = {"rigs": "one", "first_seed": 5, "on_rig": rig}
     (found,) = judge_online(unit_of(0, family), tracking=shortened(3.0), models=SETTINGS["models"])
     assert "failed" not in found
     return pd.DataFrame(found["rows"])

@@ -8,9 +8,9 @@ from fprc.studies.stages.documents import update_pages
 
 LEDGER = (
     '{"note": "On the rig dry.", "claims": [{"id": "C1", "claim": "It is so.", "ours": "1", '
-    '"note": "Since.", "rig": "fitted", "verdict": "reproduced", '
+    '"note": "Since.", "rig": "fitted", "rigs": "-", "verdict": "reproduced", '
     '"statements": [{"limits": "below 1"}, {"limits": "below 1"}, {"limits": "above 2"}]}, '
-    '{"id": "C5", "claim": "It is fast.", "ours": "2", "note": "", "rig": "counted", '
+    '{"id": "C5", "claim": "It is fast.", "ours": "2", "note": "", "rig": "counted", "rigs": "-", '
     '"verdict": "undecided", "statements": [{"limits": "above 95"}]}]}'
 )
 
@@ -73,8 +73,17 @@ def test_blocks_are_replaced_and_everything_else_is_kept(project):
     assert text.endswith(tail)
     assert "\nold\n" not in text
     rows = [re.split(r" *\| *", row)[1:-1] for row in text.splitlines() if row.startswith("| C")]
-    assert ["C1", "It is so.", "reproduced", "fitted", "1", "below 1; above 2", "Since."] in rows
-    assert ["C5", "It is fast.", "undecided", "counted", "2", "above 95", ""] in rows
+    assert [
+        "C1",
+        "It is so.",
+        "reproduced",
+        "fitted",
+        "-",
+        "1",
+        "below 1; above 2",
+        "Since.",
+    ] in rows
+    assert ["C5", "It is fast.", "undecided", "counted", "-", "2", "above 95", ""] in rows
 
 
 def test_claims_that_hold_are_counted_by_kind_beside_the_deviations_from_print(project):

@@ -5,7 +5,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.claims.finding import Results
 from fprc.errors import FprcError
 from fprc.studies.stages import families as stage
 
@@ -73,7 +72,14 @@ def judged(monkeypatch):
             for claim in claims
         ]  # fmt: skip
 
+    def members(rigs, published, claims):
+        counts.extend([len(r.replicates), len(r.grids), len(r.controls)] for r in rigs)
+        errors = [r.replicates[0]["models"][0]["test_rmse_kpa"] for r in rigs]
+        held = sum(error < 1.0 for error in errors)
+        return {"of": len(rigs), "holds": {c.id: held for c in claims}, "ranges": {}}
+
     monkeypatch.setattr(stage, "judge_claims", judge)
+    monkeypatch.setattr(stage, "members_of", members)
     return counts
 
 
@@ -89,21 +95,23 @@ def compared(reports_of, judged, tmp_path):
     drawn = str(tmp_path / "drawn.json")
     Path(drawn).write_text(json.dumps({"source": "sim", "fitted": [], "cells": rigs}))
     tables = {name: [str(tmp_path / f"{name}.{end}") for end in ("csv", "md")] for name in TABLES}
-    stage.tabulate_families(**files, **tables, drawn=drawn, named=NAMED)
+    members = tmp_path / "members.json"
+    stage.tabulate_families(**files, **tables, members=str(members), ensemble=drawn, named=NAMED)
+    assert json.loads(members.read_text())["of"] == 3
     return tables
 
 
 def test_named_rigs_are_judged_on_all_seeds_and_others_one_by_one(compared, judged):
-    assert judged == [[SEEDS] * 3] * 2 + [[1, 0, 1]] * 3
+    assert judged == [[1, 0, 1]] * 3 + [[SEEDS] * 3] * 2 + [[1, 0, 1]] * 3
     errors = pd.read_csv(compared["errors"][0]).set_index(["rigs", "number"])
     dry = errors.loc["Rig dry"].filter(regex="^Table III?, ", axis="index")
     assert dry["middle"].tolist() == pytest.approx([1.1] * 18)
-    drawn = errors.loc["Drawn"]
+    drawn = errors.loc["Ensemble"]
     expected = np.quantile([0.5, 0.9, 2.0], (0.5, 0.025, 0.975))
     assert drawn.iloc[0][["middle", "low", "high"]].tolist() == pytest.approx(expected)
     largest = drawn.loc["Tables II and III, largest deviation", "middle"]
     assert largest == pytest.approx(0.5)  # of 0.5, 0.1 and 1
-    held = pd.read_csv(compared["claims"][0]).set_index(["rigs", "id"]).loc[("Drawn", "C1a")]
+    held = pd.read_csv(compared["claims"][0]).set_index(["rigs", "id"]).loc[("Ensemble", "C1a")]
     assert (held["holds"], held["judged"]) == (2, 3)
 
 
@@ -113,37 +121,23 @@ def test_tables_show_every_family(compared):
         lines = Path(page).read_text().splitlines()
         assert "nan" not in Path(page).read_text()
         rows[name] = [[cell.strip() for cell in x.split("|")[1:-1]] for x in lines if x[:1] == "|"]
-    assert rows["errors"][0] == ["Number", "Paper", "Rig dry", "Rig viscous", "Drawn"]
+    assert rows["errors"][0] == ["Number", "Paper", "Rig dry", "Rig viscous", "Ensemble"]
     assert rows["errors"][2][2].endswith(", +10 %")
     claims = {row[0]: row[2:] for row in rows["claims"]}
     assert claims["C2"][:2] == ["reproduced (predicted)", "reproduced (fitted)"]
-    assert claims["C1a"][2].startswith("2 of 3: 67 % (")
+    assert claims["C1a"][2] == "2 of 3"
     assert claims["C9a"][2] == "-"  # needs a grid
 
 
 def test_set_of_which_no_rig_could_be_judged_is_an_error(reports_of, judged, tmp_path):
     drawn = tmp_path / "drawn.json"
     drawn.write_text(json.dumps({"cells": [{"unit": 0, "seed": 0, "failed": "it diverged"}]}))
-    with pytest.raises(FprcError, match="drawn.*it diverged"):
+    with pytest.raises(FprcError, match="ensemble.*it diverged"):
         stage.tabulate_families(
-            **reports_of({"dry": 0.1}), drawn=str(drawn), errors=[str(tmp_path / "errors.csv")],
-            claims=[], named={"dry": {"to": []}},
+            **reports_of({"dry": 0.1}), ensemble=str(drawn), members="",
+            errors=[str(tmp_path / "errors.csv")], claims=[], named={"dry": {"to": []}},
         )  # fmt: skip
     assert not (tmp_path / "errors.csv").exists()
-
-
-def test_share_and_wilson_interval(monkeypatch):
-    """Newcombe, Statistics in Medicine 17, 1998, Table I: 15 of 148."""
-
-    def judge(rig, *rest):
-        verdict = "reproduced" if rig.replicates[0] < 15 else "not reproduced"
-        return [{"id": "C2", "claim": "Text.", "verdict": verdict}]
-
-    monkeypatch.setattr(stage, "judge_claims", judge)
-    rigs = [Results([number], [], [], {}, {}) for number in range(148)]
-    (row,) = stage.family_claims(rigs, {"to": []}, {}).to_dict("records")
-    assert (row["holds"], row["judged"], row["share"]) == (15, 148, 15 / 148)
-    assert [row["low"], row["high"]] == pytest.approx([0.0624, 0.1605], abs=5e-5)
 
 
 # --- errors of one rig ---------------------------------------------------------------------------
