@@ -50,20 +50,12 @@ COMPUTING = {"shared", "studies", *MODELS}
 
 @pytest.mark.parametrize(
     ("name", "expected"),
-    [
-        ("models/esn.py", {"esn"}),
-        ("models/fprc.py", {"fprc", "fuzzy_linear"}),
-        ("models/competitors.py", set()),
-        ("models/features.py", COMPUTING),
-        ("rig/friction.py", COMPUTING),
-        ("stages/judge.py", COMPUTING),
-        ("stages/draw.py", {"shows"}),
-        ("figures/style.py", {"shows"}),
-        ("studies/families/family.py", {"studies"}),
-        ("studies/beyond/tables.py", {"shows"}),
-        ("commands/logs.py", set()),
-    ],
-)
+    [("models/esn.py", {"esn"}), ("models/fprc.py", {"fprc", "fuzzy_linear"}),
+     ("models/competitors.py", set()), ("models/features.py", COMPUTING),
+     ("rig/friction.py", COMPUTING), ("stages/judge.py", COMPUTING), ("stages/draw.py", {"shows"}),
+     ("figures/style.py", {"shows"}), ("studies/families/family.py", {"studies"}),
+     ("studies/beyond/tables.py", {"shows"}), ("commands/logs.py", set())],
+)  # fmt: skip
 def test_edit_of_a_module_changes_what_runs_it(changed, name, expected):
     assert changed(name, "EDITED = 1") == expected
 

@@ -76,18 +76,15 @@ def test_every_duplicate_key_is_named_with_its_line(read):
 
 @pytest.mark.parametrize(
     ("text", "line"),
-    [
-        ("a: &x 1\nb: *x\n", "line 2: *x is an alias"),
-        ("a: &x {c: 1}\nb:\n  <<: *x\n", "line 3: *x is an alias"),
-        ("a: &x [*x]\n", "line 1: *x is an alias"),
-        ("a: !!int 010\n", "line 1: remove the tag"),
-        ("a: 1\n---\nb: 2\n", "line 2: --- begins another document"),
-        ("seed: 2\nmodels: {}\n'seed': 3\n", "line 3: seed is a duplicate"),
-        ("a:\n- {form: 1, 'form': 2}\n", "line 2: form is a duplicate"),
-        ("? [1, 2]\n: 3\n", "line 1: [1, 2]: a key must be a single word"),
-        ("? {1: 2}\n: 3\n", "line 1: {1: 2}: a key must be a single word"),
-    ],
-)
+    [("a: &x 1\nb: *x\n", "line 2: *x is an alias"),
+     ("a: &x {c: 1}\nb:\n  <<: *x\n", "line 3: *x is an alias"),
+     ("a: &x [*x]\n", "line 1: *x is an alias"), ("a: !!int 010\n", "line 1: remove the tag"),
+     ("a: 1\n---\nb: 2\n", "line 2: --- begins another document"),
+     ("seed: 2\nmodels: {}\n'seed': 3\n", "line 3: seed is a duplicate"),
+     ("a:\n- {form: 1, 'form': 2}\n", "line 2: form is a duplicate"),
+     ("? [1, 2]\n: 3\n", "line 1: [1, 2]: a key must be a single word"),
+     ("? {1: 2}\n: 3\n", "line 1: {1: 2}: a key must be a single word")],
+)  # fmt: skip
 def test_yaml_features_that_settings_do_not_need_are_refused_with_their_line(read, text, line):
     (found,) = refused(read, text)
     assert line in found

@@ -129,15 +129,11 @@ def test_outside_model_is_compared_with_its_own_class(settings, files):
 
 @pytest.mark.parametrize(
     ("period_s", "attributes", "why"),
-    [
-        (0.005, {}, ""),
-        (0.00500001, {}, ""),
-        (0.01, {}, "100 Hz"),
-        (0.005, {"p_target_unit": "bar"}, "bar from deg, kPa"),
-        (0.005, {"theta_unit": "rad"}, "kPa from rad, kPa"),
-        (0.005, {"p_o_unit": "% of its scale"}, "kPa from deg, % of its scale"),
-    ],
-)
+    [(0.005, {}, ""), (0.00500001, {}, ""), (0.01, {}, "100 Hz"),
+     (0.005, {"p_target_unit": "bar"}, "bar from deg, kPa"),
+     (0.005, {"theta_unit": "rad"}, "kPa from rad, kPa"),
+     (0.005, {"p_o_unit": "% of its scale"}, "kPa from deg, % of its scale")],
+)  # fmt: skip
 def test_model_of_other_rate_or_units_is_refused_before_the_rig_moves(
     settings, fprc_file, recorded, tmp_path, period_s, attributes, why
 ):

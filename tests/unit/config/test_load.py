@@ -77,15 +77,12 @@ def test_missing_rig_and_unreadable_file_hide_no_error(tmp_path):
 
 @pytest.mark.parametrize(
     ("config", "unknown", "nearest"),
-    [
-        ({"models": {"fprc": {"epsilom": 1}}}, "models.fprc.epsilom", "models.fprc.epsilon"),
-        ({"modles": {}}, "modles", "models"),
-        ({"n_c": 1}, "n_c", "models.fprc.n_c"),
-        ({"models": {"fprc": {"r": 1}}}, "models.fprc.r", "models.esn.r"),
-        ({"rig": {"valve": {"leek": 1}}}, "rig.valve.leek", "rig.valve.leak"),
-        ({"control": {"pd": {"kp": 1}}}, "control.pd.kp", "control.pd.kp_kpa_per_deg"),
-    ],
-)
+    [({"models": {"fprc": {"epsilom": 1}}}, "models.fprc.epsilom", "models.fprc.epsilon"),
+     ({"modles": {}}, "modles", "models"), ({"n_c": 1}, "n_c", "models.fprc.n_c"),
+     ({"models": {"fprc": {"r": 1}}}, "models.fprc.r", "models.esn.r"),
+     ({"rig": {"valve": {"leek": 1}}}, "rig.valve.leek", "rig.valve.leak"),
+     ({"control": {"pd": {"kp": 1}}}, "control.pd.kp", "control.pd.kp_kpa_per_deg")],
+)  # fmt: skip
 def test_unknown_key_names_the_nearest(config, unknown, nearest):
     assert f"  {unknown}: unknown key; did you mean {nearest}?" in message(config)
 

@@ -180,13 +180,10 @@ def test_each_failed_check_gives_one_warning_that_names_log_and_check(log):
 
 @pytest.mark.parametrize(
     ("attributes", "reason", "lost"),
-    [
-        ({}, None, 0),
-        ({"complete": True, "lost_samples": 0}, None, 0),
-        ({"complete": False, "incomplete_reason": "cut", "lost_samples": 3}, "cut", 3),
-        ({"complete": False}, "unknown", 0),
-    ],
-)
+    [({}, None, 0), ({"complete": True, "lost_samples": 0}, None, 0),
+     ({"complete": False, "incomplete_reason": "cut", "lost_samples": 3}, "cut", 3),
+     ({"complete": False}, "unknown", 0)],
+)  # fmt: skip
 def test_log_that_is_not_complete_fails_with_its_reason(log, attributes, reason, lost):
     log.attributes.update(attributes)
     expected = {"passed": reason is None, "reason": reason, "lost_samples": lost}
