@@ -245,7 +245,7 @@ CLAIMS = (
     Claim(
         "C11b", "FPRC is below Fuzzy-linear in training, validation and test RMSE at every epsilon",
         "at every epsilon from 0.0001 to 1", s.below_fuzzy_linear_over_epsilon,
-        over="grids", note="Fuzzy-linear with 8 rules; it has no epsilon",
+        over="grids", note="Fuzzy-linear of Table II; it has no epsilon",
         half_fitted_by=("tables", "C9a"), shown_in=("fig10",),
     ),
     Claim(

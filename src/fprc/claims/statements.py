@@ -91,17 +91,12 @@ def order_of_references(r: Results, p: Printed) -> list[Statement]:
 
 def below_fuzzy_linear_over_epsilon(r: Results, p: Printed) -> list[Statement]:
     """Compare FPRC at every epsilon with Fuzzy-linear, which has none."""
-    at = n.sizes(r, "n_c").index(8)
     return [
-        Statement(f"FPRC / Fuzzy-linear at epsilon {epsilon:g}, {phase}", column, high=1.0)
+        Statement(f"FPRC / Fuzzy-linear at epsilon {epsilon:g}, {phase}", column / other, high=1.0)
         for phase in n.PHASES
+        for other in [n.error(r, "sweep", "fuzzy_linear", phase)]
         for epsilon, column in zip(
-            n.sizes(r, "epsilon"),
-            (
-                n.grid(r, "epsilon", "fprc", phase)
-                / n.grid(r, "n_c", "fuzzy_linear", phase)[:, [at]]
-            ).T,
-            strict=True,
+            n.sizes(r, "epsilon"), n.grid(r, "epsilon", "fprc", phase).T, strict=True
         )
     ]
 

@@ -409,7 +409,7 @@ PERTURBATIONS = [
     ),
     *(
         ("C11b", f"epsilon_{phase}", cells("epsilon", phase, model="fprc", epsilon=1e-4), *x)
-        for phase, *x in ((TRAIN, 15.1, 14.9), (VALIDATION, 15.1, 14.9), (TEST, 16.1, 15.9))
+        for phase, *x in ((TRAIN, 15.6, 14.3), (VALIDATION, 15.6, 14.3), (TEST, 17.5, 16.0))
     ),
     *(
         (claim, name, errors_of("taps", phase, function), EVERY, ())
@@ -517,8 +517,8 @@ def test_perturbation_beyond_the_threshold_flips_its_claims_and_no_other(
     ideal, claims, change, spoils, spares
 ):
     expected = EXPECTED | dict.fromkeys(claims.split(), "not reproduced")
-    # a change of one phase alone changes its ratio to the other; both claims have their own cases
-    expected |= dict.fromkeys({"C1c", "C13d"} - {*claims.split()}, ANY)
+    # these follow from errors that others are about; they have their own cases
+    expected |= dict.fromkeys({"C1c", "C11b", "C13d"} - {*claims.split()}, ANY)
     assert after(ideal, change, spoils) == expected
     assert after(ideal, change, spares) == EXPECTED | {
         k: v for k, v in expected.items() if v is ANY
@@ -552,7 +552,7 @@ def test_every_claim_is_perturbed_but_one_with_a_test_of_its_own():
     ("claims", "change", "number", "seeds", "verdict"),
     [
         ("C2 C3", error("sweep", "esn", TEST, over=("fprc", TEST)), 0.99, EVERY, "not reproduced"),
-        ("C2 C4", error("sweep", "fuzzy_linear", TEST, over=("fprc", TEST)), 0.99, EVERY,
+        ("C2 C4 C11b", error("sweep", "fuzzy_linear", TEST, over=("fprc", TEST)), 0.99, EVERY,
          "not reproduced"),
         ("C13b C13d", measure("rmse_deg", "complex/fprc_pd"), 3.2, EVERY, "not reproduced"),
         ("C13a C13b C13d", measure("rmse_deg", "complex/fprc_pd"), 4.0, EVERY, "not reproduced"),
