@@ -44,7 +44,7 @@ def rules_run(printed):
 
 def test_smoke_touches_every_rule(smoked, studied, project):
     working = project.stages().keys()
-    assert len(working) > 35
+    assert len(working) > 30
     # these look at results and make none, or take minutes and are tested by themselves
     by_hand = {"check", "readme", "beyond_page", "drift_page"}
     by_hand |= {"grid"}  # of recorded logs: test_recorded.py
@@ -84,12 +84,13 @@ def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(
     claims = pd.read_csv(folder / "claims.csv")
     families = ["paper", "bouc_wen", "dry", "viscous", "ensemble"]
     ids = claims.groupby("world", sort=False)["id"].unique().map(list).to_dict()
-    assert ids == {family: [f"B{n}" for n in range(1, 8)] for family in families}
+    every = ["W1", "W2", "W3", "W4", "B1", "B4", "B7", "B8"]
+    assert ids == dict.fromkeys(families, every)
     # two seeds decide nothing
     assert set(claims["verdict"]) <= {"undecided", "not judged"}
     models = pd.read_csv(folder / "models.csv").dropna(axis="columns", how="all")
     forward = models[models["measure"] == "forward"]
     assert forward.groupby("world")["model"].nunique().to_dict() == {
-        "paper": 28, "bouc_wen": 9, "dry": 9, "viscous": 9, "ensemble": 9,
+        "paper": 19, "bouc_wen": 14, "dry": 14, "viscous": 14, "ensemble": 14,
     }  # fmt: skip
-    assert (forward["units"] == 2).sum() == len(forward) - 4  # the slow models have one seed
+    assert (forward["units"] == 2).sum() == len(forward) - 3  # the slow models have one seed
