@@ -15,7 +15,7 @@ use rule judge_family as judge_online with:
         version=studies_with(*COMPETITORS),
         judge="online.judge.judge_online",
         family=lambda wildcards: (family_named(wildcards.world) | {"first_seed": FIRST_ONLINE}),
-        units=list(range(BEYOND["slow"])),
+        units=list(range(min(BEYOND["units"], 10))),  # fewer than eight decide nothing
         how={"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
         checkpoint=checkpoint_of("online/{world}"),
     message:
