@@ -123,7 +123,6 @@ def verdict_in_words(verdict: str, turned: str = "", limit: float = 1.0) -> str:
 def judge_together(
     claims: Mapping[str, tuple[str, Sequence[Part]]],
     left_out: int = LEFT_OUT,
-    further: Sequence[float] = (),
 ) -> list[dict[str, Any]]:
     """Judge several claims so that any verdict is wrong with probability ``ALPHA`` at most.
 
@@ -147,9 +146,6 @@ def judge_together(
         judged.
     left_out : int
         Units that a subset lacks, fewer than 7.
-    further : sequence of float
-        Lowest levels that decide claims of the same family which are not judged here, but count; 1
-        for one that could not be judged.
 
     Returns
     -------
@@ -170,7 +166,7 @@ def judge_together(
     parts_of = [parts for _, parts in claims.values()]
     units = [min(len(part.values) for part in parts) for parts in parts_of]
     judged = zip(parts_of, units, strict=True)
-    p = np.array([*(_least_level(parts) if n > 1 else 1.0 for parts, n in judged), *further])
+    p = np.array([_least_level(parts) if n > 1 else 1.0 for parts, n in judged])
     adjusted, levels = holm(p)
     while loose := [
         k

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.stats import ttest_1samp
 
-from fprc.evaluation.paired import ALPHA, Part, _least_level, holm, judge_together
+from fprc.evaluation.paired import ALPHA, Part, holm, judge_together
 
 MARGIN = math.log(1.05)
 SAMPLES = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=12).filter(
@@ -115,18 +115,6 @@ def test_a_claim_that_is_not_judged_still_counts():
     assert [outcome.verdict for outcome in outcomes] == ["undecided", "not judged", "not judged"]
     assert outcomes[0].p == pytest.approx(3 * 0.0178, abs=2e-3)
     assert outcomes[0].level == pytest.approx(ALPHA / 3)
-
-
-@pytest.mark.parametrize("place", range(3))
-def test_claim_that_was_decided_elsewhere_counts_as_if_it_were_judged(place):
-    spreads = [0.2, 0.3, 0.4]
-    claims = [[part(normal(-0.3, spread, 20, seed=7))] for spread in spreads]
-    expected = outcomes_of(*claims)
-    elsewhere = claims.pop(place)
-    expected.pop(place)
-    assert outcomes_of(*claims, further=[_least_level(elsewhere)]) == [
-        SimpleNamespace(**vars(outcome) | {"id": str(k)}) for k, outcome in enumerate(expected)
-    ]
 
 
 @pytest.mark.parametrize(

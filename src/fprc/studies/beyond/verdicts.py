@@ -60,7 +60,6 @@ def judge_family(
     family: Mapping[str, Any],
     claims: Mapping[str, Claim],
     numbers: Numbers,
-    decided: Mapping[str, float] | None = None,
 ) -> pd.DataFrame:
     """Judge claims in one family.
 
@@ -70,9 +69,6 @@ def judge_family(
         See ``fprc.studies.beyond.measurements``; ``fitted``: the terms its rigs were fitted to.
     claims : Mapping
         By their ids.
-    decided : Mapping, optional
-        By family, the p of one more claim that was decided in November 2026 and is not measured any
-        more; one that was not judged in a family counts too. None if there is none.
 
     Returns
     -------
@@ -84,13 +80,11 @@ def judge_family(
         supports the claim.
     """
     rows = []
-    further = [] if decided is None else [decided.get(family["name"], 1.0)]
     parts = {
         name: (claim.text, [part_of(pair, numbers, family) for pair in claim.parts])
         for name, claim in claims.items()
     }
-    further = [] if decided is None else [decided.get(family["name"], 1.0)]
-    for row in judge_together(parts, further=further):
+    for row in judge_together(parts):
         favours = claims[row["id"]].favours
         fits = [*dict.fromkeys(favours[term] for term in favours if term in family["fitted"])]
         favoured = list(dict.fromkeys(whom for whom, _ in fits))
