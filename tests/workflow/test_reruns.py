@@ -72,7 +72,7 @@ def test_edit_reruns_what_runs_that_code_and_nothing_else(smoked, tmp_path, what
 
 def test_every_rule_gives_its_stage_what_it_takes_and_carries_the_digest_of_its_code(project):
     stages = project.stages()
-    assert len(stages) > 35
+    assert len(stages) > 30
     for stage, named in stages.values():
         assert not named.isdisjoint({"code", "version"}), stage
         signature(stage_of(stage)).bind(**dict.fromkeys(named.difference(_NOT_ARGUMENTS)))
