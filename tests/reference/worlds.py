@@ -9,9 +9,19 @@ differs:
 - memory: a chamber that fills with the square of the angle in 12 s, and pushes back;
 - disturbance: a random load, which moves the arm too;
 - noise: nothing else.
+
+``python -m tests.reference.worlds 20`` answers 20 of each, and prints how often each answer came.
 """
 
+import sys
+from collections import Counter
+
 import numpy as np
+from joblib import Parallel, delayed
+
+from fprc.config import Settings
+from fprc.evaluation.sides import Recordings
+from fprc.recordings.answer import answer_recordings
 
 #: World: right answers. Where the motion repeats, not to decide is right too.
 WORLDS = {
@@ -75,3 +85,18 @@ def world(name, seed, *, duration_s=180.0, rate_hz=50.0):
         p_o = np.zeros(size)
     noise = 0.1 if name != "noise" else 5.0
     return theta, 100.0 + p_o + noise * rng.standard_normal(size), p
+
+
+def verdict(name, seed, *, recorded_hz=50.0, each=1):
+    """Return the answer to a world, of which only each so many samples are given."""
+    theta, p_o, target = (x[::each] for x in world(name, seed, rate_hz=recorded_hz))
+    recordings = Recordings(theta, p_o, target, [len(theta)], recorded_hz / each)
+    models = Settings().model_dump(mode="json")["models"]
+    return answer_recordings(recordings, models, seed)["verdict"]
+
+
+if __name__ == "__main__":
+    seeds = int(sys.argv[1])
+    for name, right in WORLDS.items():
+        given = Counter(Parallel(2)(delayed(verdict)(name, seed) for seed in range(seeds)))
+        print(f"{name}: {sum(given[answer] for answer in right)} of {seeds} right, {dict(given)}")
