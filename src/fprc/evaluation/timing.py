@@ -21,7 +21,10 @@ log = logging.getLogger(__name__)
 WARM_UP = 500
 
 #: Samples that are timed of a log that runs sample by sample. Each costs the same.
-EXCERPT = 4000
+EXCERPT = 3000
+
+#: Whole logs, which take most of the time and spread little, are timed in every second turn.
+WHOLE_EVERY = 2
 
 Name = TypeVar("Name", bound=Hashable)
 Result = TypeVar("Result")
@@ -30,21 +33,24 @@ Log = tuple[np.ndarray, np.ndarray]
 
 
 def time_models(
-    fitted: Mapping[Name, tuple[SequenceModel, Log, Log]], repeats: int
+    fitted: Mapping[Name, tuple[SequenceModel, Log, Log]], repeats: int, *, sequential: bool = True
 ) -> dict[Name, list[dict[str, Any]]]:
-    """Time fitted models, ``repeats`` times in each mode, each time after a short untimed run.
+    """Time fitted models in turns, each time after a short untimed run.
 
-    Sequential mode is the cost in a controller: the features sample by sample, then,
-    in training, the fit of the readout. Its samples are those of an excerpt, in proportion to
-    the whole log. Batch mode computes whole logs at once. The training of the ESN excludes drawing
-    its weights. The models take turns, so that a slow phase of the machine affects all of them. The
-    weights of the models do not change, but their states do: reset a model before another use of
-    ``step``.
+    Batch mode computes whole logs at once, in every second turn. Sequential mode is the cost in a
+    controller: the features sample by sample, of an excerpt and in proportion to the whole log,
+    then, in training, the fit of the readout. The training of the ESN excludes drawing its weights.
+    The models take turns, so that a slow phase of the machine affects all of them. The weights of
+    the models do not change, but their states do: reset a model before another use of ``step``.
 
     Parameters
     ----------
     fitted : Mapping
         By name: the model, its training log and its test log.
+    repeats : int
+        Number of turns.
+    sequential : bool, default=True
+        Whether sequential mode is timed too.
 
     Returns
     -------
@@ -52,38 +58,44 @@ def time_models(
         By the same names: ``phase`` (train or test), ``mode`` (sequential or batch),
         ``samples``, ``multiplications`` of the equations, ``seconds`` (one per repeat).
     """
-    turns: dict[Name, list[dict[tuple[str, str], float]]] = {name: [] for name in fitted}
-    for repeat in range(repeats):
-        log.info("repeat %d of %d, all models in turn", repeat + 1, repeats)
+    taken: dict[Name, dict[tuple[str, str], list[float]]] = {name: {} for name in fitted}
+    for turn in range(repeats):
+        log.info("repeat %d of %d, all models in turn", turn + 1, repeats)
+        whole = turn % WHOLE_EVERY == 0
         for name, (model, train, test) in fitted.items():
-            turns[name].append(_turn(model, train, test))
-    results = {}
-    for name, (model, train, test) in fitted.items():
-        samples = {"train": len(train[0]), "test": len(test[0])}
-        results[name] = [
+            for what, seconds in _turn(model, train, test, whole, sequential).items():
+                taken[name].setdefault(what, []).append(seconds)
+    return {
+        name: [
             {
                 "phase": phase,
                 "mode": mode,
-                "samples": samples[phase],
-                "multiplications": multiplications(model, phase, samples[phase]),
-                "seconds": [turn[phase, mode] for turn in turns[name]],
+                "samples": (samples := len(train[0] if phase == "train" else test[0])),
+                "multiplications": multiplications(model, phase, samples),
+                "seconds": seconds,
             }
-            for phase, mode in turns[name][0]
+            for (phase, mode), seconds in taken[name].items()
         ]
-    return results
-
-
-def _turn(model: SequenceModel, train: Log, test: Log) -> dict[tuple[str, str], float]:
-    """Return the seconds of training and of test in each mode."""
-    features, readout = model.features_, model.make_readout()
-    rows, mapped = _timed(features.transform, train[0])
-    _, fit = _timed(readout.fit, rows, train[1])
-    return {
-        ("train", "sequential"): _stepped(features, train[0]) + fit,
-        ("train", "batch"): mapped + fit,
-        ("test", "sequential"): _stepped(model, test[0]),
-        ("test", "batch"): _timed(model.predict, test[0])[1],
+        for name, (model, train, test) in fitted.items()
     }
+
+
+def _turn(
+    model: SequenceModel, train: Log, test: Log, whole: bool, sequential: bool
+) -> dict[tuple[str, str], float]:
+    """Return the seconds of training and of test in each mode that is timed in this turn."""
+    features, seconds = model.features_, dict[tuple[str, str], float]()
+    if whole:
+        rows, mapped = _timed(features.transform, train[0])
+        _, fit = _timed(model.make_readout().fit, rows, train[1])
+        if sequential:
+            seconds["train", "sequential"] = _stepped(features, train[0]) + fit
+        seconds["train", "batch"] = mapped + fit
+    if sequential:
+        seconds["test", "sequential"] = _stepped(model, test[0])
+    if whole:
+        seconds["test", "batch"] = _timed(model.predict, test[0])[1]
+    return seconds
 
 
 def _timed(work: Callable[..., Result], *log: np.ndarray) -> tuple[Result, float]:

@@ -205,8 +205,8 @@ def tabulate_times(
     report = read_json(times)
     table = times_of(report, read_yaml(published))
     note = (
-        f"mean ± standard deviation of {table['repeats'].iloc[0]} "
-        f"alternating repeats on {report['cpu']}, {report['threads']} thread.\n"
+        f"mean ± standard deviation of {table['repeats'].max()} alternating repeats, of whole logs "
+        f"{table['repeats'].min()}, on {report['cpu']}, {report['threads']} thread.\n"
         "Sequential is sample by sample, as in a controller: the fit of the whole log, and steps, "
         "of which some thousand are timed, in proportion to its samples. Batch is a whole log at "
         "once. The paper does not say which mode it timed, nor on which machine."

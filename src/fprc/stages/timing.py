@@ -47,7 +47,7 @@ def measure_times(
     }
     over_n_c = [
         {"model": name, "n_c": rules, **entry}
-        for (name, rules), entries in time_models(with_rules, repeats).items()
+        for (name, rules), entries in time_models(with_rules, repeats, sequential=False).items()
         for entry in entries
     ]
     write_json(times_over_n_c, described | {"times": over_n_c})

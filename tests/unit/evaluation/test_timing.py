@@ -71,21 +71,28 @@ def log(size):
     return X, 175.0 + 120.0 * np.sin(time + 0.2)
 
 
-def test_steps_are_timed_on_an_excerpt_and_scaled_and_all_else_on_whole_logs(clock):
+def test_steps_are_timed_on_an_excerpt_and_all_else_on_whole_logs_in_every_second_turn(clock):
     models = {
         name: (timed_model(clock, slowness), log(TRAIN), log(TEST))
         for name, slowness in (("a", 1.0), (("b", 2), 10.0))
     }
-    found = time_models(models, repeats=2)
+    found = time_models(models, repeats=3)
     assert list(found) == ["a", ("b", 2)]
     for entries, slowness in zip(found.values(), (1.0, 10.0), strict=True):
         expected = {
-            ("train", "sequential"): ROW * TRAIN + FIT,
-            ("train", "batch"): TRANSFORMED * TRAIN + FIT,
-            ("test", "sequential"): STEP * TEST,
-            ("test", "batch"): TEST,
+            ("train", "sequential"): (ROW * TRAIN + FIT, 2),
+            ("train", "batch"): (TRANSFORMED * TRAIN + FIT, 2),
+            ("test", "sequential"): (STEP * TEST, 3),
+            ("test", "batch"): (TEST, 2),
         }
-        for (phase, mode), seconds in expected.items():
+        for (phase, mode), (seconds, times) in expected.items():
             (entry,) = [e for e in entries if (e["phase"], e["mode"]) == (phase, mode)]
             assert entry["samples"] == {"train": TRAIN, "test": TEST}[phase]
-            assert entry["seconds"] == pytest.approx([slowness * seconds] * 2)
+            assert entry["seconds"] == pytest.approx([slowness * seconds] * times)
+
+
+def test_without_sequential_mode_only_whole_logs_are_timed(clock):
+    found = time_models(
+        {"a": (timed_model(clock, 1.0), log(TRAIN), log(TEST))}, 1, sequential=False
+    )
+    assert {entry["mode"] for entry in found["a"]} == {"batch"}
