@@ -18,7 +18,7 @@ rule judge:
         mem_mb=2000,
     params:
         name="{model}",
-        judgement=lambda wildcards: judgement(SETTINGS, wildcards.model),
+        validation=lambda wildcards: validation(SETTINGS, wildcards.model),
         stage="stages.judge.judge",
         code=lambda wildcards: computes(wildcards.model),
     message:
@@ -42,7 +42,7 @@ rule replicate:
         stage="stages.replicate.replicate",
         code=computes(*PLAN.models),
         on_rig=on_rig(SETTINGS),
-        judgement=lambda wildcards: judgement(SETTINGS, seed=int(wildcards.seed)),
+        validation=lambda wildcards: validation(SETTINGS, seed=int(wildcards.seed)),
         values=SETTINGS["grids"],
         tracking=SETTINGS["tracking"],
     message:
@@ -86,7 +86,7 @@ rule weigh:
     params:
         stage="stages.grid.weigh",
         code=computes("fprc"),
-        judgement=judgement(SETTINGS, "fprc"),
+        validation=validation(SETTINGS, "fprc"),
     message:
         "Weight contributions of the FPRC"
     script:
@@ -107,7 +107,7 @@ rule grid:
         stage="stages.grid.judge",
         code=computes("fprc", "fuzzy_linear"),
         values=SETTINGS["grids"],
-        judgement=judgement(SETTINGS, "fprc"),
+        validation=validation(SETTINGS, "fprc"),
     message:
         "Grids of epsilon, n_c and taps"
     script:

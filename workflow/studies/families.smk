@@ -23,7 +23,7 @@ use rule replicate as replicate_on_rig with:
     params:
         code=computes(*MODELS),
         on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
-        judgement=lambda wildcards: judgement(
+        validation=lambda wildcards: validation(
             SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
         ),
     message:
@@ -53,7 +53,7 @@ rule judge_family:
         units=list(range(BEYOND["units"])),
         how={
             "tracking": SETTINGS["tracking"],
-            "judgement": judgement(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+            "validation": validation(SETTINGS, without="seed", models=paper_models(SETTINGS)),
         },
         workers=lambda wildcards, threads: threads,
         checkpoint=checkpoint_of("families/{family}"),

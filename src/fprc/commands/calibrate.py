@@ -13,7 +13,7 @@ from fprc.config import PUBLISHED, from_files, local_files
 from fprc.errors import ConfigError
 from fprc.experiments.settings import RigSettings
 from fprc.given import read_given
-from fprc.plan.arguments import judgement, on_rig
+from fprc.plan.arguments import on_rig, validation
 from fprc.studies.calibration.ensemble import ensemble_around
 from fprc.studies.calibration.fit import fit_rig
 from fprc.studies.calibration.rig_file import WRITTEN, parameter_file
@@ -50,7 +50,7 @@ def calibrate_from_files(
     printed = read_yaml(PUBLISHED if published is None else published)
     rig = RigSettings(**on_rig(settings))
     how = {
-        "judgement": judgement(settings, without="seed"),
+        "validation": validation(settings, without="seed"),
         "calibration": settings["calibration"],
         "tracking": settings["tracking"],
         "workers": effective_n_jobs(workers or -1),

@@ -15,12 +15,12 @@ from fprc.escape import in_words
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import learn, refusals_of
 from fprc.experiments.data import Data, join
-from fprc.experiments.settings import Judgement
+from fprc.experiments.settings import CrossValidation
 from fprc.experiments.trained import refuse_other_data, trained_on
 from fprc.given import refuse_repeats
 from fprc.logs import write_columns
 from fprc.models import SequenceModel, load_model, save_model
-from fprc.plan.arguments import judgement
+from fprc.plan.arguments import validation
 from fprc.registry import build, entries, entry_of, load_class, outside_classes
 from fprc.stages.preprocess import read_recordings
 
@@ -45,7 +45,7 @@ def train(
         choice = in_words(entries(models), "or")
         raise ConfigError(f"--model {model}: there is no such model; use {choice}")
     data = _read(logs, settings, model)
-    folds = Judgement(**judgement(settings, model)).split_rows(data)
+    folds = CrossValidation(**validation(settings, model)).split_rows(data)
     unfitted = build(model, models, settings["seed"])
     with threadpool_limits(1):  # like the workflow; more threads change the last digits
         result = learn(unfitted, data.samples(model, models), folds)

@@ -36,7 +36,7 @@ def log_progress(done: int, total: int) -> None:
 
 
 @contextmanager
-def judged_cells(
+def run_cells(
     judge: Callable[[Cell], Mapping[str, Any]],
     cells: Sequence[Cell],
     *,

@@ -120,7 +120,7 @@ def verdict_in_words(verdict: str, turned: str = "", limit: float = 1.0) -> str:
     return f"{words}, unstable" if turned else words
 
 
-def judge_together(
+def decide_together(
     claims: Mapping[str, tuple[str, Sequence[Part]]],
     left_out: int = LEFT_OUT,
 ) -> list[dict[str, Any]]:

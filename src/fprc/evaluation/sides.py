@@ -111,7 +111,7 @@ class Side(NamedTuple):
         return float(np.exp(np.log(self.errors).mean()))
 
 
-def judge_side(
+def best_of_side(
     recordings: Recordings,
     with_p_o: bool,
     models: Mapping[str, Any],
@@ -162,7 +162,7 @@ def _plainest(errors: np.ndarray) -> int:
     return int(np.flatnonzero(errors <= errors.min() + math.log(EQUAL))[-1])
 
 
-def judge_shift(
+def error_when_shifted(
     recordings: Recordings, chosen: Side, models: Mapping[str, Any], seed: int
 ) -> float:
     """Return the geometric mean of the errors of what was chosen with P_o, refitted."""

@@ -12,7 +12,7 @@ from fprc.evaluation import CrossValidated, rmse
 from fprc.evaluation.crossval import prepare
 from fprc.experiments.data import Data, refuse_mixture
 from fprc.experiments.grids import weight_shares
-from fprc.experiments.settings import Judgement
+from fprc.experiments.settings import CrossValidation
 from fprc.experiments.trained import trained_on
 from fprc.models import SequenceModel
 from fprc.paper import DIRECTIONS, EXPERIMENTS
@@ -22,47 +22,49 @@ log = logging.getLogger(__name__)
 
 
 #: A model cross-validated on one log, its errors, and its output for the test log.
-Judged = tuple[CrossValidated, dict[str, Any], np.ndarray]
+Validated = tuple[CrossValidated, dict[str, Any], np.ndarray]
 
 
 def compare_models(
-    data: Mapping[str, Data], judgement: Judgement
+    data: Mapping[str, Data], validation: CrossValidation
 ) -> tuple[dict[str, Any], dict[str, SequenceModel]]:
     """Return results to report, and the models that were trained on the sweep, by name.
 
     The results are the errors of Tables II and III, and the weights of Fig. 9.
     """
     judged = {
-        name: cross_validate_both(name, judgement, data) for name in entries(judgement.models)
+        name: cross_validate_both(name, validation, data) for name in entries(validation.models)
     }
     by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
     compared = {
         "models": [report for _, report, _ in by_direction],
-        "weights": weight_shares(data["sweep"], judgement),
+        "weights": weight_shares(data["sweep"], validation),
     }
     return compared, {name: validated.model for name, ((validated, *_), *_) in judged.items()}
 
 
-def cross_validate_both(name: str, judgement: Judgement, logs: Mapping[str, Data]) -> list[Judged]:
+def cross_validate_both(
+    name: str, validation: CrossValidation, logs: Mapping[str, Data]
+) -> list[Validated]:
     """Cross-validate and test one model for each of ``DIRECTIONS``.
 
     The features of each log are computed once for both; they are fitted to the sweep.
     """
     refuse_mixture(*(logs[key] for key in EXPERIMENTS))
-    samples = {key: logs[key].samples(name, judgement.models) for key in EXPERIMENTS}
+    samples = {key: logs[key].samples(name, validation.models) for key in EXPERIMENTS}
     lengths = [str(len(y)) for _, y, _ in samples.values()]
     log.info("%s: features of %s samples", name, in_words(lengths))
-    prepared = prepare(build(name, judgement.models, judgement.seed), samples)
+    prepared = prepare(build(name, validation.models, validation.seed), samples)
     results = []
     for train, test in DIRECTIONS:
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
-        judged = prepared.cross_validated(train, judgement.split_rows(logs[train]))
+        judged = prepared.cross_validated(train, validation.split_rows(logs[train]))
         for fold, errors in enumerate(zip(judged.train_rmse, judged.validation_rmse, strict=True)):
             log.info(
                 "%s: fold %d of %d: training %.2f, validation %.2f kPa",
-                label, fold + 1, judgement.folds, *errors,
+                label, fold + 1, validation.folds, *errors,
             )  # fmt: skip
-        trained_on(judged.model, logs[train], name, judgement.models)
+        trained_on(judged.model, logs[train], name, validation.models)
         tested, expected = judged.model.readout_.predict(prepared.rows[test]), prepared.y[test]
         test_rmse = rmse(expected, tested)
         log.info("%s: best fold %d, test %.2f kPa", label, judged.best + 1, test_rmse)
@@ -70,10 +72,10 @@ def cross_validate_both(name: str, judgement: Judgement, logs: Mapping[str, Data
             "model": name,
             "trained_on": logs[train].attributes["experiment"],
             "source": logs[train].attributes["source"],
-            "seed": judgement.seed,
+            "seed": validation.seed,
             "target": logs[train].attributes["target"],
             "unit": logs[train].unit,
-            "split": judgement.split,
+            "split": validation.split,
             "train_rmse_kpa": judged.train_rmse,
             "validation_rmse_kpa": judged.validation_rmse,
             "best_fold": judged.best,
@@ -106,7 +108,7 @@ def _seen(train: Data, test: Data, expected: np.ndarray, predicted: np.ndarray) 
 
 
 def errors_over_starts(
-    logs: Mapping[str, Data], judgement: Judgement, starts: int
+    logs: Mapping[str, Data], validation: CrossValidation, starts: int
 ) -> tuple[dict[str, dict[str, list[float]]], list[SequenceModel]]:
     """Return RMSEs of FPRC whose fuzzy c-means begins at several random places, kPa.
 
@@ -118,12 +120,12 @@ def errors_over_starts(
         Errors by the log that trained, and by phase, ``train`` or ``test``; and the models that
         the sweep trained.
     """
-    samples = {key: data.samples("fprc", judgement.models) for key, data in logs.items()}
-    prepared = prepare(build("fprc", judgement.models, judgement.seed), samples)
-    seeds = np.random.SeedSequence(judgement.seed).generate_state(starts).tolist()
+    samples = {key: data.samples("fprc", validation.models) for key, data in logs.items()}
+    prepared = prepare(build("fprc", validation.models, validation.seed), samples)
+    seeds = np.random.SeedSequence(validation.seed).generate_state(starts).tolist()
     errors, models = {}, []
     for train, test in DIRECTIONS:
-        part, _ = judgement.split_rows(logs[train])[0]
+        part, _ = validation.split_rows(logs[train])[0]
         readouts = [prepared.readout(train, part, random_state=seed, restarts=1) for seed in seeds]
         errors[train] = {
             "train": [prepared.error(readout, train, part) for readout in readouts],
@@ -131,5 +133,5 @@ def errors_over_starts(
         }
         if train == "sweep":
             fitted = map(prepared.fitted, readouts)
-            models = [trained_on(model, logs[train], "fprc", judgement.models) for model in fitted]
+            models = [trained_on(model, logs[train], "fprc", validation.models) for model in fitted]
     return errors, models

@@ -11,7 +11,7 @@ from sklearn.model_selection import ParameterGrid
 from fprc.errors import EvaluationError
 from fprc.evaluation import Prepared, evaluate, prepare
 from fprc.experiments.data import Data, models_for
-from fprc.experiments.settings import Judgement
+from fprc.experiments.settings import CrossValidation
 from fprc.paper import GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build
 
@@ -21,7 +21,7 @@ log = logging.getLogger(__name__)
 def evaluate_grids(
     data: Mapping[str, Data],
     values: Mapping[str, Any],
-    judgement: Judgement,
+    validation: CrossValidation,
     *,
     folds: int | None = None,
 ) -> dict[str, list[dict[str, Any]]]:
@@ -33,11 +33,11 @@ def evaluate_grids(
         Number of folds, the first ones; by default all. One is enough for a mean over seeds.
     """
     train, test = data["sweep"], data["complex"]
-    models = models_for(judgement.models, train, test)
-    rows = judgement.split_rows(train)[:folds]
+    models = models_for(validation.models, train, test)
+    rows = validation.split_rows(train)[:folds]
 
     def evaluated(name: str, cell: Mapping[str, Any]) -> dict[str, Any]:
-        model = build(name, judgement.models, judgement.seed, **cell)
+        model = build(name, validation.models, validation.seed, **cell)
         errors = evaluate(model, rows, train.samples(name), test.samples(name))
         return {"model": name, **cell, **errors}
 
@@ -49,15 +49,15 @@ def evaluate_grids(
     return found
 
 
-def weight_shares(train: Data, judgement: Judgement) -> dict[str, Any]:
+def weight_shares(train: Data, validation: CrossValidation) -> dict[str, Any]:
     """Return the share of each feature in the weights, per rule and on average (Fig. 9).
 
     The FPRC is cross-validated as usual on features as ``normalised`` returns them, and the weights
     are those of the best fold (Eqs. 13, 14).
     """
-    model = build("fprc", judgement.models, judgement.seed)
+    model = build("fprc", validation.models, validation.seed)
     prepared = normalised(prepare(model, {"train": train.samples("fprc")}), "train")
-    judged = prepared.cross_validated("train", judgement.split_rows(train))
+    judged = prepared.cross_validated("train", validation.split_rows(train))
     shares = shares_of(judged.model.readout_.W_out_)
     edges = {"bias": (0, 1), "theta_d": (1, 1 + model.n_y), "p_o": (1 + model.n_y, None)}
     parts = {name: shares[:, slice(*edge)] for name, edge in edges.items()}

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from fprc.evaluation.folds import Fold
 
 
-class Judgement(Section):
-    """How models are judged (Sec. III-D)."""
+class CrossValidation(Section):
+    """How models are cross-validated (Sec. III-D)."""
 
     models: dict[str, Any]  #: section ``models`` of the configuration, or the part that is read
     folds: int  #: number of folds of the cross-validation

@@ -18,10 +18,10 @@ def paper_models(settings: Settings) -> dict[str, Any]:
     return {**settings["models"], "others": {}}
 
 
-def judgement(
+def validation(
     settings: Settings, model: str | None = None, *, without: str = "", **changed: Any
 ) -> dict[str, Any]:
-    """Return the arguments of ``Judgement`` for one model, or for all of them.
+    """Return the arguments of ``CrossValidation`` for one model, or for all of them.
 
     Parameters
     ----------

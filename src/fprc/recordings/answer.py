@@ -16,8 +16,8 @@ from fprc.evaluation.sides import (
     WARM_UP_S,
     Recordings,
     Side,
-    judge_shift,
-    judge_side,
+    best_of_side,
+    error_when_shifted,
     p_o_repeats,
     period_of,
     shifts_of,
@@ -70,13 +70,13 @@ def answer_recordings(
     """
     thin = recordings.thinned()
     folds, period_s = thin.folds(), period_of(thin)
-    without, with_ = (judge_side(thin, side, models, seed, step) for side in (False, True))
+    without, with_ = (best_of_side(thin, side, models, seed, step) for side in (False, True))
     ratios = dict(enumerate(np.log(with_.errors / without.errors)))
     overlap = float(np.mean([len(block) / len(rows) for rows, block in folds]))
     mean, low, high = Part("", ratios, overlap=overlap).interval(LEVEL)
     shifts = []
     for number, share in enumerate(shifts_of(thin, period_s), 1):
-        shifts.append(judge_shift(thin.shifted(share), with_, models, seed))
+        shifts.append(error_when_shifted(thin.shifted(share), with_, models, seed))
         step(f"P_o of another time, {number}")
     left = float(np.mean(without.errors**2)) / float(np.var(thin.target))
     found = {

@@ -12,7 +12,7 @@ from fprc.evaluation.paired import (
     NOT_JUDGED,
     UNDECIDED,
     Part,
-    judge_together,
+    decide_together,
 )
 from fprc.evaluation.readouts import BlockReadouts
 from fprc.evaluation.sides import Recordings
@@ -73,7 +73,7 @@ def judge_claims(cells: Sequence[Mapping[str, Any]], overlap: float) -> list[dic
     Returns
     -------
     list of dict
-        What ``judge_together`` gives, with ``other``, the model that FPRC is compared with, and
+        What ``decide_together`` gives, with ``other``, the model that FPRC is compared with, and
         ``reason``, why a claim is undecided or not judged.
     """
     errors = {cell["model"]: np.log(cell.get("blocks", [])) for cell in cells}
@@ -94,7 +94,7 @@ def judge_claims(cells: Sequence[Mapping[str, Any]], overlap: float) -> list[dic
     }
     return [
         row | {"other": title_of(CLAIMS[row["id"]][1]), "reason": _reason(row)}
-        for row in judge_together(claims, LEFT_OUT)
+        for row in decide_together(claims, LEFT_OUT)
     ]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 from fprc.artifacts import write_json
 from fprc.experiments.data import read_data
 from fprc.experiments.grids import evaluate_grids, weight_shares
-from fprc.experiments.settings import Judgement
+from fprc.experiments.settings import CrossValidation
 
 log = logging.getLogger(__name__)
 
@@ -18,28 +18,28 @@ def judge(
     cells: str,
     *,
     values: Mapping[str, Sequence[float]],
-    judgement: Mapping[str, Any],
+    validation: Mapping[str, Any],
 ) -> None:
     """Cross-validate and test every cell of every grid, on logs that have no further seeds.
 
     Parameters
     ----------
-    judgement : Mapping
-        Arguments of ``fprc.experiments.settings.Judgement``.
+    validation : Mapping
+        Arguments of ``fprc.experiments.settings.CrossValidation``.
     """
     data = {"sweep": read_data(train), "complex": read_data(test)}
     described = {
         "source": data["sweep"].attributes["source"],
-        "seed": judgement["seed"],
+        "seed": validation["seed"],
         "unit": data["sweep"].unit,
     }
-    write_json(cells, described | evaluate_grids(data, values, Judgement(**judgement)))
+    write_json(cells, described | evaluate_grids(data, values, CrossValidation(**validation)))
 
 
-def weigh(train: str, weights: str, *, judgement: Mapping[str, Any]) -> None:
+def weigh(train: str, weights: str, *, validation: Mapping[str, Any]) -> None:
     """Write the normalised weights of the FPRC, rule by rule."""
     data = read_data(train)
-    shares = weight_shares(data, Judgement(**judgement))
-    described = {"source": data.attributes["source"], "seed": judgement["seed"]}
+    shares = weight_shares(data, CrossValidation(**validation))
+    described = {"source": data.attributes["source"], "seed": validation["seed"]}
     write_json(weights, {**described, **shares})
     log.info("mean shares: P_o {p_o:.3f}, theta_d {theta_d:.3f}".format(**shares["mean_share"]))

@@ -6,7 +6,7 @@ from typing import Any
 from fprc.artifacts import replacing, write_json
 from fprc.experiments.comparison import cross_validate_both
 from fprc.experiments.data import read_data
-from fprc.experiments.settings import Judgement
+from fprc.experiments.settings import CrossValidation
 from fprc.logs import write_columns
 from fprc.models import save_model
 from fprc.paper import DIRECTIONS
@@ -22,7 +22,7 @@ def judge(
     predictions: Sequence[str],
     *,
     name: str,
-    judgement: Mapping[str, Any],
+    validation: Mapping[str, Any],
 ) -> None:
     """Cross-validate one model on each log and test its best fold on the other.
 
@@ -30,8 +30,8 @@ def judge(
     output on the training log (``fits``) and on the test log (``predictions``).
     """
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
-    outside = outside_classes(judgement["models"])
-    judged = cross_validate_both(name, Judgement(**judgement), logs)
+    outside = outside_classes(validation["models"])
+    judged = cross_validate_both(name, CrossValidation(**validation), logs)
     for (train, test), (validated, report, tested), error, model, fit, prediction in zip(
         DIRECTIONS, judged, errors, fitted, fits, predictions, strict=True
     ):

@@ -8,7 +8,7 @@ from fprc.config.tracking import Tracking
 from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.grids import evaluate_grids
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import CrossValidation, RigSettings
 from fprc.experiments.tracking import Track, measure_control, rms_of, tracking_errors
 from fprc.paper import REFERENCES
 from fprc.registry import controllers
@@ -26,7 +26,7 @@ def replicate(
     measures: str,
     *,
     on_rig: Mapping[str, Any],
-    judgement: Mapping[str, Any],
+    validation: Mapping[str, Any],
     values: Mapping[str, Any],
     tracking: Mapping[str, Any],
 ) -> None:
@@ -37,11 +37,11 @@ def replicate(
 
     Parameters
     ----------
-    on_rig, judgement : Mapping
-        Arguments of ``RigSettings`` and ``Judgement`` of ``fprc.experiments.settings``; the
-        seed is that of ``judgement``.
+    on_rig, validation : Mapping
+        Arguments of ``RigSettings`` and ``CrossValidation`` of ``fprc.experiments.settings``; the
+        seed is that of ``validation``.
     """
-    settings, how = RigSettings(**on_rig), Judgement(**judgement)
+    settings, how = RigSettings(**on_rig), CrossValidation(**validation)
     data = simulate(settings, how.seed)
     comparison, models = compare_models(data, how)
     described = {"seed": how.seed, "source": "sim"}

@@ -49,7 +49,7 @@ def test_fit_is_written_where_it_is_asked_for_with_settings_of_the_merged_files(
     assert (call["calibration"], call["tracking"]) == (smoke["calibration"], smoke["tracking"])
     assert (call["calibration"]["seed"], call["calibration"]["members"]) == (5, 10)
     assert call["on_rig"]["signals"] == smoke["experiments"]
-    assert call["judgement"]["models"]["n_y"] == 4
+    assert call["validation"]["models"]["n_y"] == 4
     assert (call["printed"], call["workers"]) == (read_yaml(PUBLISHED), 2)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml", "out.yaml"]
     assert check(yaml.safe_load(out.read_text(encoding="utf-8"))).rig.drift.time_s == 3.5

@@ -9,11 +9,11 @@ from fprc.cli import main
 from fprc.config import from_files
 from fprc.evaluation import prepare
 from fprc.experiments.data import Data
-from fprc.experiments.settings import Judgement
+from fprc.experiments.settings import CrossValidation
 from fprc.logs import read_columns
 from fprc.models import load_model
 from fprc.models.storage import packed
-from fprc.plan.arguments import judgement
+from fprc.plan.arguments import validation
 from fprc.registry import build
 from fprc.stages.judge import judge
 
@@ -77,7 +77,7 @@ def test_model_and_prediction_are_those_of_the_workflow(
 ):
     raw = recorded_by_rule
     made = [[f"{kind}{i}" for i in range(2)] for kind in ("errors", "model", "fit", "prediction")]
-    judge(*prepared, *made, name=name, judgement=judgement(settings, name))
+    judge(*prepared, *made, name=name, validation=validation(settings, name))
 
     train = ("train", raw["sweep"], "--model", name, "--config", few, "--out", "mine.h5")
     assert run(*train) == 0
@@ -105,7 +105,7 @@ def test_logs_of_the_same_name_train_together(
     assert run("train", *raw, "--config", few, "--seed", 7, "--out", "mine.h5") == 0
     logs = [read_columns(path, needed_by("sim")).channels for path in raw]
     X = [np.column_stack([log["theta_deg"], log["p_o_kpa"]]) for log in logs]
-    how = Judgement(**judgement(settings | {"seed": 7}, "fprc"))
+    how = CrossValidation(**validation(settings | {"seed": 7}, "fprc"))
     recordings = {str(path): 2400 for path in raw}
     both = Data({"time_s": np.arange(4800) / 200.0}, {"recordings": recordings})
     y = np.concatenate([log["p_exp_command_kpa"] for log in logs])

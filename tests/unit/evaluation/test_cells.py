@@ -6,7 +6,7 @@ import pytest
 
 from fprc.errors import FprcError, OutputError
 from fprc.evaluation import cells
-from fprc.evaluation.cells import checkpoint_key, judged_cells
+from fprc.evaluation.cells import checkpoint_key, run_cells
 
 CELLS = [{"model": "fprc", "n_c": n_c} for n_c in (4, 1, 3, 2)]
 
@@ -38,7 +38,7 @@ def sweep(tmp_path, monkeypatch):
         judge = make_judge(str(trace), fails_at)
         with (
             suppress(InterruptedError),
-            judged_cells(judge, asked, checkpoint=go.checkpoint, **how(key, workers)) as found,
+            run_cells(judge, asked, checkpoint=go.checkpoint, **how(key, workers)) as found,
         ):
             raise InterruptedError
         return found, sorted(int(path.name.split("-")[0]) for path in trace.iterdir())
@@ -133,7 +133,7 @@ def test_killed_worker_is_an_error_for_people_and_finished_cells_stay(sweep):
         return {"rmse": 0.1}
 
     with pytest.raises(FprcError, match="worker"):  # noqa: SIM117
-        with judged_cells(judge, CELLS, checkpoint=sweep.checkpoint, **how(workers=2)):
+        with run_cells(judge, CELLS, checkpoint=sweep.checkpoint, **how(workers=2)):
             pass
     assert 2 not in kept(sweep.checkpoint)
     sweep(workers=2)
@@ -146,12 +146,12 @@ def test_checkpoint_is_deleted_only_after_the_results_are_saved(tmp_path):
     options = how({"alpha": 0.1}) | {"files": [str(file)], "checkpoint": checkpoint}
 
     def disk_full():
-        with judged_cells(lambda cell: {"rmse": 0.1 * cell["n_c"]}, CELLS, **options):
+        with run_cells(lambda cell: {"rmse": 0.1 * cell["n_c"]}, CELLS, **options):
             raise OSError("full")
 
     pytest.raises(OSError, disk_full)
     assert len(kept(checkpoint)) == len(CELLS)
-    with judged_cells(None, CELLS, **options) as again:  # no cell is judged a second time
+    with run_cells(None, CELLS, **options) as again:  # no cell is judged a second time
         assert [cell["rmse"] for cell in again] == [0.1 * cell["n_c"] for cell in CELLS]
     assert not checkpoint.exists()
 
@@ -160,7 +160,7 @@ def test_result_that_is_not_a_number_is_refused_and_not_kept(sweep):
     options = how() | {"checkpoint": sweep.checkpoint}
     with (
         pytest.raises(ValueError, match="JSON"),
-        judged_cells(lambda cell: {"rmse": float("nan")}, CELLS[:1], **options),
+        run_cells(lambda cell: {"rmse": float("nan")}, CELLS[:1], **options),
     ):
         pass
     assert kept(sweep.checkpoint) == []

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.stats import ttest_1samp
 
-from fprc.evaluation.paired import ALPHA, Part, holm, judge_together
+from fprc.evaluation.paired import ALPHA, Part, decide_together, holm
 
 MARGIN = math.log(1.05)
 SAMPLES = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=12).filter(
@@ -32,7 +32,7 @@ def normal(mean, std, units, seed=0):
 def outcomes_of(*claims, **how):
     """Return the outcome of each claim, given by its parts."""
     named = {str(number): ("Text.", parts) for number, parts in enumerate(claims)}
-    by_claim = {row["id"]: SimpleNamespace(**row) for row in judge_together(named, **how)}
+    by_claim = {row["id"]: SimpleNamespace(**row) for row in decide_together(named, **how)}
     return list(by_claim.values())
 
 

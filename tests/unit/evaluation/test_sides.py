@@ -7,8 +7,8 @@ from fprc.evaluation.sides import (
     SHIFTS,
     SIDES,
     Recordings,
-    judge_shift,
-    judge_side,
+    best_of_side,
+    error_when_shifted,
     p_o_repeats,
     period_of,
     shifts_of,
@@ -101,10 +101,10 @@ def two_families(monkeypatch):
 def test_best_of_a_side_is_chosen_by_the_other_blocks_alone():
     given = recordings(3000)
     block = given.folds()[4][1]
-    side = judge_side(given, True, MODELS, 1)
+    side = best_of_side(given, True, MODELS, 1)
     target = given.target.copy()
     target[block] += 100.0 * np.sin(np.arange(len(block)))
-    other = judge_side(given._replace(target=target), True, MODELS, 1)
+    other = best_of_side(given._replace(target=target), True, MODELS, 1)
     assert other.chosen[4] == side.chosen[4]
     assert other.errors[4] > 5.0 * side.errors[4]
 
@@ -112,7 +112,7 @@ def test_best_of_a_side_is_chosen_by_the_other_blocks_alone():
 @pytest.mark.usefixtures("two_families")
 def test_equal_errors_take_the_plainest_family_and_the_largest_ridge():
     given = recordings(3000)  # the target is a straight line of theta
-    side = judge_side(given, False, MODELS, 1)
+    side = best_of_side(given, False, MODELS, 1)
     assert {name for name, _ in side.chosen} == {"taps"}
     assert side.family == "taps"
     assert side.error == pytest.approx(1.0, rel=0.3)
@@ -123,6 +123,6 @@ def test_shift_takes_away_what_p_o_tells():
     given = recordings(3000)
     load = 5.0 * recordings(3000, seed=1).theta
     told = given._replace(target=given.target + load, p_o=load)
-    side = judge_side(told, True, MODELS, 1)
-    assert side.error < 0.5 * judge_shift(told.shifted(0.4), side, MODELS, 1)
-    assert side.error == pytest.approx(judge_shift(told, side, MODELS, 1))
+    side = best_of_side(told, True, MODELS, 1)
+    assert side.error < 0.5 * error_when_shifted(told.shifted(0.4), side, MODELS, 1)
+    assert side.error == pytest.approx(error_when_shifted(told, side, MODELS, 1))

@@ -8,7 +8,7 @@ from fprc.evaluation import evaluate
 from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.data import Data, join, read_data, select_channels
 from fprc.experiments.grids import evaluate_grids
-from fprc.experiments.settings import Judgement
+from fprc.experiments.settings import CrossValidation
 from fprc.logs import Columns, write_columns
 from fprc.logs.quality import other_quantity
 from fprc.models import Learning, Online
@@ -19,7 +19,7 @@ MODELS = {
     "esn": {"r": 8, "f_input": 0.02, "gamma": 0.5, "rho": 0.4, "washout": 20},
     "fprc": {"epsilon": 0.1, "n_c": 2, "n_u": 2, "sigma": 2.0, "restarts": 1},
 }  # fmt: skip
-JUDGEMENT = Judgement(models=MODELS, folds=3, split="blocked", seed=1, purge_s=0.0)
+VALIDATION = CrossValidation(models=MODELS, folds=3, split="blocked", seed=1, purge_s=0.0)
 
 
 def recording(samples=100, begin=5.0, without=(), **attributes):
@@ -99,12 +99,12 @@ def test_only_another_quantity_in_a_channel_that_is_read_is_warned_of(inputs, wa
 def test_models_are_not_compared_on_logs_of_different_kinds(other):
     logs = {"sweep": recording(60), "complex": recording(110, **other)}
     with pytest.raises(LogError, match="|".join(other.values())):
-        compare_models(logs, JUDGEMENT)
+        compare_models(logs, VALIDATION)
 
 
 def test_tables_restart_features_at_each_recording(joined):
     logs = {"sweep": joined, "complex": recording(110, experiment="complex")}
-    results, fitted = compare_models(logs, JUDGEMENT)
+    results, fitted = compare_models(logs, VALIDATION)
     reports = {(report["model"], report["trained_on"]): report for report in results["models"]}
     for name, model in fitted.items():
         report = reports[name, "sweep"]
@@ -118,7 +118,7 @@ def test_tables_restart_features_at_each_recording(joined):
 
 def test_models_of_all_starts_can_learn_online(joined):
     logs = {"sweep": joined, "complex": recording(110, experiment="complex")}
-    _, started = errors_over_starts(logs, JUDGEMENT, 2)
+    _, started = errors_over_starts(logs, VALIDATION, 2)
     assert [Online(model, Learning(), 0.005).learned.any() for model in started] == [False] * 2
 
 
@@ -126,7 +126,7 @@ def test_models_of_all_starts_can_learn_online(joined):
 def test_grids_agree_cell_by_cell_on_several_recordings(joined, folds):
     logs = {"sweep": joined, "complex": joined}
     values = {"epsilon": [0.1], "n_c": [1, 2], "n_y": [1, 3], "n_u": [2]}
-    grids = evaluate_grids(logs, values, JUDGEMENT, folds=folds)
+    grids = evaluate_grids(logs, values, VALIDATION, folds=folds)
     assert {name: len(cells) for name, cells in grids.items()} == {
         "epsilon": 1,
         "n_c": 4,
@@ -134,7 +134,7 @@ def test_grids_agree_cell_by_cell_on_several_recordings(joined, folds):
     }
     for cell in sum(grids.values(), []):
         settings = {k: cell[k] for k in cell if k != "model" and not k.endswith("_kpa")}
-        rows = JUDGEMENT.split_rows(joined)
+        rows = VALIDATION.split_rows(joined)
         model, samples = build(cell["model"], MODELS, 1, **settings), joined.samples(cell["model"])
         alone = evaluate(model, rows, samples, samples)
         for phase in ("train_rmse_kpa", "validation_rmse_kpa"):

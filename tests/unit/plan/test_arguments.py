@@ -1,30 +1,30 @@
 """Settings that the rules pass to their stages."""
 
 from fprc.config import Settings
-from fprc.experiments.settings import Judgement, RigSettings
-from fprc.plan.arguments import feedback_in_words, judgement, of_pressures, on_rig, paper_models
+from fprc.experiments.settings import CrossValidation, RigSettings
+from fprc.plan.arguments import feedback_in_words, of_pressures, on_rig, paper_models, validation
 
 SETTINGS = Settings().model_dump(mode="json")
 SETTINGS["models"]["others"] = {"mine": {"estimator": "my.Model", "inputs": [], "settings": {}}}
 
 
 def test_all_models_are_judged_as_the_configuration_says():
-    how = Judgement(**judgement(SETTINGS))
-    assert how == Judgement(models=SETTINGS["models"], folds=5, split="shuffled", seed=1)
+    how = CrossValidation(**validation(SETTINGS))
+    assert how == CrossValidation(models=SETTINGS["models"], folds=5, split="shuffled", seed=1)
 
 
-def test_judgement_of_one_model_has_the_settings_of_that_model_alone():
-    assert "fprc" not in judgement(SETTINGS, "esn")["models"]
-    before = judgement(SETTINGS, "fuzzy_linear")
+def test_validation_of_one_model_has_the_settings_of_that_model_alone():
+    assert "fprc" not in validation(SETTINGS, "esn")["models"]
+    before = validation(SETTINGS, "fuzzy_linear")
     fprc = SETTINGS["models"]["fprc"] | {"epsilon": 0.5}
     changed = SETTINGS | {"models": SETTINGS["models"] | {"fprc": fprc}}
-    assert judgement(changed, "fuzzy_linear") == before
-    assert judgement(changed, "fprc") != judgement(SETTINGS, "fprc")
+    assert validation(changed, "fuzzy_linear") == before
+    assert validation(changed, "fprc") != validation(SETTINGS, "fprc")
 
 
 def test_changed_argument_takes_the_place_of_the_configured_one():
     own = paper_models(SETTINGS)
-    assert judgement(SETTINGS, models=own, seed=7) == judgement(SETTINGS) | {
+    assert validation(SETTINGS, models=own, seed=7) == validation(SETTINGS) | {
         "models": own, "seed": 7
     }  # fmt: skip
     assert own["others"] == {}

@@ -8,7 +8,7 @@ from fprc.config.settings import Control
 from fprc.config.tracking import Tracking
 from fprc.experiments.data import read_data
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import CrossValidation, RigSettings
 from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.logs import read_columns
 from fprc.models import load_model
@@ -44,8 +44,8 @@ def settings():
 
 
 @pytest.fixture(scope="module")
-def judgement(settings):
-    return arguments.judgement(settings, folds=2, seed=SEED)
+def validation(settings):
+    return arguments.validation(settings, folds=2, seed=SEED)
 
 
 @pytest.fixture(scope="module")
@@ -54,12 +54,12 @@ def on_rig(settings):
 
 
 @pytest.fixture(scope="module")
-def errors(settings, on_rig, judgement, tmp_path_factory):
+def errors(settings, on_rig, validation, tmp_path_factory):
     """The file of Tables II and III and of the weights."""
     folder = tmp_path_factory.mktemp("repeated")
     files = {name: str(folder / f"{name}.json") for name in ("compared", "cells", "measures")}
     tracking = settings["tracking"]
-    replicate(**files, on_rig=on_rig, judgement=judgement, values=VALUES, tracking=tracking)
+    replicate(**files, on_rig=on_rig, validation=validation, values=VALUES, tracking=tracking)
     return files["compared"]
 
 
@@ -70,21 +70,21 @@ def logs(settings, make_data, tmp_path_factory):
     return {name: make_data(folder, name, settings, SEED)[1] for name in settings["experiments"]}
 
 
-def judge_both(model, logs, judgement, folder):
+def judge_both(model, logs, validation, folder):
     """Judge a model as the main run does; return its files, sweep first."""
     files = {
         kind: [str(folder / f"{kind}_{name}") for name in logs]
         for kind in ("errors", "fitted", "fits", "predictions")
     }
-    judge(**logs, **files, name=model, judgement=judgement)
+    judge(**logs, **files, name=model, validation=validation)
     return files
 
 
 @pytest.mark.parametrize("model", ["esn", "fprc", "fuzzy_linear"])
 def test_main_run_writes_the_same_errors_and_what_they_are_of(
-    model, errors, logs, judgement, tmp_path
+    model, errors, logs, validation, tmp_path
 ):
-    written = judge_both(model, logs, judgement, tmp_path)
+    written = judge_both(model, logs, validation, tmp_path)
     reports = [read_json(path) for path in written["errors"]]
     assert reports == [entry for entry in read_json(errors)["models"] if entry["model"] == model]
     for i, (train, test) in enumerate([("sweep", "complex"), ("complex", "sweep")]):
@@ -101,15 +101,15 @@ def test_main_run_writes_the_same_errors_and_what_they_are_of(
         assert_allclose(again.predict(X), prediction.channels["p_ff_kpa"], rtol=1e-9)
 
 
-def test_weights_are_those_of_the_main_run_with_that_seed(errors, logs, judgement, tmp_path):
+def test_weights_are_those_of_the_main_run_with_that_seed(errors, logs, validation, tmp_path):
     path = str(tmp_path / "weights.json")
-    weigh(logs["sweep"], path, judgement=judgement)
+    weigh(logs["sweep"], path, validation=validation)
     main = read_json(path)
     assert read_json(errors)["weights"] == {key: main[key] for key in ("mean_share", "shares")}
     assert sum(main["mean_share"].values()) <= 1.0 + 1e-9
 
 
-def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, judgement):
+def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, validation):
     """A start is a fit of the readout by itself, on the rows of the first fold."""
     found = read_json(errors)["fprc_rmse_over_starts"]
     for log in ("sweep", "complex"):
@@ -117,7 +117,7 @@ def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, jud
             "train": 10,
             "test": 10,
         }
-    logs, how = simulate(RigSettings(**on_rig), SEED), Judgement(**judgement)
+    logs, how = simulate(RigSettings(**on_rig), SEED), CrossValidation(**validation)
     model = build("fprc", how.models, SEED)
     (X, y, _), (other, expected, _) = (logs[name].samples("fprc") for name in ("complex", "sweep"))
     features = model.make_features().fit(X)
@@ -131,7 +131,7 @@ def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, jud
         assert found["complex"][phase][3] == pytest.approx(np.sqrt(np.mean(wrong**2)))
 
 
-def test_starts_drive_the_loops_of_table_4(errors, settings, on_rig, judgement):
+def test_starts_drive_the_loops_of_table_4(errors, settings, on_rig, validation):
     """The loop of the real rig, sample by sample, gives the errors that compiled code gave."""
     found = read_json(errors.replace("compared", "measures"))["fprc_rmse_over_starts"]
     assert {run: len(rmses) for run, rmses in found.items()} == {
@@ -139,7 +139,7 @@ def test_starts_drive_the_loops_of_table_4(errors, settings, on_rig, judgement):
         for reference in REFERENCES
         for controller in ("fprc", "fprc_pd")
     }
-    logs, how = simulate(RigSettings(**on_rig), SEED), Judgement(**judgement)
+    logs, how = simulate(RigSettings(**on_rig), SEED), CrossValidation(**validation)
     (X, y, _), part = logs["sweep"].samples("fprc"), how.split_rows(logs["sweep"])[0][0]
     model = build("fprc", how.models, SEED)
     features = model.make_features().fit(X)

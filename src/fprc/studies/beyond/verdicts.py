@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from fprc.escape import in_words
-from fprc.evaluation.paired import NOT_JUDGED, Part, judge_together
+from fprc.evaluation.paired import NOT_JUDGED, Part, decide_together
 from fprc.studies.beyond.measurements import family_title
 from fprc.tables.text import three_digits
 
@@ -73,7 +73,7 @@ def judge_family(
     Returns
     -------
     DataFrame
-        Tidy, with the columns of ``judge_together``: one row for each part of a claim, one for a
+        Tidy, with the columns of ``decide_together``: one row for each part of a claim, one for a
         claim that is not judged. Also ``world`` and ``title``; ``fits``, those that bear on the
         claim, pairs of what each favours and what was fitted; the same as text, ``favours`` and
         ``fitted``; and ``source``. In ``words`` a symbol says what the fits favour. A ratio below 1
@@ -84,7 +84,7 @@ def judge_family(
         name: (claim.text, [part_of(pair, numbers, family) for pair in claim.parts])
         for name, claim in claims.items()
     }
-    for row in judge_together(parts):
+    for row in decide_together(parts):
         favours = claims[row["id"]].favours
         fits = [*dict.fromkeys(favours[term] for term in favours if term in family["fitted"])]
         favoured = list(dict.fromkeys(whom for whom, _ in fits))

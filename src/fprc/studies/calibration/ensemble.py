@@ -30,7 +30,7 @@ def ensemble_around(
     printed: Mapping[str, Any],
     on_rig: RigSettings,
     count: int,
-    judgement: Mapping[str, Any],
+    validation: Mapping[str, Any],
     calibration: Mapping[str, Any],
     tracking: Mapping[str, Any],
     *,
@@ -52,7 +52,7 @@ def ensemble_around(
         Too few rigs fit.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
-    bench = Bench(on_rig, free, judgement, tracking)
+    bench = Bench(on_rig, free, validation, tracking)
     first = FIRST_SEED + SEEDS_PER_FIT * calibration["seed"] + _SEEDS
     rng = np.random.default_rng(first)
     middle = ndtri(np.clip(encode(on_rig.rig, free), 0.01, 0.99))

@@ -21,7 +21,7 @@ from fprc.config.calibration import FIRST_SEED, SEEDS_PER_FIT
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, FprcError
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import CrossValidation, RigSettings
 from fprc.studies.calibration.objective import (
     Target,
     misses,
@@ -70,7 +70,7 @@ class Bench(NamedTuple):
 
     on_rig: RigSettings  #: the rig whose free parameters change
     free: Sequence[Free]
-    judgement: Mapping[str, Any]  #: arguments of ``Judgement`` without the seed
+    validation: Mapping[str, Any]  #: arguments of ``CrossValidation`` without the seed
     tracking: Mapping[str, Any]
 
     def rig_at(self, share: np.ndarray) -> RigSettings:
@@ -105,7 +105,7 @@ class Bench(NamedTuple):
             return [
                 judge_by_surrogate(
                     on_rig, seed, centers.get(seed, {}),
-                    models=self.judgement["models"], tracking=self.tracking,
+                    models=self.validation["models"], tracking=self.tracking,
                 )
                 for seed in seeds
             ]  # fmt: skip
@@ -120,7 +120,7 @@ class Bench(NamedTuple):
 
     def fully(self, share: np.ndarray, seed: int) -> dict[str, Any] | None:
         """Judge a rig by the full models; None if it is impossible."""
-        on_rig, how = self.rig_at(share), Judgement(**self.judgement, seed=int(seed))
+        on_rig, how = self.rig_at(share), CrossValidation(**self.validation, seed=int(seed))
         try:
             Rig.model_validate(on_rig.rig)
             return judge_fully(on_rig, how, self.tracking)
@@ -131,7 +131,7 @@ class Bench(NamedTuple):
 def fit_rig(
     printed: Mapping[str, Any],
     on_rig: RigSettings,
-    judgement: Mapping[str, Any],
+    validation: Mapping[str, Any],
     calibration: Mapping[str, Any],
     tracking: Mapping[str, Any],
     *,
@@ -143,8 +143,8 @@ def fit_rig(
     ----------
     printed : Mapping
         The published numbers.
-    judgement : Mapping
-        Arguments of ``Judgement`` without the seed.
+    validation : Mapping
+        Arguments of ``CrossValidation`` without the seed.
     calibration, tracking : Mapping
         Sections of the configuration.
 
@@ -154,7 +154,7 @@ def fit_rig(
         The fitted rig, and a summary of the fit.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
-    bench = Bench(on_rig, free, judgement, tracking)
+    bench = Bench(on_rig, free, validation, tracking)
     of = targets(printed, calibration["fit"])
     first = FIRST_SEED + SEEDS_PER_FIT * calibration["seed"]
     with pool_of(workers) as pool:

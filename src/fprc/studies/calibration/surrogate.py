@@ -18,7 +18,7 @@ from fprc.experiments.comparison import cross_validate_both
 from fprc.experiments.data import Data
 from fprc.experiments.grids import normalised, shares_of, weight_shares
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings
+from fprc.experiments.settings import CrossValidation, RigSettings
 from fprc.experiments.tracking import Track, rms_of, tracking_errors
 from fprc.models import TakagiSugenoReadout
 from fprc.paper import DIRECTIONS, MODELS
@@ -88,15 +88,15 @@ def judge_by_surrogate(
 
 
 def judge_fully(
-    on_rig: RigSettings, judgement: Judgement, tracking: Mapping[str, Any]
+    on_rig: RigSettings, validation: CrossValidation, tracking: Mapping[str, Any]
 ) -> dict[str, dict[str, float]]:
     """Return of the full models what ``judge_by_surrogate`` returns, without grids and loops."""
-    data = simulate(on_rig, judgement.seed)
-    of_models = {name: cross_validate_both(name, judgement, data) for name in MODELS}
+    data = simulate(on_rig, validation.seed)
+    of_models = {name: cross_validate_both(name, validation, data) for name in MODELS}
     reports = [report for directions in of_models.values() for _, report, _ in directions]
-    shares = weight_shares(data["sweep"], judgement)["mean_share"]
+    shares = weight_shares(data["sweep"], validation)["mean_share"]
     (trained_on_sweep, *_), _ = of_models["fprc"]
-    bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, judgement.seed)
+    bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, validation.seed)
     return {
         "errors": errors_of({"models": reports}),
         "shares": {"p_o_over_theta_d": shares["p_o"] / shares["theta_d"]},

@@ -12,7 +12,7 @@ from fprc.config.tracking import Tracking
 from fprc.errors import FprcError, in_one_line
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement, RigSettings, Unit
+from fprc.experiments.settings import CrossValidation, RigSettings, Unit
 from fprc.experiments.tracking import Track, measure_control
 from fprc.registry import controllers
 from fprc.studies.calibration.space import with_values
@@ -49,23 +49,23 @@ def unit_of(number: int, family: Mapping[str, Any], ensemble: str = "") -> Unit:
 
 
 def judge_tables(
-    unit: Unit, *, tracking: Mapping[str, Any], judgement: Mapping[str, Any]
+    unit: Unit, *, tracking: Mapping[str, Any], validation: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
     """Judge the rig of a unit with the full models, on the first of its seeds.
 
     Parameters
     ----------
-    judgement : Mapping
-        Arguments of ``Judgement`` without the seed.
+    validation : Mapping
+        Arguments of ``CrossValidation`` without the seed.
 
     Returns
     -------
     list of one dict
         ``seed``, and ``compared`` (Tables II and III) and ``measured`` (Table IV); or
-        ``failed`` instead of these two, where an error ended the judgement.
+        ``failed`` instead of these two, where an error ended it.
     """
     on_rig, seed = unit.rigs[0]
-    how = Judgement(**judgement, seed=seed)
+    how = CrossValidation(**validation, seed=seed)
     bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, seed)
     try:
         data = simulate(on_rig, seed)

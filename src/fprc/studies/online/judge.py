@@ -62,7 +62,7 @@ def judge_online(
     -------
     list of one dict
         ``seed``, and ``rows``: each with ``model``, ``condition``, ``learns``, ``loop``,
-        ``reference`` and ``rmse_deg``; or ``failed``, where an error ended the judgement.
+        ``reference`` and ``rmse_deg``; or ``failed``, where an error ended it.
     """
     on_rig, seed = unit.rigs[0]
     try:

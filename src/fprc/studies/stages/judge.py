@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import Any
 
 from fprc.artifacts import write_json
-from fprc.evaluation.cells import judged_cells
+from fprc.evaluation.cells import run_cells
 from fprc.studies.families.family import unit_of
 
 
@@ -38,9 +38,9 @@ def judge_family(
     workers : int
         Most processes.
     **run
-        ``checkpoint`` and ``version`` of ``judged_cells``.
+        ``checkpoint`` and ``version`` of ``run_cells``.
     """
-    with judged_cells(
+    with run_cells(
         partial(_judge, judge=judge, family=family, ensemble=ensemble, how=how),
         [{"unit": unit} for unit in units],
         settings=[family, how],

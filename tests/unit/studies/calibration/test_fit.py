@@ -9,7 +9,7 @@ from fprc.config.rig import LONGEST_LAG_S, Rig, squeeze_lag
 from fprc.errors import EvaluationError
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement
+from fprc.experiments.settings import CrossValidation
 from fprc.studies.calibration import fit, surrogate
 from fprc.studies.calibration.fit import fit_rig
 from fprc.studies.calibration.rig_file import parameter_file
@@ -42,7 +42,7 @@ def settings(on_rig, tracking):
     few = {"free": FREE, "ranges": {}, "members": 10, "assimilations": 2, "rounds": 1}
     return {
         "on_rig": on_rig,
-        "judgement": {"models": models, "folds": 2, "split": "shuffled"},
+        "validation": {"models": models, "folds": 2, "split": "shuffled"},
         "calibration": found["calibration"] | few | {"seeds": 1, "full_seeds": 2},
         "tracking": tracking,
         "workers": 1,
@@ -78,8 +78,8 @@ def test_outcome_is_that_of_the_full_models(settings, fitted):
     first = fit.FIRST_SEED + fit.SEEDS_PER_FIT + fit._FULL
     errors = []
     for seed in (first, first + 1):
-        judgement = Judgement(**settings["judgement"], seed=seed)
-        report = compare_models(simulate(on_rig, seed), judgement)[0]["models"]
+        validation = CrossValidation(**settings["validation"], seed=seed)
+        report = compare_models(simulate(on_rig, seed), validation)[0]["models"]
         errors += [r["test_rmse_kpa"] for r in report
                    if (r["model"], r["trained_on"]) == ("fprc", "sweep")]  # fmt: skip
     expected = np.mean(errors) / PRINTED["table_2_models"]["fprc"]["test_rmse_kpa"] - 1.0

@@ -7,7 +7,7 @@ from fprc.evaluation import prepare
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.grids import normalised, shares_of
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Judgement
+from fprc.experiments.settings import CrossValidation
 from fprc.experiments.tracking import Track
 from fprc.models import ESN, FPRC, FuzzyLinear
 from fprc.paper import REFERENCES
@@ -139,7 +139,7 @@ def test_open_loop_errors_are_those_of_the_model_in_the_loop(judged, logs, on_ri
 
 def test_full_models_are_those_of_the_comparison(on_rig, models, tracking):
     small = {**models, "esn": {**models["esn"], "r": NODES}}
-    how = Judgement(models=small, folds=2, split="shuffled", seed=SEED)
+    how = CrossValidation(models=small, folds=2, split="shuffled", seed=SEED)
     found = judge_fully(on_rig, how, tracking)
     reports = compare_models(simulate(on_rig, SEED), how)[0]["models"]
     for report in reports:

@@ -36,7 +36,7 @@ def test_each_unit_of_the_ensemble_is_a_rig_with_its_own_values(family, tmp_path
 
 
 @pytest.mark.parametrize("failure", [None, SimulationError("simulated rig: the angle diverged")])
-def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(family, monkeypatch, failure):
+def test_all_parts_of_a_unit_are_of_one_rig_and_one_seed(family, monkeypatch, failure):
     def compare(data, how):
         if failure:
             raise failure
@@ -47,8 +47,10 @@ def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(family, monkeypatc
 
     monkeypatch.setattr(families, "compare_models", compare)
     monkeypatch.setattr(families, "measure_control", measure)
-    judgement = {"models": SETTINGS["models"], "folds": 2, "split": "shuffled"}
-    (judged,) = judge_tables(unit_of(4, family), tracking=SETTINGS["tracking"], judgement=judgement)
+    validation = {"models": SETTINGS["models"], "folds": 2, "split": "shuffled"}
+    (judged,) = judge_tables(
+        unit_of(4, family), tracking=SETTINGS["tracking"], validation=validation
+    )
     assert judged["seed"] == 605
     if failure:
         assert judged == {"seed": 605, "failed": str(failure)}

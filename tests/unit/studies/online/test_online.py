@@ -36,7 +36,7 @@ def shortened(duration_s):
 
 @pytest.fixture(scope="module")
 def judged():
-    """What the judgement of one short unit gives, as a frame."""
+    """What the judging of one short unit gives, as a frame."""
     signals = {name: spec | {"duration_s": 10.0} for name, spec in SETTINGS["experiments"].items()}
     rig = on_rig(SETTINGS) | {"signals": signals}
     family = {"rigs": "one", "first_seed": 5, "on_rig": rig}
