@@ -56,11 +56,11 @@ def status_of(claim: Claim, fitted: Fit) -> str:
 
 #: Kinds of claims by what they have to do with the fit of the rig, in the order of readers.
 KINDS = {
-    "predicted": "no part of them was fitted",
-    "half fitted": "a part of them was fitted",
-    "fitted": "the rig was fitted to them",
-    "assumed": "built into the rig",
-    "counted": "multiplications, which depend on no rig",
+    "predicted": "no part of it was fitted",
+    "half fitted": "a part of it was fitted",
+    "fitted": "the simulated rig was fitted to it",
+    "assumed": "it is built into the simulated rig",
+    "counted": "multiplications a sample, which depend on no rig",
 }
 
 

@@ -57,7 +57,7 @@ def _held(claims: Sequence[Mapping[str, Any]], tables: Mapping[str, str]) -> str
         for kind, (held, count) in holding(claims).items()
     ]
     left_out = sum(claim["verdict"] == "not informative" for claim in claims)
-    table = pd.DataFrame(rows, columns=["Claims of the paper", "Reproduced"])
+    table = pd.DataFrame(rows, columns=["A claim of the paper is", "Reproduced"])
     errors = pd.concat([_read(tables[name]) for name in ("table2_seeds", "table3_seeds")])
     off = 100.0 * np.abs(errors["mean"] / errors["published_mean"] - 1.0)
     tracking = _read(tables["table4_seeds"]).dropna(subset="published_rmse_deg")
@@ -65,7 +65,7 @@ def _held(claims: Sequence[Mapping[str, Any]], tables: Mapping[str, str]) -> str
     most = (100.0 * np.abs(ratio - 1.0)).groupby(tracking["controller"]).max()
     return (
         f"{table.to_markdown(index=False, disable_numparse=True)}\n\n"
-        f"Not counted: {left_out} that hold for almost any numbers. The {len(off)} means of Tables "
+        f"Left out: {left_out} that hold for almost any numbers. The {len(off)} means of Tables "
         f"II and III are {off.median():.1f} % off print in the median and {off.max():.0f} % at "
         f"most; those of Table IV up to {most['fprc']:.0f} % in open loop and "
         f"{most['fprc_pd']:.0f} % in closed loop."
