@@ -2,12 +2,10 @@
 
 import errno
 import json
-import logging
 import os
-import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from itertools import takewhile
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -19,10 +17,14 @@ from fprc import escape
 from fprc.errors import FprcError, OutputError
 from fprc.given import read_given
 
-log = logging.getLogger(__name__)
-
-_DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-_NO_ACCESS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.EIO)
+_REMEDIES = {
+    **dict.fromkeys((errno.ENOSPC, errno.EDQUOT, errno.EFBIG), "free some space"),
+    **dict.fromkeys(
+        (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.EIO),
+        "make the folder writable",
+    ),
+    errno.EISDIR: "move it away",
+}
 
 #: Longest name of an output, bytes: file systems take 255, and temporary files, journals and
 #: diagnoses have longer names.
@@ -42,33 +44,19 @@ def replacing(path: Path | str) -> Iterator[Path]:
     Raises
     ------
     OutputError
-        The disk is full or the folder cannot be written to.
+        The disk is full, the folder cannot be written to, or ``path`` is a folder.
     """
-    with replacing_all(path) as (temporary,):
-        yield temporary
-
-
-@contextmanager
-def replacing_all(*paths: Path | str) -> Iterator[list[Path]]:
-    """Replace several files as ``replacing`` does: all, in the order given, or none."""
-    targets = [Path(path) for path in paths]
-    temporaries = [path.with_name(f".{path.stem}.part{path.suffix}") for path in targets]
-    with explaining(targets[-1]):
-        for path in targets:
-            path.parent.mkdir(parents=True, exist_ok=True)
+    path = Path(path)
+    temporary = path.with_name(f".{path.stem}.part{path.suffix}")
+    with explaining(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
         try:
-            yield temporaries
-            for temporary in temporaries:
-                with temporary.open("rb") as written:
-                    os.fsync(written.fileno())
-            for path in filter(os.path.isdir, targets):
-                raise OutputError(f"{path}: is a folder; move it away")
-            for temporary, path in zip(temporaries, targets, strict=True):
-                temporary.replace(path)
+            yield temporary
+            with temporary.open("rb") as written:
+                os.fsync(written.fileno())
+            temporary.replace(path)
         finally:
-            for temporary in temporaries:
-                with suppress(NotADirectoryError):
-                    temporary.unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -78,19 +66,16 @@ def explaining(path: Path | str) -> Iterator[None]:
     Raises
     ------
     OutputError
-        The disk is full or the folder cannot be written to.
+        The disk is full, the folder cannot be written to, or ``path`` is a folder.
     """
     try:
         yield
     except OSError as error:
-        if error.errno in _DISK_FULL:
-            remedy = "free some space"
-        elif error.errno in _NO_ACCESS:
-            remedy = "make the folder writable"
-        else:
+        if error.errno not in _REMEDIES:
             raise
         raise OutputError(
-            f"{path}: cannot be written ({error.strerror}); {remedy} or choose another folder"
+            f"{path}: cannot be written ({error.strerror}); {_REMEDIES[error.errno]} or choose "
+            "another folder"
         ) from error
 
 
@@ -105,48 +90,31 @@ def exclusive(path: Path | str) -> Iterator[IO[bytes]]:
     OutputError
         Another process has the file, the disk is full, or the folder cannot be written to.
     """
-    while True:
-        with explaining(path):
-            Path(path).parent.mkdir(parents=True, exist_ok=True)
-            file = open(path, "a+b")
-        with file:
-            _lock(file, path)
-            opened = os.fstat(file.fileno())
-            # its last user may have deleted the file before we had the lock: then open it again
-            if os.path.exists(path) and os.path.samestat(opened, os.stat(path)):
-                yield file
-                return
+    with explaining(path):
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        file = open(path, "a+b")
+    with file:
+        try:
+            import fcntl
 
-
-def _lock(file: IO[bytes], path: Path | str) -> None:
-    try:
-        import fcntl
-
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        raise OutputError(
-            f"{path}: another process is writing it; wait until that ends, or stop it, or choose "
-            "another folder"
-        ) from error
-    except (ImportError, OSError):
-        return
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise OutputError(
+                f"{path}: another process is writing it; wait until that ends, or stop it, or "
+                "choose another folder"
+            ) from error
+        except (ImportError, OSError):
+            pass
+        yield file
 
 
 @contextmanager
-def resuming(
-    path: Path | str, head: Any, *, keep: bool = False
-) -> Iterator[tuple[list[Any], Callable[[Any], None]]]:
+def resuming(path: Path | str, head: Any) -> Iterator[tuple[list[Any], Callable[[Any], None]]]:
     """Yield the entries of a checkpoint, and a function that appends one and syncs it to the disk.
 
-    The file is JSON lines; the first entry is ``head``. A line that was cut is dropped with all
-    that follow. Other processes are refused meanwhile.
-
-    Parameters
-    ----------
-    head
-        What the entries depend on: a file with another head is replaced.
-    keep : bool
-        Whether a copy of a file with another head is kept, with the suffix ``.old``.
+    The file is JSON lines; the first entry is ``head``, what the others depend on: a file with
+    another head is replaced. A line that was cut is dropped with all that follow. Other processes
+    are refused meanwhile.
 
     Raises
     ------
@@ -168,14 +136,6 @@ def resuming(
         entries = list(takewhile(lambda entry: entry is not None, map(_entry, lines)))
         if entries[:1] != [head]:
             entries = []
-            if lines and keep:
-                shutil.copyfile(path, f"{path}.old")
-                log.warning(
-                    "warning: %s is of other settings or other code, or its first line is damaged; "
-                    "it is kept as %s.old, and a new one is begun",
-                    path,
-                    path,
-                )
         file.truncate(sum(map(len, lines[: len(entries)])))
         if not entries:
             append(head)
@@ -238,19 +198,11 @@ def _obstacle(folder: Path) -> str:
     """Return why a folder, which need not exist yet, cannot be written to; empty if it can."""
     path = Path(os.path.abspath(folder))
     try:
-        nearest = next(place for place in (path, *path.parents) if _is_there(place))
+        nearest = next(place for place in (path, *path.parents) if os.path.lexists(place))
         tempfile.TemporaryFile(dir=nearest).close()
     except OSError as error:
         return f"cannot be written to ({error.strerror}); choose another folder"
     return ""
-
-
-def _is_there(path: Path) -> bool:
-    try:
-        os.lstat(path)
-    except FileNotFoundError:
-        return False
-    return True
 
 
 def write_text(path: Path | str, text: str) -> None:
@@ -288,13 +240,7 @@ def read_json(path: Path | str) -> dict[str, Any]:
 
 
 def parse_object(text: str) -> dict[str, Any]:
-    """Parse a JSON object.
-
-    Raises
-    ------
-    ValueError, RecursionError
-        The text is anything else.
-    """
+    """Parse a JSON object; raise ValueError, or RecursionError, for any other text."""
     content = json.loads(text)
     if not isinstance(content, dict):
         raise ValueError("must be a JSON object")

@@ -65,12 +65,3 @@ def typeset(text: str) -> str:
         return _GREEK.get(match["greek"], match[0])
 
     return _SYMBOL.sub(set_low, text)
-
-
-def code(text: str) -> str:
-    """Return text as Markdown code; the text may contain backticks."""
-    text = visible(text)
-    longest = max(map(len, re.findall("`+", text)), default=0)
-    fence = "`" * (longest + 1)
-    blank = " " if text.startswith("`") or text.endswith("`") else ""
-    return f"{fence}{blank}{text}{blank}{fence}"

@@ -1,7 +1,6 @@
 """Files that users name: the one way to open them."""
 
 import os
-import stat
 from collections.abc import Sequence
 from pathlib import Path
 from typing import BinaryIO
@@ -17,36 +16,29 @@ def open_given(
 ) -> BinaryIO:
     """Open a file that a user named, for reading.
 
-    Only a regular file is opened, or a link to one: a pipe would block, and a device can be
-    endless.
-
-    Parameters
-    ----------
-    error : type, default=FprcError
-        Class of the exception.
-    most_bytes : int, default=MOST_BYTES
-        Largest size, bytes.
-
     Raises
     ------
-    FprcError
-        The path leads to no regular file, the file cannot be read, or it is too large.
+    error
+        The path leads to no regular file, the file cannot be read, or it has more than
+        ``most_bytes``.
     """
-    shown = str(path) or "''"
     try:
-        found = os.stat(path)
-        if not stat.S_ISREG(found.st_mode):
-            kind = "Is a directory" if stat.S_ISDIR(found.st_mode) else "not a regular file"
-            raise error(f"{shown}: cannot be opened ({kind}); check the path")
-        if found.st_size > most_bytes:
-            raise error(
-                f"{path}: has {found.st_size:,} bytes; must have at most {most_bytes:,}, split it "
-                "or check the path"
-            )
-        return open(path, "rb")
+        # a pipe would block, and a device can be endless
+        if os.path.exists(path) and not os.path.isfile(path):
+            raise OSError(0, "no regular file")
+        file = open(path, "rb")
     except (OSError, ValueError) as problem:  # ValueError: the path contains NUL
         why = getattr(problem, "strerror", None) or problem
+        shown = str(path) or "''"
         raise error(f"{shown}: cannot be opened ({why}); check the path") from problem
+    size = os.fstat(file.fileno()).st_size
+    if size > most_bytes:
+        file.close()
+        raise error(
+            f"{path}: has {size:,} bytes; must have at most {most_bytes:,}, split it or check the "
+            "path"
+        )
+    return file
 
 
 def read_given(
@@ -61,18 +53,7 @@ def read_given(
 
 
 def refuse_repeats(paths: Sequence[str], why: str) -> None:
-    """Refuse a recording that is given twice.
-
-    Parameters
-    ----------
-    why : str
-        What would be wrong, for the message.
-
-    Raises
-    ------
-    ConfigError
-        Lists every repeated recording.
-    """
+    """Raise ConfigError if a recording is given twice; ``why`` says what would be wrong."""
     places = [os.path.realpath(path) for path in paths]
     repeated = [path for i, path in enumerate(paths) if places[i] in places[:i]]
     if repeated:

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.cbook import is_math_text
-from matplotlib.mathtext import MathTextParser
 
 from fprc import escape
 
@@ -29,33 +28,12 @@ def test_figure_shows_text_and_no_formula(text):
         plt.close(fig)
 
 
-@pytest.mark.parametrize("text", [r"$\frac{$", "$$", r"\$", "a_b^c", "$x$", "{", r"\\$ \alpha"])
-def test_text_beside_a_formula_is_none(text):
-    """As in an axis label: a symbol, and in brackets a unit from a file."""
-    parser = MathTextParser("path")
-    assert parser.parse(rf"$P_o$ [{escape.figure(text)}]").width > 0
-    glyphs = [chr(glyph[2]) for glyph in parser.parse(f"$o${escape.figure(text)}").glyphs]
-    assert "".join(glyphs) == f"o{text}"
-
-
 @given(text=TEXTS)
 def test_markdown_comes_back_and_stays_in_its_cell(text):
     shown = escape.markdown(text)
     assert "\n" not in shown
     assert not re.search(r"(?<!\\)(\\\\)*[|<`*]", shown)
     assert re.sub(r"\\([\\`*<>|&$])", r"\1", shown) == escape.visible(text)
-
-
-@given(text=TEXTS)
-def test_code_of_markdown_ends_where_the_text_does(text):
-    shown = escape.code(text)
-    fence = re.match("`+", shown)[0]
-    inner = shown[len(fence) : -len(fence)]
-    assert shown.endswith(fence)
-    assert fence not in re.findall("`+", inner)
-    if inner.startswith(" ") and inner.endswith(" ") and inner.strip():
-        inner = inner[1:-1]
-    assert inner.strip() == escape.visible(text).strip()
 
 
 TYPESET = [

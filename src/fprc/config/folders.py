@@ -14,31 +14,25 @@ PROJECT_FOLDERS = frozenset({"config", "docs", "profiles", "src", "tests", "tool
 
 def _path_parts(folder: str) -> tuple[str, ...]:
     """Return the parts of a folder's path, relative to the working directory."""
-    path = os.path.normpath(folder)
-    if os.path.isabs(path) or path.startswith(".."):
-        path = os.path.relpath(path)
-    return PurePath(path).parts
+    return PurePath(os.path.relpath(folder)).parts
 
 
 def _checked(folder: str) -> str:
     folder = str(PurePath(folder))  # `out/` and `./out` are `out`
-    place = _path_parts(folder)
-    first = (*place, "")[0]
-    is_above = set(place) <= {".."} or os.path.abspath(folder) == os.path.expanduser("~")
-    is_hidden = first.startswith(".") and first != ".."
-    problems = []
     if not folder.isprintable() or set("{}") & set(folder) or folder[0] in "~- ":
-        problems.append(
-            "must consist of printable characters without braces, which are wildcards for "
-            "Snakemake, and not begin with ~, - or a blank"
+        raise ValueError(
+            f"{folder[:60]!r}: must consist of printable characters without braces, which are "
+            "wildcards for Snakemake, and not begin with ~, - or a blank"
         )
-    if is_above or is_hidden or first in PROJECT_FOLDERS:
-        problems.append(
-            "must be none of the project's own, which are hidden folders and "
+    first, *others = _path_parts(folder) or [""]
+    is_above = {first, *others} <= {"..", ""}
+    is_hidden = first.startswith(".") and first != ".."
+    is_home = os.path.abspath(folder) == os.path.expanduser("~")
+    if is_above or is_hidden or is_home or first in PROJECT_FOLDERS:
+        raise ValueError(
+            f"{folder[:60]!r}: must be none of the project's own, which are hidden folders and "
             f"{', '.join(sorted(PROJECT_FOLDERS))}, nor your home or what contains the project"
         )
-    if problems:
-        raise ValueError(f"{folder[:60]!r}: {'; '.join(problems)}")
     return folder
 
 

@@ -13,12 +13,10 @@ from fprc.escape import in_words
 
 
 def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> str:
-    """Return what is wrong in one line.
+    """Return what is wrong, one error of pydantic, in a line.
 
     Parameters
     ----------
-    item : Mapping
-        One error of pydantic.
     section : type
         The section that was read.
     page : str
@@ -28,29 +26,18 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
     key = ".".join([*above, last])
     defaults = {name: default for name, default, *_ in fields(section)}
     kind, value = item["type"], item["input"]
-    if kind == "missing" and not last.isdigit():
+    if kind == "missing":
         return f"{key}: missing; see {page}"
     if kind == "extra_forbidden":
         return f"{key}: unknown key; {_nearest(above, last, defaults, page)}"
-    if kind == "invalid_key":
-        return f"{'.'.join([*above, str(value)])}: unknown key; keys are words, such as seed"
     message = item["msg"].removeprefix("Value error, ").replace("a valid tuple", "a list")
     message = re.sub("^(Input|String) should", "must", message)
-    if kind == "missing":
-        key, message = ".".join(above), "must have 2 items"
-    if kind == "model_type":
-        message = "must hold keys and values"
     # the messages of our checks name the value where that helps
     shown = "" if kind == "value_error" else f" = {value}"
     default = defaults.get(key, PydanticUndefined)
     # a default that is no value says nothing, and of the rig it is not what the chosen one has
     is_shown = default not in (PydanticUndefined, None, {}) and not key.startswith("rig.")
     remedy = f" (default: {default!r})" if is_shown else ""
-    if kind == "literal_error":
-        # the valid words stand in pydantic's message
-        words = {word.lower(): word for word in re.findall(r"'([^']+)'", item["ctx"]["expected"])}
-        near = difflib.get_close_matches(str(value).lower(), words, n=1, cutoff=0.5)
-        remedy = f"; did you mean {words[near[0]]}?" if near else remedy
     return f"{key}{shown}: {message}{remedy}" if key else message
 
 

@@ -29,8 +29,8 @@ that an earlier file gives, or `{RIG}`. If a file has a section `fitted` too, it
 rig: what it leaves out has the defaults below, which are not the values of `{RIG}`.
 
 Files are YAML 1.2 or JSON: `010` is 10 and `1e3` is 1000; `1:30`, `no` and `2026-01-02` are texts.
-A repeated key, an alias (`*name`, `<<`), a tag (`!name`) and a second document are errors, named
-with their lines. `fprc config check FILE ...` only checks.
+A repeated key, an alias (`*name`), a tag (`!name`) and a second document are errors, named with
+their lines. `fprc config check FILE ...` only checks.
 
 Snakemake parses `--config` itself: the last of repeated keys wins without a warning; numbers are
 decimal as in files. Its message about a file that it cannot read does not name the file; that of

@@ -315,33 +315,30 @@ def free_ranges(
 ) -> dict[str, tuple[float, float]]:
     """Return the range of each free parameter, physical unless a narrower one is given.
 
-    Parameters
-    ----------
-    paths : sequence of str
-        As ``fprc.studies.calibration.space.Free`` takes them.
-
     Raises
     ------
     ValueError
         Lists every path that is not a number of the rig, and every range that is empty, exceeds
         the physical one, or belongs to no free parameter.
     """
+    physical = _physical()
+    known = {path: physical[path] for path in paths if path in physical}
+    ranges = {
+        path: (float(low), float(high)) for path, (low, high) in {**known, **narrower}.items()
+    }
     problems = [
         f"calibration.ranges: {path} is not free; remove it or add it to calibration.free"
         for path in narrower
         if path not in paths
     ]
-    ranges = {}
-    for path in paths:
-        if path not in _physical():
-            problems.append(
-                f"calibration.free: {path} is not a number of the rig, or is a slip weight that "
-                "follows from the others, as all sum to 1; remove it"
-            )
-            continue
-        least, most = _physical()[path]
-        low, high = map(float, narrower.get(path, (least, most)))
-        ranges[path] = (low, high)
+    problems += [
+        f"calibration.free: {path} is not a number of the rig, or is a slip weight that follows "
+        "from the others, as all sum to 1; remove it"
+        for path in paths
+        if path not in physical
+    ]
+    for path, (least, most) in known.items():
+        low, high = ranges[path]
         if not least <= low < high <= most:
             problems.append(
                 f"calibration.ranges: {path} is {low:g} to {high:g}; must rise and lie within "

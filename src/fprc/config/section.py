@@ -20,7 +20,7 @@ T = TypeVar("T")
 
 
 class Section(BaseModel):
-    """A group of settings; unknown keys, infinities, NaN and the character NUL are errors."""
+    """A group of settings; unknown keys, infinities and NaN are errors."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -35,13 +35,10 @@ class Section(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _no_nul_nor_truth_values_as_numbers(cls, value: Any, info: ValidationInfo) -> Any:
+    def _no_truth_values_as_numbers(cls, value: Any, info: ValidationInfo) -> Any:
         parts = value if isinstance(value, (list, tuple)) else [value]
-        if any(isinstance(part, str) and "\0" in part for part in parts):
-            raise ValueError("contains the character NUL; remove it")
-        if cls.model_fields[str(info.field_name)].annotation is bool:
-            return value
-        if any(isinstance(part, bool) for part in parts):
+        is_flag = cls.model_fields[str(info.field_name)].annotation is bool
+        if not is_flag and any(isinstance(part, bool) for part in parts):
             raise ValueError("must not be true or false")
         return value
 
@@ -92,9 +89,8 @@ Rising = Annotated[tuple[T, T], AfterValidator(_rise)]
 
 def section_of(field: FieldInfo) -> type[BaseModel] | None:
     """Return the section that a key holds, also if it may be null; None if it holds a value."""
-    kinds = [field.annotation]
-    if get_origin(field.annotation) in (Union, UnionType):
-        kinds = list(get_args(field.annotation))
+    whole = field.annotation
+    kinds = get_args(whole) if get_origin(whole) in (Union, UnionType) else [whole]
     sections = (kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel))
     return next(sections, None)
 
@@ -102,17 +98,10 @@ def section_of(field: FieldInfo) -> type[BaseModel] | None:
 def fields(
     section: type[BaseModel], default: Any = None, prefix: str = ""
 ) -> Iterator[tuple[str, Any, FieldInfo, type[BaseModel]]]:
-    """Yield (dotted key, default, field, section) of every setting, depth first.
-
-    Parameters
-    ----------
-    default : Section, optional
-        Holds the defaults, if they are not those of the class.
-    """
+    """Yield (dotted key, default, field, section) of every setting, depth first."""
     for name, field in section.model_fields.items():
         value = getattr(default, name) if isinstance(default, BaseModel) else field.default
-        inner = section_of(field)
-        if inner:
+        if inner := section_of(field):
             yield from fields(inner, value, f"{prefix}{name}.")
         else:
             yield f"{prefix}{name}", value, field, section

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.artifacts import is_json_with, read_json, refuse_output, replacing_all, write_json
+from fprc.artifacts import is_json_with, read_json, refuse_output, replacing, write_json
 from fprc.channels import unit_of
 from fprc.config import Settings
 from fprc.errors import ConfigError, LogError
@@ -141,7 +141,7 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
         name: f"{name} from {spec['column']}" + (f": {spec['note']}" if spec["note"] else "")
         for name, spec in columns.items()
     }
-    with replacing_all(diagnosed, raw) as (page, log):
+    with replacing(raw) as log, replacing(diagnosed) as page:
         file = {"source": Path(source).name, "log": Path(raw).name, "words": lines}
         write_json(page, file | diagnosis)
         write_raw(log, {"time_s": time_s, **channels}, **attributes)

@@ -9,7 +9,6 @@ import pandas as pd
 
 from fprc.artifacts import read_json
 from fprc.config import from_files
-from fprc.escape import code
 from fprc.evaluation.sides import SHIFTS
 from fprc.paper import SOURCES
 from fprc.provenance import sha256
@@ -41,12 +40,12 @@ def report_page(
     default = from_files([]).model_dump(mode="json")["models"]
     verdict, _, rest = found["words"].partition(":")
     lines = [
-        f"# Is P_o worth a second sensor in {code(Path(source).name)}?",
+        f"# Is P_o worth a second sensor in `{Path(source).name}`?",
         "",
         f"**{verdict}**:{rest}",
         *(f"\n- Doubtful: {line}" for line in doubts),
         "",
-        f"Recording: {_with_hash(source)}; map: {code(map_file)}.",
+        f"Recording: {_with_hash(source)}; map: `{map_file}`.",
         *([f"Further recordings: {', '.join(map(_with_hash, further))}."] if further else []),
         f"Data: {SOURCES[report['source']]}. Predicted is the {_TARGETS[report['target']]} P_exp.",
         "",
@@ -80,7 +79,7 @@ def report_page(
     for log, (path, _) in parts.items():
         part = "last part" if log == "complex" else "first part"
         if path != source or len(parts) - len(further) == 1:
-            part = code(Path(path).name)
+            part = f"`{Path(path).name}`"
         words = read_json(folder / f"raw/{log}.diagnosis.json")["words"]
         lines += ["", f"### {part[0].upper()}{part[1:]}", "", *(f"- {word}" for word in words)]
         lines += ["", f"![{part}](raw/{log}.diagnosis.png)"]
@@ -167,7 +166,7 @@ def write_tables(report: Mapping[str, Any], folder: Path) -> None:
 
 
 def _with_hash(path: str) -> str:
-    return f"{code(path)}, SHA-256 `{sha256(path)[:16]}`"
+    return f"`{path}`, SHA-256 `{sha256(path)[:16]}`"
 
 
 def rates_in_words(

@@ -12,12 +12,9 @@ from fprc.errors import ConfigError
         ({"valves": {"neutral_v": 4.5, "vent_v": 2.6}}, "valves", "vent_v"),
         # limits that leave out a vented chamber
         ({"limits": {"p_exp_kpa": (0.0, 400.0)}}, "limits.p_exp_kpa", ""),
-        ({"limits": {"p_exp_kpa": (10.0, 400.0)}}, "limits.p_exp_kpa", ""),
-        ({"limits": {"p_i_kpa": (0.0, 400.0)}}, "limits.p_i_kpa", ""),
         ({"limits": {"p_i_kpa": (-90.0, -10.0)}}, "limits.p_i_kpa", ""),
         # a sensor that would hide a fault
         ({"p_exp": {"zero_v": 0.0}}, "", "p_exp: with a broken cable, at 0 V"),
-        ({"p_i": {"zero_v": 0.05}}, "", "would read -12.5 kPa"),
         ({"p_exp": {"gain_kpa_per_v": 100.0}}, "", "full 5 V the sensor would read 400"),
         ({"p_o": {"zero_v": 3.5}}, "", "p_o: at its full 5 V"),
         ({"p_exp": {"gain_kpa_per_v": 2.5}}, "p_exp.gain_kpa_per_v", ""),
@@ -25,11 +22,8 @@ from fprc.errors import ConfigError
         ({"phi": {"address": 0x12}}, "", "0x12"),
         # wiring and names
         ({"boards": {"main_output": 5, "heartbeat_output": 5}}, "boards", "share a channel"),
-        ({"boards": {"reservoir_output": 5, "heartbeat_output": 5}}, "boards", "share a channel"),
         ({"boards": {"p_i_input": 0}}, "boards", "share an input channel"),
         ({"boards": {"input_device": "AIO001"}}, "boards", "AIO001"),
-        ({"boards": {"library": "lib\0caio.so"}}, "boards.library", "NUL"),
-        ({"boards": {"input_device": "AIO\0"}}, "boards.input_device", "NUL"),
     ],
 )
 def test_setting_that_makes_no_safe_rig_is_refused(hardware, place, what):

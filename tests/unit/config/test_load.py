@@ -6,7 +6,6 @@ import pytest
 
 from fprc.config import Settings, check, from_files, local_files, rig_files
 from fprc.config.reference import RIG
-from fprc.config.rig import squeeze_lag
 from fprc.errors import ConfigError
 
 CONFIG = Path(__file__).parents[3] / "config"
@@ -98,11 +97,6 @@ def test_later_files_win_key_by_key_and_what_stands_beside_them_last(written):
         from_files(paths, {"models": {"n_z": 1}})
 
 
-def test_key_of_an_earlier_file_is_checked_even_if_a_later_one_is_right(written):
-    with pytest.raises(ConfigError, match="models.n_z: unknown key"):
-        from_files(written("models: {n_z: 7}\n", "models: {n_y: 7}\n"))
-
-
 def test_every_file_that_cannot_be_read_is_told_at_once(written):
     paths = written("seed: 1\nseed: 2\n", "seed: 3\n", "a: [\n", "- 1\n")
     with pytest.raises(ConfigError) as caught:
@@ -146,13 +140,6 @@ LAYERS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("changed", [DRY, "rig: dry\n", "rig: {drift: {time_s: 7.0}}\n"])
-def test_another_rig_did_not_begin_where_the_fit_of_the_one_before_did(rigs, written, changed):
-    (rigs / "wet.yaml").write_text(WET + "fitted: {name: wet, start: [C1b]}\n", encoding="utf-8")
-    assert from_files(written("rig: wet\n")).fitted.start == ("C1b",)
-    assert from_files(written("rig: wet\n", changed)).fitted.start == ()
-
-
 def fitted(settings):
     return settings.fitted.name, settings.fitted.to
 
@@ -186,12 +173,6 @@ def test_rig_is_the_fitted_one_where_none_is_given(tmp_path, monkeypatch):
     assert changed.rig == named.rig.model_copy(update={"drift": drift})
 
 
-def test_wrong_number_in_the_file_of_a_rig_is_refused(rigs):
-    (rigs / "dry.yaml").write_text("rig: {drift: {time_s: 0.1}}\n", encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"rig\.drift\.time_s = 0\.1"):
-        from_files([], {"rig": "dry"})
-
-
 def test_configuration_of_the_paper_is_the_default_but_for_its_rig():
     settings = from_files([CONFIG / "config.yaml"])
     assert settings.fitted.name == RIG
@@ -208,20 +189,6 @@ def test_every_rig_of_the_package_is_valid_and_has_the_name_of_its_file(
     assert settings.fitted.name == name
     assert (name == "bouc_wen") == (not settings.fitted.to)
     assert settings.rig != Settings().rig
-
-
-def test_rig_bouc_wen_is_the_dry_rig_with_another_friction_law():
-    dry, other = (from_files([], {"rig": name}) for name in ("dry", "bouc_wen"))
-    assert dry.rig.friction_law == "maxwell_slip"
-    assert other.rig == dry.rig.model_copy(update={"friction_law": "bouc_wen"})
-    assert fitted(other) == ("bouc_wen", ())
-
-
-def test_reservoir_with_a_lag_inside_the_band_of_the_motion_is_refused():
-    slow = {"rig": {"reservoir": {"squeeze_damping_kpa_s_per_ml": 2.0}}}
-    assert "lags by 0.07" in message(slow)
-    fast = {"rig": {"reservoir": {"squeeze_damping_kpa_s_per_ml": 1.2}}}
-    assert squeeze_lag(check(fast).model_dump()["rig"]) == pytest.approx(1.2 / 26.146, rel=1e-3)
 
 
 def test_local_configuration_that_is_a_broken_link_is_not_passed_over(tmp_path, monkeypatch):
