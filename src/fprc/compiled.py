@@ -1,9 +1,9 @@
 """One decorator for compiled functions, with a cache that cannot go stale."""
 
 import hashlib
-import tempfile
+import os
 from collections.abc import Callable
-from functools import cache
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +25,7 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     ``__pycache__``. If that cannot be written, it is in the user's cache folder;
     if neither can, each process compiles again.
     """
-    package = Path(function.__code__.co_filename).parent
-    wanted = _cache_folder(package)
-    of_user = user_cache_dir("fprc", appauthor=False)  # type: ignore[no-untyped-call]
-    folders = (wanted, Path(of_user, package.name, wanted.name))
-    folder = next(filter(_is_writable, folders), None)
+    folder = _cache_folder(Path(function.__code__.co_filename).parent)
     before = _CONFIG.CACHE_DIR
     _CONFIG.CACHE_DIR = str(folder or before)
     try:
@@ -60,23 +56,18 @@ def summing_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     return kernel(function, fastmath={"reassoc", "contract"})
 
 
-def _cache_folder(package: Path) -> Path:
+def _cache_folder(package: Path) -> Path | None:
+    """Return the folder of a package's machine code; None if none can be written."""
     digest = hashlib.sha256()
     here = Path(__file__)
     for source in (here, here.with_name("control_laws.py"), *sorted(package.glob("*.py"))):
         digest.update(source.read_bytes())
-    folder = Path(_CONFIG.CACHE_DIR or package / "__pycache__")
-    return folder / f"kernels-{digest.hexdigest()[:16]}"
-
-
-@cache
-def _is_writable(folder: Path) -> bool:
-    """Create a folder, and return whether files can be written there."""
-    if str(folder).startswith("~"):  # the user has no home
-        return False
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
+    of_user = user_cache_dir("fprc", appauthor=False)  # type: ignore[no-untyped-call]
+    for parent in (_CONFIG.CACHE_DIR or package / "__pycache__", Path(of_user, package.name)):
+        folder = Path(parent, f"kernels-{digest.hexdigest()[:16]}")
+        if not str(folder).startswith("~"):  # the user has a home
+            with suppress(OSError):
+                folder.mkdir(parents=True, exist_ok=True)
+                if os.access(folder, os.W_OK):
+                    return folder
+    return None

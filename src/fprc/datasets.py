@@ -9,7 +9,6 @@ from sklearn.utils import Bunch
 
 from fprc.channels import TARGETS
 from fprc.config import from_files
-from fprc.config.load import RIG
 from fprc.errors import ConfigError
 from fprc.escape import in_words
 from fprc.experiments.data import select_channels
@@ -90,7 +89,13 @@ def load_hysteresis(
     """
     _refuse(experiment, seed, rig, raw, target)
     if raw is None:
-        log = _simulate(experiment, 1 if seed is None else seed, RIG if rig is None else rig)
+        settings = from_files([], {} if rig is None else {"rig": rig})
+        control, signal = settings.control, dict(settings.experiments)[experiment]
+        arrays = acquire(
+            experiment, signal, control, settings.rig.model_dump(), 1 if seed is None else seed
+        )
+        attributes = {"source": "sim", "sample_rate_hz": control.sample_rate_hz}
+        log = Columns(Path(f"{experiment}, simulated"), arrays, attributes)
     else:
         tolerance = from_files([]).quality.rate_tolerance
         log = read_raw(raw, experiment=experiment, sample_rate_hz=None, rate_tolerance=tolerance)
@@ -112,22 +117,13 @@ def load_hysteresis(
 
 
 def _refuse(experiment: str, seed: Any, rig: Any, raw: Path | str | None, target: str) -> None:
-    problems = []
-    if experiment not in RUNS:
-        problems.append(f"experiment = {experiment!r}; must be {in_words(RUNS, 'or')}")
-    if target not in TARGETS:
-        problems.append(f"target = {target!r}; must be {in_words(TARGETS, 'or')}")
-    if seed is not None and not (isinstance(seed, int | np.integer) and seed >= 0):
-        problems.append(f"seed = {seed!r}; must be a whole number, 0 or more")
-    if raw is not None and not (seed is None and rig is None):
-        problems.append("seed and rig are those of a simulation; leave them out to read a raw log")
-    if problems:
-        raise ConfigError("\n".join(problems))
-
-
-def _simulate(experiment: str, seed: int, rig: str | Mapping[str, Any]) -> Columns:
-    settings = from_files([], {"rig": rig})
-    control, signal = settings.control, dict(settings.experiments)[experiment]
-    channels = acquire(experiment, signal, control, settings.rig.model_dump(), seed)
-    attributes = {"source": "sim", "sample_rate_hz": control.sample_rate_hz}
-    return Columns(Path(f"{experiment}, simulated"), channels, attributes)
+    problems = {
+        f"experiment = {experiment!r}; must be {in_words(RUNS, 'or')}": experiment in RUNS,
+        f"target = {target!r}; must be {in_words(TARGETS, 'or')}": target in TARGETS,
+        f"seed = {seed!r}; must be a whole number, 0 or more": seed is None
+        or (isinstance(seed, int | np.integer) and seed >= 0),
+        "seed and rig are those of a simulation; leave them out to read a raw log": raw is None
+        or (seed is None and rig is None),
+    }
+    if not all(problems.values()):
+        raise ConfigError("\n".join(text for text, right in problems.items() if not right))

@@ -17,42 +17,17 @@ from fprc.registry import COMPETITORS, class_module
 
 #: Beginnings of the names of what makes tables, figures, claims and pages of results.
 SHOWS = (
-    "claims",
-    "escape",
-    "figures",
-    "provenance",
-    "stages.claims",
-    "stages.draw",
-    "stages.report",
-    "stages.tabulate",
-    "studies.beyond.claims",
-    "studies.beyond.tables",
-    "studies.beyond.verdicts",
-    "studies.blocks",
-    "studies.stages.beyond",
-    "studies.stages.check",
-    "studies.stages.documents",
-    "studies.stages.families",
-    "studies.stages.online",
-    "tables",
-)
+    "claims", "escape", "figures", "provenance", "stages.claims", "stages.draw",
+    "stages.report", "stages.tabulate", "studies.beyond.claims", "studies.beyond.tables",
+    "studies.beyond.verdicts", "studies.blocks", "studies.stages.beyond",
+    "studies.stages.check", "studies.stages.documents", "studies.stages.families",
+    "studies.stages.online", "tables",
+)  # fmt: skip
 #: Those of what no rule of the paper runs, or what only passes on files and settings.
 ELSEWHERE = (
-    "__init__",
-    "__main__",
-    "apparatus",
-    "cli",
-    "commands",
-    "config",
-    "datasets",
-    "errors",
-    "fingerprint",
-    "given",
-    "plan",
-    "recordings",
-    "studies",
-    "yaml_file",
-)
+    "__init__", "__main__", "apparatus", "cli", "commands", "config", "datasets", "errors",
+    "fingerprint", "given", "plan", "recordings", "studies", "yaml_file",
+)  # fmt: skip
 
 
 def code_that_computes(
@@ -65,15 +40,15 @@ def code_that_computes(
     *models : str
         Models that run. The module of each other model's class does not count.
     settings : Mapping, optional
-        Section ``models`` of the configuration, which names the models from outside. Of such a
-        model the file of its class counts.
+        Section ``models`` of the configuration. Of a model from outside the file of its class
+        counts.
     also : iterable of str
         Further packages and modules, as ``studies.families``.
     """
+    computing = {name for name in modules() if not name.startswith(SHOWS)}
     own = {class_module(name).removeprefix("fprc.") for name in COMPETITORS}
-    shared = {name for name in modules() if not name.startswith((*SHOWS, *ELSEWHERE))} - own
-    further = {name for name in modules() if name.startswith(tuple(also))}
-    further -= {name for name in further if name.startswith(SHOWS)}
+    shared = {name for name in computing if not name.startswith(ELSEWHERE)} - own
+    further = {name for name in computing if name.startswith(tuple(also))}
     return _digest([*shared, *further, *(class_module(name, settings) for name in models)])
 
 

@@ -33,43 +33,33 @@ class Entry(NamedTuple):
     fixed: Settings = {}  #: parameters that no section has
 
 
+_BOTH = (ANGLE, "p_o_kpa")
+_RIDGE = ("n_y", "alpha")
+_FUZZY = (*_RIDGE, "fprc.n_c", "fprc.sigma", "fprc.restarts")
+
 #: The paper's models, in its order.
 MODELS = {
-    "esn": Entry(
-        "fprc.models.esn.ESN",
-        (ANGLE,),
-        ("n_y", "alpha", "esn"),
-        "ESN",
-    ),
-    "fprc": Entry(
-        "fprc.models.fprc.FPRC",
-        (ANGLE, "p_o_kpa"),
-        ("n_y", "alpha", "fprc"),
-        "FPRC",
-    ),
-    "fuzzy_linear": Entry(
-        "fprc.models.fprc.FuzzyLinear",
-        (ANGLE,),
-        ("n_y", "alpha", "fprc.n_c", "fprc.sigma", "fprc.restarts"),
-        "Fuzzy-linear",
-    ),
+    "esn": Entry("fprc.models.esn.ESN", (ANGLE,), (*_RIDGE, "esn"), "ESN"),
+    "fprc": Entry("fprc.models.fprc.FPRC", _BOTH, (*_RIDGE, "fprc"), "FPRC"),
+    "fuzzy_linear": Entry("fprc.models.fprc.FuzzyLinear", (ANGLE,), _FUZZY, "Fuzzy-linear"),
 }
 
 _BANK = {"epsilons": [0.03, 0.01, 0.003]}
 # P_o itself, and its low-passes
-_OF_P_O = {**_BANK, "epsilons_p_o": [1.0, *_BANK["epsilons"]]}
+_BANK_P_O = {"epsilons_p_o": [1.0, *_BANK["epsilons"]]}
+_OF_P_O = {**_BANK, **_BANK_P_O}
+_PLAYS = {"n_plays": 10}
 # quick, and remembers a quarter of a second
 _SMALL = {"r": 100, "f_input": 0.02, "gamma": 0.98, "rho": 0.8, "washout": 100}
 _PRODUCTS = {"n_taps": 5, "spacing": 25, "degree": 2, "alpha": 0.1}
-_RIDGE = ("n_y", "alpha")
-_FUZZY = MODELS["fuzzy_linear"].settings
-_BOTH = (ANGLE, "p_o_kpa")
+_TREES = {"max_iter": 100, "max_leaf_nodes": 31, "learning_rate": 0.1}
+_MLP = {"hidden": [32], "tolerance": 1e-3}
 
 
 def _competitor(
     cls: str, inputs: tuple[str, ...], settings: tuple[str, ...], title: str, **fixed: Any
 ) -> Entry:
-    return Entry(f"fprc.models.competitors.{cls}", inputs, settings, title, fixed=fixed)
+    return Entry(f"fprc.models.competitors.{cls}", inputs, settings, title, fixed)
 
 
 #: The models that are compared beyond the paper, the paper's first.
@@ -88,46 +78,24 @@ COMPETITORS = MODELS | {
         inputs=(ANGLE, ANGLE), title="FPRC on low-passed theta_d"
     ),
     "ridge_p_o": _competitor(
-        "ridge_p_o",
-        _BOTH,
-        ("n_y", "fprc.n_u", "fprc.epsilon", "alpha"),
-        "Ridge on FPRC's features",
+        "ridge_p_o", _BOTH, (*_RIDGE, "fprc.n_u", "fprc.epsilon"), "Ridge on FPRC's features"
     ),
     "linear": _competitor("on_taps", (ANGLE,), _RIDGE, "Ridge on taps"),
     "linear_p_o": _competitor("on_taps", _BOTH, _RIDGE, "Ridge on taps + P_o"),
     "bank": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on low-passes", **_BANK),
     "bank_p_o": _competitor("on_bank", _BOTH, _RIDGE, "Ridge on low-passes + P_o", **_OF_P_O),
     "bank_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on low-passes", **_BANK),
-    "plays": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on plays", n_plays=10, **_BANK),
-    "plays_p_o": _competitor(
-        "on_bank", _BOTH, _RIDGE, "Ridge on plays + P_o", n_plays=10, **_OF_P_O
-    ),
-    "plays_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on plays", n_plays=10, **_BANK),
+    "plays": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on plays", **_PLAYS, **_BANK),
+    "plays_p_o": _competitor("on_bank", _BOTH, _RIDGE, "Ridge on plays + P_o", **_PLAYS, **_OF_P_O),
+    "plays_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on plays", **_PLAYS, **_BANK),
     "nvar": _competitor("nvar", (ANGLE,), (), "NVAR", **_PRODUCTS),
     "nvar_p_o": _competitor("nvar", _BOTH, (), "NVAR + P_o", **_PRODUCTS),
-    "echo": Entry("fprc.models.esn.ESN", (ANGLE,), _RIDGE, "Small ESN", fixed=_SMALL),
+    "echo": MODELS["esn"]._replace(settings=_RIDGE, title="Small ESN", fixed=_SMALL),
     # the same network of theta_d
-    "echo_p_o": _competitor(
-        "echo_p_o",
-        _BOTH,
-        _RIDGE,
-        "Small ESN + P_o",
-        **_SMALL,
-        epsilons_p_o=_OF_P_O["epsilons_p_o"],
-    ),
-    "trees": _competitor(
-        "trees",
-        (ANGLE,),
-        ("n_y",),
-        "Boosted trees",
-        **_BANK,
-        max_iter=100,
-        max_leaf_nodes=31,
-        learning_rate=0.1,
-    ),
-    "mlp": _competitor("mlp", (ANGLE,), ("n_y",), "MLP", **_BANK, hidden=[32], tolerance=1e-3),
+    "echo_p_o": _competitor("echo_p_o", _BOTH, _RIDGE, "Small ESN + P_o", **_SMALL, **_BANK_P_O),
+    "trees": _competitor("trees", (ANGLE,), ("n_y",), "Boosted trees", **_BANK, **_TREES),
+    "mlp": _competitor("mlp", (ANGLE,), ("n_y",), "MLP", **_BANK, **_MLP),
 }
-
 
 #: Families of models without P_o and with it, alike but for that, the plainest first. FPRC on
 #: low-passed theta stands on theta's side.
@@ -142,13 +110,7 @@ SIDES = {
 
 
 def entry_of(name: str, models: Settings | None = None) -> Entry:
-    """Return the entry of any model.
-
-    Raises
-    ------
-    ConfigError
-        There is none; the message lists all of this package.
-    """
+    """Return the entry of any model; raise ConfigError, which lists ours, if there is none."""
     known = COMPETITORS | entries(models)
     if name not in known:
         raise ConfigError(f"{name!r} is no model; choose from {', '.join(COMPETITORS)}")
@@ -158,12 +120,7 @@ def entry_of(name: str, models: Settings | None = None) -> Entry:
 def entries(models: Settings | None = None) -> dict[str, Entry]:
     """Return every model by name: the paper's, and those of ``models.others``."""
     return MODELS | {
-        name: Entry(
-            other["estimator"],
-            tuple(other["inputs"]),
-            (f"others.{name}",),
-            title_of(name),
-        )
+        name: Entry(other["estimator"], tuple(other["inputs"]), (f"others.{name}",), title_of(name))
         for name, other in (models or {}).get("others", {}).items()
     }
 
@@ -187,16 +144,6 @@ def settings_of(name: str, models: Settings) -> dict[str, Any]:
     return selected
 
 
-def parameters_of(name: str, models: Settings) -> dict[str, Any]:
-    """Return all parameters that a model is built with, without its seed."""
-    if name in models.get("others", {}):
-        return dict(models["others"][name]["settings"])
-    parameters: dict[str, Any] = {}
-    for key, value in settings_of(name, models).items():
-        parameters |= value if isinstance(value, Mapping) else {key: value}
-    return {**parameters, **entry_of(name).fixed}
-
-
 def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceModel":
     """Return the unfitted model of that name with its settings.
 
@@ -210,11 +157,16 @@ def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceMo
     ConfigError
         There is no such model, its class cannot be imported, or it does not take the settings.
     """
-    cls, parameters = load_class(name, models), parameters_of(name, models)
+    others, parameters = models.get("others", {}), dict(entry_of(name, models).fixed)
+    if name in others:
+        parameters = others[name]["settings"]
+    else:
+        for key, value in settings_of(name, models).items():
+            parameters |= value if isinstance(value, Mapping) else {key: value}
     try:
-        model = cls(**parameters | changed)
+        model = load_class(name, models)(**parameters | changed)
     except (TypeError, ValueError) as error:
-        if name in models.get("others", {}):
+        if name in others:
             raise ConfigError(f"models.others.{name}.settings: {error}") from error
         if changed:
             raise ConfigError(f"{name} with the settings {changed}: {error}") from error

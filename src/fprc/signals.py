@@ -19,22 +19,17 @@ def sample_times(duration_s: float, sample_rate_hz: float) -> np.ndarray:
 
 
 def chirp(
-    t_s: np.ndarray,
-    *,
-    duration_s: float,
-    f_start_hz: float,
-    f_end_hz: float,
-    amplitude: float,
-    offset: float,
+    t_s: np.ndarray, ends_hz: Sequence[float], duration_s: float, amplitude: float, offset: float
 ) -> np.ndarray:
     """Return a sine whose frequency rises linearly; it begins at ``offset - amplitude``."""
-    slope = (f_end_hz - f_start_hz) / duration_s
-    cycles = t_s * (f_start_hz + 0.5 * slope * t_s)
+    first, last = ends_hz
+    slope = (last - first) / duration_s
+    cycles = t_s * (first + 0.5 * slope * t_s)
     return amplitude * np.sin(2.0 * np.pi * cycles - 0.5 * np.pi) + offset
 
 
 def multisine(
-    t_s: np.ndarray, *, f_hz: Sequence[float], amplitude: float, offset: float
+    t_s: np.ndarray, f_hz: Sequence[float], amplitude: float, offset: float
 ) -> np.ndarray:
     """Return a sum of sines of equal amplitude; it begins at ``offset - len(f_hz) * amplitude``."""
     phases = 2.0 * np.pi * np.multiply.outer(t_s, np.asarray(f_hz)) - 0.5 * np.pi
@@ -59,13 +54,10 @@ def reference_angle(reference: "Reference", sample_rate_hz: float) -> np.ndarray
 def _sines(
     shape: "Signal | Reference", amplitude: float, offset: float, sample_rate_hz: float
 ) -> np.ndarray:
-    level = {"amplitude": amplitude, "offset": offset}
     t_s = sample_times(shape.duration_s, sample_rate_hz)
     if shape.form == "chirp":
-        first, last = shape.f_hz
-        ends = {"f_start_hz": first, "f_end_hz": last}
-        return chirp(t_s, duration_s=shape.duration_s, **ends, **level)
-    return multisine(t_s, f_hz=shape.f_hz, **level)
+        return chirp(t_s, shape.f_hz, shape.duration_s, amplitude, offset)
+    return multisine(t_s, shape.f_hz, amplitude, offset)
 
 
 def random_pushes(
@@ -171,10 +163,6 @@ def loop_width(x: np.ndarray, y: np.ndarray, share: float = 0.5) -> float:
     return float(abs(value[rising].mean() - value[~rising].mean()))
 
 
-#: Where the width of a loop is measured, as shares of the range of its abscissa.
-LOOP_SHARES = {"width_quarter": 0.25, "width_half": 0.5, "width_three_quarters": 0.75}
-
-
 def loop_changes(
     time_s: np.ndarray, x: np.ndarray, y: np.ndarray, response: np.ndarray
 ) -> dict[str, float]:
@@ -183,15 +171,16 @@ def loop_changes(
     Returns
     -------
     dict
-        ``swing``, that of ``response``; the widths of the loop over the swing of ``y``, see
-        ``LOOP_SHARES``; and ``slope``, that of the regression of ``y`` on ``x``. A swing is the
-        range of the middle four fifths of the samples: a start from rest and noise hardly change
-        it.
+        ``swing``, that of ``response``; the widths of the loop over the swing of ``y``, at
+        quarters of the range of ``x``; and ``slope``, that of the regression of ``y`` on ``x``. A
+        swing is the range of the middle four fifths of the samples: a start from rest and noise
+        hardly change it.
     """
+    shares = {"width_quarter": 0.25, "width_half": 0.5, "width_three_quarters": 0.75}
     shapes = []
     for part in (time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]):
         swing, of_response = (np.ptp(np.percentile(v[part], (10.0, 90.0))) for v in (y, response))
-        widths = [loop_width(x[part], y[part], share) / swing for share in LOOP_SHARES.values()]
+        widths = [loop_width(x[part], y[part], share) / swing for share in shares.values()]
         shapes.append([of_response, *widths, np.polyfit(x[part], y[part], 1)[0]])
     first, last = np.array(shapes)
-    return dict(zip(("swing", *LOOP_SHARES, "slope"), (last / first).tolist(), strict=True))
+    return dict(zip(("swing", *shares, "slope"), (last / first).tolist(), strict=True))

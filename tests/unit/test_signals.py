@@ -21,8 +21,7 @@ COMPLEX = Settings().experiments.complex
 @given(st.floats(1.0, 200.0), st.floats(0.01, 2.0), st.floats(0.01, 2.0), st.floats(0.0, 200.0))
 def test_chirp_agrees_with_scipy(duration_s, f_start_hz, f_end_hz, amplitude):
     t = np.linspace(0.0, duration_s, 200)
-    ends = {"duration_s": duration_s, "f_start_hz": f_start_hz, "f_end_hz": f_end_hz}
-    ours = chirp(t, **ends, amplitude=amplitude, offset=175.0)
+    ours = chirp(t, (f_start_hz, f_end_hz), duration_s, amplitude, 175.0)
     theirs = signal.chirp(t, f_start_hz, duration_s, f_end_hz, method="linear", phi=180.0)
     np.testing.assert_allclose(ours, 175.0 + amplitude * theirs, atol=1e-8 * (1.0 + amplitude))
 
@@ -30,7 +29,7 @@ def test_chirp_agrees_with_scipy(duration_s, f_start_hz, f_end_hz, amplitude):
 def test_multisine_is_the_papers_complex_signal():
     t = sample_times(80.0, 200.0)
     printed = 175.0 + sum(35.0 * np.sin(2.0 * np.pi * f * t - 0.5 * np.pi) for f in F_HZ)
-    ours = multisine(t, f_hz=F_HZ, amplitude=35.0, offset=175.0)
+    ours = multisine(t, F_HZ, 35.0, 175.0)
     np.testing.assert_allclose(ours, printed, atol=1e-9)
     np.testing.assert_allclose(pressure_command(COMPLEX, 200.0), printed, atol=1e-9)
 

@@ -10,6 +10,7 @@ from fprc.limits import MODEL
 from fprc.registry import ANGLE, COMPETITORS
 
 
+# fmt: off
 class Esn(Section):
     """Echo state network, Sec. III-A and Table I."""
 
@@ -17,13 +18,8 @@ class Esn(Section):
     f_input: float = quantity(0.02, MODEL["f_input"], "input scaling factor", "paper, Table I")
     gamma: float = quantity(0.8, MODEL["gamma"], "leaky rate", "paper, Table I")
     rho: float = quantity(0.4, MODEL["rho"], "spectral radius", "paper, Table I")
-    washout: int = quantity(
-        100,
-        MODEL["washout"],
-        "steps for the state x to settle",
-        "paper, Sec. III-D",
-        unit="samples",
-    )
+    washout: int = quantity(100, MODEL["washout"], "steps for the state x to settle",
+        "paper, Sec. III-D", unit="samples")
 
 
 class Fprc(Section):
@@ -31,15 +27,14 @@ class Fprc(Section):
 
     epsilon: float = quantity(0.01, MODEL["epsilon"], "filter factor", "paper, Table I")
     n_c: int = quantity(8, MODEL["n_c"], "number of fuzzy rules", "paper, Table I")
-    n_u: int = quantity(
-        3, MODEL["n_u"], "taps of the readout P_o", "paper, Table I", unit="samples"
-    )
+    n_u: int = quantity(3, MODEL["n_u"], "taps of the readout P_o", "paper, Table I",
+        unit="samples")
     sigma: float = quantity(2.0, MODEL["sigma"], "Gaussian membership scaling", "paper, Table I")
-    restarts: int = quantity(
-        1, MODEL["restarts"], "starts of the clustering; that of the lowest objective is kept"
-    )
+    restarts: int = quantity(1, MODEL["restarts"],
+        "starts of the clustering; that of the lowest objective is kept")
 
 
+# fmt: on
 def _is_single(value: Any) -> Any:
     if not isinstance(value, bool | int | float | str) or value in (inf, -inf) or value != value:
         raise ValueError(f"{value} must be a finite number, a text, true or false")
@@ -93,6 +88,7 @@ class Models(Section):
         return others
 
 
+# fmt: off
 class Evaluation(Section):
     """How the models are evaluated, Sec. III-D."""
 
@@ -101,31 +97,24 @@ class Evaluation(Section):
         "shuffled", description="rows of a fold: random, as the printed spread implies, or "
         "contiguous, so that neighbours in time do not validate each other"
     )  # fmt: skip
-    purge_s: float = quantity(
-        2.0, (0, 60), "time on each side of a contiguous fold that is left out of training"
-    )
+    purge_s: float = quantity(2.0, (0, 60),
+        "time on each side of a contiguous fold that is left out of training")
     target: Literal["command", "measured"] = Field(
         "command", description="P_exp that the models learn: commanded or measured pressure"
     )
     timing_repeats: int = quantity(10, (1, 100), "repeats of the timing", "paper, Sec. III-D")
-    replicate_seeds: Distinct[int] = quantity(
-        tuple(range(1201, 1211)), (0, 2**31),
-        "seeds of further rigs, on which tables, grids and runs are repeated",
-    )  # fmt: skip
+    replicate_seeds: Distinct[int] = quantity(tuple(range(1201, 1211)), (0, 2**31),
+        "seeds of further rigs, on which tables, grids and runs are repeated")
 
 
 class Grids(Section):
     """Grids of control variables, Sec. III-E."""
 
-    epsilon: NotEmpty[float] = quantity(
-        (1.0, 0.1, 0.01, 1e-3, 1e-4), MODEL["epsilon"], "filter factors", "paper, Fig. 10(a)"
-    )
-    n_c: NotEmpty[int] = quantity(
-        (1, 2, 4, 8, 16), MODEL["n_c"], "fuzzy rules", "paper, Fig. 10(b)"
-    )
-    n_u: Distinct[int] = quantity(
-        tuple(range(1, 11)), MODEL["n_u"], "taps of P_o", "paper, Fig. 11", unit="samples"
-    )
-    n_y: Distinct[int] = quantity(
-        tuple(range(1, 11)), MODEL["n_y"], "taps of theta_d", "paper, Fig. 11", unit="samples"
-    )
+    epsilon: NotEmpty[float] = quantity((1.0, 0.1, 0.01, 1e-3, 1e-4), MODEL["epsilon"],
+        "filter factors", "paper, Fig. 10(a)")
+    n_c: NotEmpty[int] = quantity((1, 2, 4, 8, 16), MODEL["n_c"], "fuzzy rules",
+        "paper, Fig. 10(b)")
+    n_u: Distinct[int] = quantity(tuple(range(1, 11)), MODEL["n_u"], "taps of P_o",
+        "paper, Fig. 11", unit="samples")
+    n_y: Distinct[int] = quantity(tuple(range(1, 11)), MODEL["n_y"], "taps of theta_d",
+        "paper, Fig. 11", unit="samples")

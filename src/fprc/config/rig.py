@@ -59,27 +59,22 @@ def squeeze_lag(rig: Mapping[str, Any]) -> float:
     return float(reservoir["squeeze_damping_kpa_s_per_ml"] / stiffness)
 
 
+# fmt: off
 class Valve(Section):
     """Both proportional valves, Festo MPYE-5-M5-010B."""
 
-    natural_frequency_rad_per_s: float = quantity(
-        628.3, (300, 1300), "natural frequency of the spool", "data sheet: 100 Hz"
-    )
+    natural_frequency_rad_per_s: float = quantity(628.3, (300, 1300),
+        "natural frequency of the spool", "data sheet: 100 Hz")
     damping_ratio: float = quantity(0.7, (0.3, 1.5), "damping ratio of the spool", "typical")
-    dead_zone: float = quantity(
-        0.02, (0.005, 0.05), "overlap on each side of the centre", "fitted", unit="stroke"
-    )
-    leak: float = quantity(
-        0.002, (0.0, 0.02), "opening of both edges by the spool's clearance", "typical",
-        unit="opening",
-    )  # fmt: skip
-    sonic_conductance_ml_per_s_kpa: float = quantity(
-        7.86, (3.93, 11.8), "sonic conductance C, fully open",
-        "data sheet: 100 L/min from 6 to 5 bar is 3.93; fitted within 1-3 times that",
-    )  # fmt: skip
-    critical_pressure_ratio: float = quantity(
-        0.3, (0.2, 0.5), "critical pressure ratio b", "ISO 6358, typical of spool valves"
-    )
+    dead_zone: float = quantity(0.02, (0.005, 0.05), "overlap on each side of the centre", "fitted",
+        unit="stroke")
+    leak: float = quantity(0.002, (0.0, 0.02), "opening of both edges by the spool's clearance",
+        "typical", unit="opening")
+    sonic_conductance_ml_per_s_kpa: float = quantity(7.86, (3.93, 11.8),
+        "sonic conductance C, fully open",
+        "data sheet: 100 L/min from 6 to 5 bar is 3.93; fitted within 1-3 times that")
+    critical_pressure_ratio: float = quantity(0.3, (0.2, 0.5), "critical pressure ratio b",
+        "ISO 6358, typical of spool valves")
     supply_kpa_abs: float = quantity(600, (500, 800), "supply pressure", "assumed: 5 bar gauge")
     neutral_v: float = quantity(5, (4.5, 5.5), "voltage of the closed centre", "data sheet")
 
@@ -87,74 +82,51 @@ class Valve(Section):
 class Chamber(Section):
     """A chamber behind a valve."""
 
-    volume_ml: float = quantity(
-        20, (11, 40), "volume at rest, tube included", "size of the muscle; fitted"
-    )
-    volume_ml_per_deg: float = quantity(
-        0.3, (0, 0.6), "growth of the volume with the bending angle", "size of the muscle"
-    )
-    polytropic_index: float = quantity(
-        1.1,
-        (1.0, 1.4),
-        "polytropic exponent: 1 isothermal, 1.4 adiabatic",
-        "between the two at 1 Hz",
-    )
+    volume_ml: float = quantity(20, (11, 40), "volume at rest, tube included",
+        "size of the muscle; fitted")
+    volume_ml_per_deg: float = quantity(0.3, (0, 0.6),
+        "growth of the volume with the bending angle", "size of the muscle")
+    polytropic_index: float = quantity(1.1, (1.0, 1.4),
+        "polytropic exponent: 1 isothermal, 1.4 adiabatic", "between the two at 1 Hz")
 
 
 class ReservoirChamber(Section):
     """PAM A, the active chamber of the reservoir; it grows by the volume squeezed out of PAM B."""
 
     volume_ml: float = quantity(20, (11, 40), "volume at rest, tube included", "size of the muscle")
-    polytropic_index: float = quantity(
-        1.1,
-        (1.0, 1.4),
-        "polytropic exponent: 1 isothermal, 1.4 adiabatic",
-        "between the two at 1 Hz",
-    )
+    polytropic_index: float = quantity(1.1, (1.0, 1.4),
+        "polytropic exponent: 1 isothermal, 1.4 adiabatic", "between the two at 1 Hz")
 
 
 class Bending(Section):
     """Mechanics of the bending actuator; torques are in kPa, angles in deg."""
 
-    inertia_kpa_s2_per_deg: float = quantity(
-        6e-4, (2e-4, 3e-3), "inertia J", "free swing of 5 to 15 Hz; fitted"
-    )
+    inertia_kpa_s2_per_deg: float = quantity(6e-4, (2e-4, 3e-3), "inertia J",
+        "free swing of 5 to 15 Hz; fitted")
     damping_kpa_s_per_deg: float = quantity(0.05, (0.01, 0.1), "viscous damping c", "fitted")
     preload_kpa: float = quantity(45, (20, 90), "pressure at which bending begins, g_p", "fitted")
-    stiffness_kpa_per_deg: float = quantity(
-        3.0, (2.0, 4.5), "linear stiffness k1", "about 60 deg at 350 kPa; fitted"
-    )
-    cubic_stiffness_kpa_per_deg3: float = quantity(
-        3e-4, (0, 1e-3), "cubic stiffness k3", "about 60 deg at 350 kPa; fitted"
-    )
-    gain_loss_per_deg: float = quantity(
-        0.0, (0, 0.005), "relative loss of torque with bending, g0", "McKibben muscle"
-    )
-    relaxation_stiffness_kpa_per_deg: NotEmpty[float] = quantity(
-        (0.5, 0.5), (0, 3), "stiffness of each viscoelastic branch", "rubber; fitted"
-    )
-    relaxation_time_s: NotEmpty[float] = quantity(
-        (0.25, 4.0), (0.05, 30), "time constant of each viscoelastic branch", "rubber; fitted"
-    )
+    stiffness_kpa_per_deg: float = quantity(3.0, (2.0, 4.5), "linear stiffness k1",
+        "about 60 deg at 350 kPa; fitted")
+    cubic_stiffness_kpa_per_deg3: float = quantity(3e-4, (0, 1e-3), "cubic stiffness k3",
+        "about 60 deg at 350 kPa; fitted")
+    gain_loss_per_deg: float = quantity(0.0, (0, 0.005), "relative loss of torque with bending, g0",
+        "McKibben muscle")
+    relaxation_stiffness_kpa_per_deg: NotEmpty[float] = quantity((0.5, 0.5), (0, 3),
+        "stiffness of each viscoelastic branch", "rubber; fitted")
+    relaxation_time_s: NotEmpty[float] = quantity((0.25, 4.0), (0.05, 30),
+        "time constant of each viscoelastic branch", "rubber; fitted")
     friction_kpa: float = quantity(4.0, (0, 15), "dry friction at zero pressure, Tc", "fitted")
-    friction_per_kpa: float = quantity(
-        0.08, (0.0, 0.25), "growth of the dry friction with pressure, mu",
-        "fabric pressed on rubber; fitted", unit="-",
-    )  # fmt: skip
-    slip_distance_deg: NotEmpty[float] = quantity(
-        (1, 3, 7, 14), (0.1, 60), "angle at which each Maxwell element slips",
-        "rounded loops need several",
-    )  # fmt: skip
-    slip_weight: NotEmpty[float] = quantity(
-        (0.3, 0.3, 0.25, 0.15), (0, 1), "share of each Maxwell element; they sum to 1",
-        "rounded loops need several",
-    )  # fmt: skip
-    stop_stiffness_kpa_per_deg: float = quantity(
-        150, (50, 300), "stiffness of the straight actuator below 0 deg", "a firm stop"
-    )
-    stop_damping_kpa_s_per_deg: float = quantity(
-        0.2, (0, 0.4), "damping of the straight actuator below 0 deg", "a firm stop"
-    )
+    friction_per_kpa: float = quantity(0.08, (0.0, 0.25),
+        "growth of the dry friction with pressure, mu", "fabric pressed on rubber; fitted",
+        unit="-")
+    slip_distance_deg: NotEmpty[float] = quantity((1, 3, 7, 14), (0.1, 60),
+        "angle at which each Maxwell element slips", "rounded loops need several")
+    slip_weight: NotEmpty[float] = quantity((0.3, 0.3, 0.25, 0.15), (0, 1),
+        "share of each Maxwell element; they sum to 1", "rounded loops need several")
+    stop_stiffness_kpa_per_deg: float = quantity(150, (50, 300),
+        "stiffness of the straight actuator below 0 deg", "a firm stop")
+    stop_damping_kpa_s_per_deg: float = quantity(0.2, (0, 0.4),
+        "damping of the straight actuator below 0 deg", "a firm stop")
 
     _match = _elements(
         ("relaxation_stiffness_kpa_per_deg", "relaxation_time_s"),
@@ -165,56 +137,42 @@ class Bending(Section):
 class Drift(Section):
     """A random torque that nothing measures and whose cause the model does not name."""
 
-    sigma_kpa: float = quantity(
-        8.0, (0, 15), "standard deviation of the Ornstein-Uhlenbeck torque", "fitted"
-    )
+    sigma_kpa: float = quantity(8.0, (0, 15), "standard deviation of the Ornstein-Uhlenbeck torque",
+        "fitted")
     time_s: float = quantity(8.0, (1, 60), "correlation time of that torque", "fitted")
 
 
 class Reservoir(Section):
     """Dual-PAM reservoir: squeeze of the sealed chamber by the active one."""
 
-    passive_volume_ml: float = quantity(
-        30, (11, 80), "volume of PAM B at rest", "size of the muscle"
-    )
-    precharge_kpa: float = quantity(
-        100, (0, 200), "gauge pressure at which PAM B is sealed", "paper, Sec. II-A"
-    )
-    squeeze_damping_kpa_s_per_ml: float = quantity(
-        1.0, (0.3, 5), "viscous resistance of the fabric, c_s", "fitted; short lag"
-    )
-    squeeze_stiffness_kpa_per_ml: float = quantity(
-        35, (5, 150), "stiffness of the fabric, k_s", "swing of P_o; fitted"
-    )
-    back_pressure_gain: float = quantity(
-        1.0, (0.2, 3), "back pressure on the squeeze over the rise of P_o", "area ratio"
-    )
-    friction_kpa: float = quantity(
-        5.0, (0, 40), "dry friction of the fabric at zero pressure in PAM A", "fitted"
-    )
-    friction_per_kpa: float = quantity(
-        0.12, (0, 0.4), "growth of that friction with the pressure in PAM A",
-        "loop width over swing 0.17-0.4; fitted", unit="-",
-    )  # fmt: skip
-    slip_distance_ml: NotEmpty[float] = quantity(
-        (0.15, 0.5, 1.2), (0.01, 10), "squeeze at which each Maxwell element slips", "fitted"
-    )
-    slip_weight: NotEmpty[float] = quantity(
-        (0.4, 0.35, 0.25), (0, 1), "share of each Maxwell element; they sum to 1", "fitted"
-    )
-    leak_ml_per_s_kpa: float = quantity(
-        0.0, (0, 0.1), "leak of the hand valve to the atmosphere", "sealed: none"
-    )
-    bending_stiffness_kpa_per_deg: float = quantity(
-        9.0, (2, 20), "stiffness of the reservoir's bending", "about 40 deg at 440 kPa"
-    )
-    bending_time_s: float = quantity(
-        0.08, (0.02, 0.5), "time constant of the reservoir's own bending", "assumed"
-    )
-    bending_volume_ml_per_deg: float = quantity(
-        0.01, (0, 0.05), "volume that the reservoir's bending takes from PAM B",
-        "weak, as the paper explains the robustness of P_o",
-    )  # fmt: skip
+    passive_volume_ml: float = quantity(30, (11, 80), "volume of PAM B at rest",
+        "size of the muscle")
+    precharge_kpa: float = quantity(100, (0, 200), "gauge pressure at which PAM B is sealed",
+        "paper, Sec. II-A")
+    squeeze_damping_kpa_s_per_ml: float = quantity(1.0, (0.3, 5),
+        "viscous resistance of the fabric, c_s", "fitted; short lag")
+    squeeze_stiffness_kpa_per_ml: float = quantity(35, (5, 150), "stiffness of the fabric, k_s",
+        "swing of P_o; fitted")
+    back_pressure_gain: float = quantity(1.0, (0.2, 3),
+        "back pressure on the squeeze over the rise of P_o", "area ratio")
+    friction_kpa: float = quantity(5.0, (0, 40),
+        "dry friction of the fabric at zero pressure in PAM A", "fitted")
+    friction_per_kpa: float = quantity(0.12, (0, 0.4),
+        "growth of that friction with the pressure in PAM A",
+        "loop width over swing 0.17-0.4; fitted", unit="-")
+    slip_distance_ml: NotEmpty[float] = quantity((0.15, 0.5, 1.2), (0.01, 10),
+        "squeeze at which each Maxwell element slips", "fitted")
+    slip_weight: NotEmpty[float] = quantity((0.4, 0.35, 0.25), (0, 1),
+        "share of each Maxwell element; they sum to 1", "fitted")
+    leak_ml_per_s_kpa: float = quantity(0.0, (0, 0.1), "leak of the hand valve to the atmosphere",
+        "sealed: none")
+    bending_stiffness_kpa_per_deg: float = quantity(9.0, (2, 20),
+        "stiffness of the reservoir's bending", "about 40 deg at 440 kPa")
+    bending_time_s: float = quantity(0.08, (0.02, 0.5),
+        "time constant of the reservoir's own bending", "assumed")
+    bending_volume_ml_per_deg: float = quantity(0.01, (0, 0.05),
+        "volume that the reservoir's bending takes from PAM B",
+        "weak, as the paper explains the robustness of P_o")
 
     _match = _elements(("slip_distance_ml", "slip_weight"))
 
@@ -225,46 +183,38 @@ class PressureSensor(Section):
     zero_v: float = quantity(1, (0, 2), "output at 0 kPa", "data sheet: 1-5 V")
     span_v: float = quantity(4, (1, 10), "output span over full scale", "data sheet: 1-5 V")
     full_scale_kpa: float = quantity(1000, (100, 2000), "full scale", "data sheet: 1 MPa")
-    linearity: float = quantity(
-        0.007, (0, 0.01), "limit on gain, offset and bow errors", "data sheet: 0.7 %",
-        unit="full scale",
-    )  # fmt: skip
-    noise_kpa: float = quantity(
-        0.4, (0, 1.5), "white noise, standard deviation", "bench experience: 0.3-0.5"
-    )
+    linearity: float = quantity(0.007, (0, 0.01), "limit on gain, offset and bow errors",
+        "data sheet: 0.7 %", unit="full scale")
+    noise_kpa: float = quantity(0.4, (0, 1.5), "white noise, standard deviation",
+        "bench experience: 0.3-0.5")
     lag_s: float = quantity(1e-3, (1e-4, 0.01), "first-order lag", "data sheet")
 
 
 class BendSensor(Section):
     """The angle sensor, Bend Labs one-axis, on its own clock."""
 
-    rate_hz: float = quantity(
-        202.27, (50, 500), "sample rate", "81 ticks of 1/16384 s, nominally 200 Hz"
-    )
+    rate_hz: float = quantity(202.27, (50, 500), "sample rate",
+        "81 ticks of 1/16384 s, nominally 200 Hz")
     step_deg: float = quantity(0.015625, (1e-3, 0.5), "resolution", "data sheet: int16 / 64")
-    noise_deg: float = quantity(
-        0.04, (0, 0.2), "white noise, standard deviation", "bench experience: 0.02-0.06"
-    )
-    slow_error_deg: float = quantity(
-        0.15, (0, 0.5), "slow error, standard deviation", "bench experience: 0.1-0.2"
-    )
-    slow_error_time_s: float = quantity(
-        20, (1, 100), "correlation time of the slow error", "assumed"
-    )
+    noise_deg: float = quantity(0.04, (0, 0.2), "white noise, standard deviation",
+        "bench experience: 0.02-0.06")
+    slow_error_deg: float = quantity(0.15, (0, 0.5), "slow error, standard deviation",
+        "bench experience: 0.1-0.2")
+    slow_error_time_s: float = quantity(20, (1, 100), "correlation time of the slow error",
+        "assumed")
 
 
 class Converter(Section):
     """Analog boards, Contec AI-1616L-LPE and AO-1608L-LPE."""
 
     limit_v: float = quantity(10, (5, 10), "range is +- this", "data sheet")
-    step_v: float = quantity(
-        20 / 65536, (1e-6, 0.1), "one step of 16 bits over the range", "data sheet"
-    )
-    scan_s: float = quantity(
-        1e-5, (0, 1e-3), "delay from one input channel to the next", "data sheet"
-    )
+    step_v: float = quantity(20 / 65536, (1e-6, 0.1), "one step of 16 bits over the range",
+        "data sheet")
+    scan_s: float = quantity(1e-5, (0, 1e-3), "delay from one input channel to the next",
+        "data sheet")
 
 
+# fmt: on
 class Rig(Section):
     """The simulated rig; a real rig does not use this section."""
 
