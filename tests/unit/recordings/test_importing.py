@@ -141,8 +141,6 @@ def test_what_an_unknown_key_may_mean_is_not_called_missing(problems):
     [
         (with_channel("p_o_kpa", column="P", unit="baar"), "bar"),
         (with_channel("p_o_kpa", column="P", unit="banana"), None),
-        (SMALL | {"time": {"column": "t", "unit": "msec"}}, "ms"),
-        (SMALL | {"experiment": "swep"}, "sweep"),
     ],
 )
 def test_wrong_word_is_answered_by_the_nearest(problems, content, meant):
