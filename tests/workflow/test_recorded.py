@@ -57,7 +57,7 @@ def test_all_plans_what_the_logs_allow_and_nothing_else(recording):
 @pytest.mark.parametrize(
     ("target", "why"),
     [
-        ("fig5", "Fig. 5 needs p_o_kpa, which sweep.h5 and complex.h5 do not have"),
+        ("fig5", "Fig. 5 needs p_o_kpa in sweep.h5 and p_o_kpa in complex.h5"),
         ("table4", "Table IV needs closed-loop logs mylogs/track_"),
         ("claims", "the verdicts are taken over further simulated rigs"),
     ],

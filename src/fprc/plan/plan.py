@@ -53,11 +53,8 @@ class Plan:
     @cached_property
     def every_run(self) -> list[str]:
         """Logs of every closed-loop run."""
-        return [
-            run_log(reference, controller)
-            for controller in self.controllers
-            for reference in (*REFERENCES, DISTURBANCE)
-        ]
+        references = (*REFERENCES, DISTURBANCE)
+        return [run_log(name, loop) for loop in self.controllers for name in references]
 
     @cached_property
     def every_log(self) -> list[str]:
@@ -110,15 +107,13 @@ class Plan:
         if absent:
             verb = "is" if len(absent) == 1 else "are"
             return f"needs {in_words(absent)}, which {verb} not in {self.raw}"
-        lacking: dict[tuple[str, ...], list[str]] = {}
-        for name in need.logs:
-            if channels := tuple(c for c in need.channels if c not in logs[name].names):
-                lacking.setdefault(channels, []).append(f"{name}.h5")
-        reasons = []
-        for channels, files in lacking.items():
-            verb = "does" if len(files) == 1 else "do"
-            reasons.append(f"{in_words(channels)}, which {in_words(files)} {verb} not have")
-        return "needs " + "; and ".join(reasons) if reasons else None
+        lacking = [
+            f"{channel} in {name}.h5"
+            for name in need.logs
+            for channel in need.channels
+            if channel not in logs[name].names
+        ]
+        return f"needs {in_words(lacking)}" if lacking else None
 
     def possible(self, **files: list[str]) -> dict[str, list[str]]:
         """Return those of the results, named with their files, that can be made."""
@@ -134,11 +129,9 @@ class Plan:
         """Models that are not in the tables, with their reasons."""
         if "table2" in self.unavailable:
             return {}
-        reasons = {}
-        for model, entry in entries(self.settings["models"]).items():
-            if reason := self._why_not(Need(EXPERIMENTS, entry.inputs)):
-                reasons[model] = reason
-        return reasons
+        needed = entries(self.settings["models"]).items()
+        reasons = {model: self._why_not(Need(EXPERIMENTS, entry.inputs)) for model, entry in needed}
+        return {model: reason for model, reason in reasons.items() if reason}
 
     @cached_property
     def models(self) -> list[str]:
@@ -169,8 +162,9 @@ class Plan:
     @property
     def grids(self) -> list[str]:
         """Reports that Figs. 10 and 11 show: of further seeds, or of the logs of one rig."""
-        of_one_rig = [self.paths.below("grids.json")]
-        return self.replicates("grids") if self.on_simulated_rig else of_one_rig
+        if self.on_simulated_rig:
+            return self.replicates("grids")
+        return [self.paths.below("grids.json")]
 
     def logs_of(self, experiment: str) -> list[str]:
         """Return the raw logs of an experiment."""
@@ -216,19 +210,7 @@ def read_plan(settings: Mapping[str, Any], raw: str) -> Plan:
     present = [log for log in logs if Path(log).exists()]
     read = read_each(read_columns, present, names=())
     plan = Plan(settings, {log.path.stem: log for log in read}, raw)
-    if plan.records:
-        _refuse_other_source(plan.existing, simulated=plan.on_simulated_rig)
-    if not plan.contents:
-        raise LogError(
-            f"source is recorded, but {raw} contains no raw log: put sweep.h5 and complex.h5 "
-            "there, or set folders.raw; see docs/own-data.md"
-        )
-    return plan
-
-
-def _refuse_other_source(existing: Mapping[str, Columns], *, simulated: bool) -> None:
-    """Check that the logs are all of the simulated rig, or that none is."""
-    if simulated:
+    if plan.on_simulated_rig:
         why = (
             "is not a log of the simulated rig and will not be overwritten; set source: recorded "
             "to use it, or move it away"
@@ -240,11 +222,17 @@ def _refuse_other_source(existing: Mapping[str, Columns], *, simulated: bool) ->
         )
     wrong = [
         f"{log.path}: {why}"
-        for log in existing.values()
-        if (log.attributes.get("source") == "sim") != simulated
+        for log in plan.existing.values()
+        if (log.attributes.get("source") == "sim") != plan.on_simulated_rig
     ]
-    if wrong:
+    if wrong and plan.records:
         raise LogError("\n".join(wrong))
+    if not plan.contents:
+        raise LogError(
+            f"source is recorded, but {raw} contains no raw log: put sweep.h5 and complex.h5 "
+            "there, or set folders.raw; see docs/own-data.md"
+        )
+    return plan
 
 
 def _is_further(log: str) -> bool:
