@@ -25,9 +25,8 @@ BLOCKS = {
     "docs/benchmark.md": ["tests/unit/test_datasets.py"],
     "docs/extending.md": [
         "tests/workflow/test_extending.py",
-        "tests/unit/models/test_feature_model.py",
-        "tests/unit/models/test_own_maps.py",
-        "needs ReservoirPy; tests/unit/models/test_own_maps.py does the same where it is installed",
+        "tests/unit/models/test_compose.py",
+        "tests/unit/models/test_compose.py",
     ],
     "docs/changing.md": ["a protocol without bodies"],
     "docs/elsewhere.md": ["tests/workflow/test_module.py"],

@@ -65,8 +65,10 @@ def test_comments_and_docstrings_are_no_code(changed):
     path = Path(fprc.__path__[0], "models/esn.py")
     documented = code_that_computes("esn")
     text = path.read_text(encoding="utf-8")
-    assert "Return the unfitted readout." in text
-    path.write_text(text.replace("Return the unfitted readout.", "Readout."), encoding="utf-8")
+    assert "Echo state network with a ridge readout." in text
+    path.write_text(
+        text.replace("Echo state network with a ridge readout.", "Readout."), encoding="utf-8"
+    )
     forget()
     assert code_that_computes("esn") == documented
 

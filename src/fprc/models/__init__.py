@@ -1,17 +1,21 @@
 """Feedforward hysteresis compensation models, as scikit-learn estimators."""
 
-from fprc.models.echo_features import EchoStates
+from fprc.models.compose import FeatureModel, SideBySide
+from fprc.models.echo import EchoStates
 from fprc.models.esn import ESN
-from fprc.models.feature_model import FeatureModel
-from fprc.models.features import FeatureMap, LowpassBank, TapFeatures, lowpass, taps
+from fprc.models.features import (
+    FeatureMap,
+    LowpassBank,
+    PlayOperators,
+    TapFeatures,
+    lowpass,
+    taps,
+)
 from fprc.models.fprc import FPRC, FuzzyLinear
-from fprc.models.nodes import NodeFeatures
 from fprc.models.nvar import NVAR
 from fprc.models.online import Learning, Online
-from fprc.models.plays import PlayOperators
-from fprc.models.ridge_readout import RidgeReadout
+from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel
-from fprc.models.side_by_side import SideBySide
 from fprc.models.storage import load_model, save_model
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
@@ -25,7 +29,6 @@ __all__ = [
     "FuzzyLinear",
     "Learning",
     "LowpassBank",
-    "NodeFeatures",
     "Online",
     "PlayOperators",
     "RidgeReadout",

@@ -15,7 +15,7 @@ from fprc.models.features import TapFeatures
 from fprc.models.learned import rows_of
 from fprc.models.limits import LARGEST
 from fprc.models.online import Online
-from fprc.models.ridge_readout import RidgeReadout
+from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 

@@ -9,13 +9,11 @@ from sklearn.neural_network import MLPRegressor
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
-from fprc.models.echo_features import EchoStates
-from fprc.models.feature_model import FeatureModel
-from fprc.models.features import LowpassBank, TapFeatures
+from fprc.models.compose import FeatureModel, Part, SideBySide
+from fprc.models.echo import EchoStates
+from fprc.models.features import LowpassBank, PlayOperators, TapFeatures
 from fprc.models.nvar import NVAR
-from fprc.models.plays import PlayOperators
-from fprc.models.ridge_readout import RidgeReadout
-from fprc.models.side_by_side import Part, SideBySide
+from fprc.models.ridge import RidgeReadout
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
 

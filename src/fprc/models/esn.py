@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from fprc.models.echo_features import EchoStates
-from fprc.models.ridge_readout import RidgeReadout
+from fprc.models.echo import EchoStates
+from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel
 
 
@@ -56,9 +56,7 @@ class ESN(SequenceModel):
     random_state: int | None = None
 
     def make_features(self) -> EchoStates:
-        """Return the unfitted network."""
         return self._part(EchoStates)
 
     def make_readout(self) -> RidgeReadout:
-        """Return the unfitted readout."""
         return self._part(RidgeReadout)

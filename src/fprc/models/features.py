@@ -1,11 +1,11 @@
-"""Base of the sequential feature maps, and the maps of taps and of low-passes.
+"""Base of the sequential feature maps, and the maps of taps, of low-passes and of plays.
 
 Each maps a log to a matrix of features in one go (``transform``) or sample by
 sample (``step``), with the same result. Before the log begins, the signals are
 assumed to equal its first sample.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy, deepcopy
 from dataclasses import dataclass
 from typing import Self
@@ -16,13 +16,16 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, ClassNamePrefixFeaturesOutMixin, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.limits import MODEL, Whole, limits_of
+from fprc.limits import MODEL, Limit, Whole, limits_of
 from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
 from fprc.models.learned import Learned
-from fprc.models.limits import LARGEST, MOST_FEATURES, Allows, Each, check_limits
+from fprc.models.limits import LARGEST, MOST_FEATURES, Allows, Array, Each, check_limits
 
 #: A feature: its column, its kind, and its number, see ``kernels.advance``.
 Row = tuple[int, int, float]
+
+#: Samples of a block of features: with 800 states it takes 52 MB.
+BLOCK = 8_000
 
 
 def taps(x: np.ndarray, size: int) -> np.ndarray:
@@ -66,10 +69,6 @@ def table(rows: Sequence[Row] | None) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return np.array(columns), np.array(kinds), np.array(numbers, dtype=float)
 
 
-def _is_sample(value: float) -> bool:
-    return -LARGEST <= value <= LARGEST  # NaN is not
-
-
 class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
     """Base of the sequential feature maps: rows are samples in time, see ``SequenceModel``.
 
@@ -110,22 +109,18 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
             A recording, which the message names, is shorter than the taps; or the lengths are not
             those of recordings that make up the log.
         """
-        check_is_fitted(self)
-        samples = self._samples(X, first=False)
-        rows = list(self._recordings(samples, lengths, self._whole))
+        rows = list(self.blocks(X, lengths, most=None))
         return rows[0] if len(rows) == 1 else np.concatenate(rows)
 
-    def blocks(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> Iterator[np.ndarray]:
-        """Yield what ``transform`` returns in blocks of samples, each overwritten by the next."""
-        check_is_fitted(self)
-        yield from self._recordings(self._samples(X, first=False), lengths, self._blocks)
-
-    def _recordings(
-        self,
-        samples: np.ndarray,
-        lengths: Sequence[int] | None,
-        mapped: Callable[[np.ndarray], Iterator[np.ndarray]],
+    def blocks(
+        self, X: ArrayLike, lengths: Sequence[int] | None = None, most: int | None = BLOCK
     ) -> Iterator[np.ndarray]:
+        """Yield what ``transform`` returns, in blocks of which each may overwrite the one before.
+
+        A block has ``most`` samples or is a recording, as the map likes; None is a recording.
+        """
+        check_is_fitted(self)
+        samples = self._samples(X, first=False)
         lengths = [len(samples)] if lengths is None else lengths
         if min(lengths, default=0) < 1 or sum(lengths) != len(samples):
             raise ValueError(
@@ -134,11 +129,14 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
             )
         for number, part in enumerate(np.split(samples, np.cumsum(lengths)[:-1]), 1):
             try:
-                yield from mapped(part)
+                yield from self._blocks(part, most or len(part))
             except ValueError as error:
                 if len(lengths) == 1:
                     raise
                 raise ValueError(f"recording {number} of {len(lengths)}: {error}") from error
+
+    def _blocks(self, X: np.ndarray, most: int) -> Iterator[np.ndarray]:
+        yield self.map_recording(X)
 
     def _samples(self, X: ArrayLike, *, first: bool) -> np.ndarray:
         samples = validate_data(self, X, reset=first, dtype=np.float64)
@@ -196,7 +194,8 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         if not hasattr(self, "n_features_in_"):
             check_is_fitted(self)
         listed = x.tolist()
-        if x.shape != (self.n_features_in_,) or not all(map(_is_sample, listed)):
+        # NaN is not within the limits
+        if x.shape != (self.n_features_in_,) or not all(-LARGEST <= v <= LARGEST for v in listed):
             raise ValueError(
                 f"sample {listed}: must be {self.n_features_in_} numbers within {-LARGEST:g} and "
                 f"{LARGEST:g}; the sample is ignored and the stream continues"
@@ -237,12 +236,6 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         other.begin(X[0])
         return np.array([np.array(other.map_sample(x)) for x in X])
 
-    def _whole(self, X: np.ndarray) -> Iterator[np.ndarray]:
-        yield self.map_recording(X)
-
-    def _blocks(self, X: np.ndarray) -> Iterator[np.ndarray]:
-        yield self.map_recording(X)
-
     def begin(self, x: np.ndarray) -> None:
         """Begin a stream, in new attributes; ``x`` is the assumed input at all earlier times."""
         self._table = table(self.rows())
@@ -279,10 +272,7 @@ class TapFeatures(FeatureMap):
     n_u: int = 3
     epsilon: float = 0.01
 
-    LIMITS = {
-        **limits_of("n_y", "n_u", "epsilon"),
-        "n_references": Whole(0, 1000, or_none=True),
-    }
+    LIMITS = {**limits_of("n_y", "n_u", "epsilon"), "n_references": Whole(0, 1000, or_none=True)}
 
     def _check_columns(self) -> None:
         n_inputs = self.n_features_in_
@@ -297,12 +287,10 @@ class TapFeatures(FeatureMap):
         return self.n_features_in_ if self.n_references is None else self.n_references
 
     def count_features(self) -> int:
-        """Return the number of taps of all columns."""
         split = self.count_references()
         return self.n_y * split + self.n_u * (self.n_features_in_ - split)
 
     def rows(self) -> list[Row]:
-        """Return the taps of every column."""
         split, rows = self.count_references(), list[Row]()
         for i in range(self.n_features_in_):
             filtered = i, LOWPASS, float(self.epsilon)
@@ -310,7 +298,6 @@ class TapFeatures(FeatureMap):
         return rows
 
     def map_recording(self, X: np.ndarray) -> np.ndarray:
-        """See ``FeatureMap``."""
         refuse_shorter(X, max(self.n_y, self.n_u))
         split = self.count_references()
         references = [taps(column, self.n_y) for column in X.T[:split]]
@@ -318,6 +305,7 @@ class TapFeatures(FeatureMap):
         return np.hstack(references + readouts)
 
 
+@dataclass(eq=False, repr=False)
 class LowpassBank(FeatureMap):
     """Every column, low-passed with several filter factors.
 
@@ -335,16 +323,60 @@ class LowpassBank(FeatureMap):
     Paper, Sec. III-B, Eq. (6), which has one factor.
     """
 
-    def __init__(self, epsilons: Sequence[float] = (0.03, 0.01, 0.003)):
-        self.epsilons = epsilons
+    epsilons: Sequence[float] = (0.03, 0.01, 0.003)
 
     LIMITS = {"epsilons": Each(MODEL["epsilon"], most=1000)}
 
     def count_features(self) -> int:
-        """Return the number of low-passes of all columns."""
         return self.n_features_in_ * len(self.epsilons)
 
     def rows(self) -> list[Row]:
-        """Return the low-passes of every column."""
         columns = range(self.n_features_in_)
         return [(i, LOWPASS, float(epsilon)) for i in columns for epsilon in self.epsilons]
+
+
+@dataclass(eq=False, repr=False)
+class PlayOperators(FeatureMap):
+    """Play operators of every column: backlash of several widths.
+
+    p(k) = max(x(k) - r, min(x(k) + r, p(k-1))), from p(-1) = x(0)
+
+    A play follows its input at the distance r; after a reversal it waits until the input has moved
+    by 2 r. A ridge on plays is a Prandtl-Ishlinskii model, whose loops do not depend on the speed
+    of the input.
+
+    The half-widths r divide half the range of each column of the training log into n_plays + 1
+    equal parts; a play with half the range as r would not move.
+
+    Parameters
+    ----------
+    n_plays : int, default=10
+        Plays of every column, >= 1.
+
+    Attributes
+    ----------
+    half_widths_ : ndarray of shape (n_inputs, n_plays)
+        r of each play, ascending, in the unit of its column.
+
+    References
+    ----------
+    Kuhnen, European Journal of Control 9 (2003), 407-418.
+    """
+
+    n_plays: int = 10
+
+    LIMITS = {"n_plays": Whole(1, 10_000)}
+
+    def count_features(self) -> int:
+        return self.n_features_in_ * self.n_plays
+
+    def learned(self) -> Iterator[tuple[str, Learned]]:
+        yield from super().learned()
+        yield "half_widths_", Array((self.n_features_in_, self.n_plays), Limit(0, 1e30))
+
+    def prepare(self, X: np.ndarray) -> None:
+        shares = np.arange(1, self.n_plays + 1) / (self.n_plays + 1)
+        self.half_widths_ = np.outer(np.ptp(X, axis=0) / 2.0, shares)
+
+    def rows(self) -> list[Row]:
+        return [(i, PLAY, r) for i, widths in enumerate(self.half_widths_.tolist()) for r in widths]

@@ -57,11 +57,9 @@ class FPRC(SequenceModel):
     restarts: int = 1
 
     def make_features(self) -> TapFeatures:
-        """Return the unfitted taps and filter."""
         return self._part(TapFeatures)
 
     def make_readout(self) -> TakagiSugenoReadout:
-        """Return the unfitted readout."""
         return self._part(TakagiSugenoReadout)
 
 
@@ -111,9 +109,7 @@ class FuzzyLinear(SequenceModel):
     restarts: int = 1
 
     def make_features(self) -> TapFeatures:
-        """Return the unfitted taps."""
         return self._part(TapFeatures, n_references=None, n_u=1)
 
     def make_readout(self) -> TakagiSugenoReadout:
-        """Return the unfitted readout."""
         return self._part(TakagiSugenoReadout)

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator
 
 from fprc.limits import Limit, Whole
@@ -75,25 +74,6 @@ SEED = Whole(0, 2**32 - 1, or_none=True)
 
 #: What tells whether a parameter is allowed; as text, what it must be.
 Allows = Limit | Each
-
-
-def numbers_of(y: ArrayLike | None) -> ArrayLike | None:
-    """Return targets, text as the numbers that it spells.
-
-    Raises
-    ------
-    ValueError
-        ``y`` holds other text, bytes, dates or durations.
-    """
-    values = np.asarray(y)
-    if values.dtype.kind in "UO" and y is not None:
-        try:
-            return values.astype(np.float64)
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"y: {error}; must be numbers") from error
-    if values.dtype.kind in "mMSV":
-        raise ValueError(f"y: is of type {values.dtype}; must be numbers, convert it first")
-    return y
 
 
 def check_limits(estimator: BaseEstimator, limits: Mapping[str, Allows]) -> None:

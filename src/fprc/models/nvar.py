@@ -1,6 +1,7 @@
 """Nonlinear vector autoregression, also called next-generation reservoir computing."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from math import comb
 
@@ -12,6 +13,7 @@ from fprc.models.learned import Learned
 from fprc.models.limits import LARGEST, SMALLEST_SCALE, Array
 
 
+@dataclass(eq=False, repr=False)
 class NVAR(FeatureMap):
     """Spaced taps of every column, and their products.
 
@@ -43,30 +45,22 @@ class NVAR(FeatureMap):
     Gauthier, Bollt, Griffith and Barbosa, Nature Communications 12 (2021), 5564.
     """
 
-    def __init__(self, n_taps: int = 5, spacing: int = 25, degree: int = 2):
-        self.n_taps = n_taps
-        self.spacing = spacing
-        self.degree = degree
+    n_taps: int = 5
+    spacing: int = 25
+    degree: int = 2
 
-    LIMITS = {
-        "n_taps": Whole(1, 1000),
-        "spacing": Whole(1, 10_000),
-        "degree": Whole(2, 10),
-    }
+    LIMITS = {"n_taps": Whole(1, 1000), "spacing": Whole(1, 10_000), "degree": Whole(2, 10)}
 
     def count_features(self) -> int:
-        """Return the number of taps and products."""
         linear = self.n_features_in_ * self.n_taps
         return linear + comb(linear + self.degree - 1, self.degree)
 
     def learned(self) -> Iterator[tuple[str, Learned]]:
-        """Check the parameters, and yield the shapes of mean and scale."""
         yield from super().learned()
         yield "mean_", Array((self.n_features_in_,), Limit(-2 * LARGEST, 2 * LARGEST))
         yield "scale_", Array((self.n_features_in_,), Limit(SMALLEST_SCALE, 1e30))
 
     def prepare(self, X: np.ndarray) -> None:
-        """See ``FeatureMap``."""
         self.mean_, spread = X.mean(axis=0), X.std(axis=0)
         rounding = SMALLEST_SCALE * np.maximum(np.abs(X).max(axis=0), 1.0)
         self.scale_ = np.where(spread >= rounding, spread, 1.0)
@@ -79,7 +73,6 @@ class NVAR(FeatureMap):
         return np.array(list(combinations_with_replacement(linear, self.degree)))
 
     def map_recording(self, X: np.ndarray) -> np.ndarray:
-        """See ``FeatureMap``."""
         refuse_shorter(X, self._span())
         scaled = (X - self.mean_) / self.scale_
         linear = np.hstack([taps(column, self._span())[:, :: self.spacing] for column in scaled.T])
@@ -90,13 +83,11 @@ class NVAR(FeatureMap):
         return np.hstack([linear, products])
 
     def begin(self, x: np.ndarray) -> None:
-        """See ``FeatureMap``."""
         self._products = self._factors()
         self._row = np.empty(len(x) * self.n_taps + len(self._products))
         self._history = np.repeat(((x - self.mean_) / self.scale_)[:, None], self._span(), axis=1)
 
     def map_sample(self, x: np.ndarray) -> np.ndarray:
-        """See ``FeatureMap``."""
         self._history[:, 1:] = self._history[:, :-1]
         self._history[:, 0] = (x - self.mean_) / self.scale_
         linear = self._history[:, :: self.spacing].ravel()

@@ -1,10 +1,19 @@
-"""Ridge regression that penalises every weight, including the bias."""
+"""Ridge regression that penalises every weight, including the bias, and the ESN's readout."""
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import ClassVar, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import LinAlgError, LinAlgWarning, solve
+from sklearn.base import BaseEstimator, RegressorMixin, clone
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from fprc.limits import Limit, limits_of
+from fprc.models.limits import Array, check_limits
 
 #: Rows whose products are summed at once: with 800 features their copy takes 13 MB.
 ROWS = 2000
@@ -46,12 +55,101 @@ def solve_ridge(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarr
     ValueError
         The equations are singular, which happens only with ``alpha=0``.
     """
-    penalised = gram + alpha * np.eye(len(gram))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", LinAlgWarning)
-            return solve(penalised, moments, assume_a="pos")
+            return solve(gram + alpha * np.eye(len(gram)), moments, assume_a="pos")
     except (LinAlgError, LinAlgWarning) as error:
         raise ValueError(
             f"the ridge regression is singular with alpha = {alpha}; use a larger alpha"
         ) from error
+
+
+@dataclass(eq=False, repr=False)
+class RidgeReadout(RegressorMixin, BaseEstimator):
+    """Linear readout P_ff = w_out [1, x], trained by ridge regression (Eqs. 4, 5).
+
+    The ridge penalises the bias too, as Eq. (5) is printed; most libraries
+    centre the data instead.
+
+    Parameters
+    ----------
+    alpha : float, default=1e-3
+        Ridge parameter, >= 0.
+
+    Attributes
+    ----------
+    w_out_ : ndarray of shape (1 + n_features,)
+        Weights, bias first.
+    """
+
+    alpha: float = 1e-3
+
+    LIMITS: ClassVar[Mapping[str, Limit]] = limits_of("alpha")
+
+    def learned(self) -> Iterator[tuple[str, Array]]:
+        """Yield the shape of the weights, see ``fprc.models.learned``."""
+        yield "w_out_", Array((1 + self.n_features_in_,))
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
+        """Solve the normal equations for one output."""
+        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        return self.fit_blocks([rows], targets)
+
+    def fit_blocks(self, blocks: Iterable[np.ndarray], y: np.ndarray) -> Self:
+        """Fit to rows that come in blocks, without checks, so that only one is in memory."""
+        check_limits(self, self.LIMITS)
+        return self.fit_sums(*sums_of_products(blocks, y))
+
+    def fit_complements(
+        self, blocks: Iterable[np.ndarray], y: np.ndarray, parts: Sequence[np.ndarray]
+    ) -> list[Self]:
+        """Return one fitted copy per part, trained on the rows of all other parts.
+
+        X^T X is computed once per part; each copy adds those of the other parts.
+
+        Parameters
+        ----------
+        blocks : iterable of ndarray
+            As ``fit_blocks`` takes them.
+        parts : sequence of ndarray
+            Row indices; every row is in exactly one part.
+        """
+        check_limits(self, self.LIMITS)
+        part_of, done = np.empty(len(y), dtype=int), 0
+        for i, part in enumerate(parts):
+            part_of[part] = i
+        sums: list[list[np.ndarray]] = [[] for _ in parts]
+        for block in blocks:
+            here = slice(done, done := done + len(block))
+            for i, whole in enumerate(sums):
+                ours = part_of[here] == i
+                found = sums_of_products([block[ours]], y[here][ours])
+                whole[:] = map(np.add, whole, found) if whole else found
+        others = (zip(*sums[:i], *sums[i + 1 :], strict=True) for i in range(len(parts)))
+        return [clone(self).fit_sums(*(reduce(np.add, terms) for terms in rest)) for rest in others]
+
+    def fit_sums(self, gram: np.ndarray, moments: np.ndarray) -> Self:
+        """Fit to what ``sums_of_products`` returns."""
+        self.n_features_in_ = len(moments) - 1
+        self.w_out_ = solve_ridge(gram, moments, self.alpha)
+        return self
+
+    def predict(self, X: ArrayLike) -> np.ndarray:
+        """Return the output of each row."""
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False, dtype=np.float64)
+        return X @ self.w_out_[1:] + self.w_out_[0]
+
+    def regressors(self, rows: np.ndarray) -> np.ndarray:
+        """Return what multiplies the weights ``w_out_``: [1, x]."""
+        return with_bias(rows)
+
+    @property
+    def weights(self) -> np.ndarray:
+        """The weights, bias first; a view, which may be written to."""
+        return self.w_out_
+
+    def output(self, x: np.ndarray) -> float:
+        """Return the output of one row of features, without checks."""
+        return float(self.w_out_[0] + self.w_out_[1:] @ x)

@@ -11,7 +11,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.learned import Learned, LearnedPart, features_of
-from fprc.models.limits import Array, numbers_of
+from fprc.models.limits import Array
 
 Part = TypeVar("Part", bound=BaseEstimator)
 
@@ -59,7 +59,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         ValueError
             ``X`` or ``y`` is not finite, or the log is shorter than the taps.
         """
-        rows, targets = validate_data(self, X, numbers_of(y), y_numeric=True, dtype=np.float64)
+        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         self.features_ = self.make_features().fit(rows)
         self.readout_ = self.fit_readout(rows, targets)
         return self

@@ -138,3 +138,8 @@ def test_scikit_fuzzy_agrees_from_equal_starts():
     centers, memberships, *_ = cmeans(X.T, 3, m=2, error=1e-12, maxiter=20_000, init=begin)
     assert_allclose(ours.centers, centers, atol=1e-8)
     assert_allclose(ours.memberships, memberships.T, atol=1e-8)
+
+
+def test_numbers_whose_squares_overflow_are_refused():
+    with pytest.raises(ValueError, match=r"numbers up to 1e\+101"):
+        fuzzy_c_means(1e101 * np.eye(5), 2)

@@ -1,30 +1,22 @@
+"""Feature maps against literal formulas and loops, in a log and sample by sample."""
+
 import numpy as np
-import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
-from sklearn import config_context
-from sklearn.base import clone
+from scipy.signal import lfilter
 
-from fprc.models import (
-    ESN,
-    FPRC,
-    EchoStates,
-    FuzzyLinear,
-    TapFeatures,
-    kernels,
-)
+from fprc.models import NVAR, EchoStates, LowpassBank, PlayOperators, TapFeatures, kernels
 
-epsilons = st.floats(1e-4, 1.0)
+epsilons = st.floats(1e-3, 1.0)
 
 
 @st.composite
-def logs(draw, columns):
-    shape = draw(st.integers(8, 30)), columns
-    numbers = st.floats(-500, 500, allow_subnormal=False)
-    return draw(arrays(float, shape, elements=numbers))
+def logs(draw, columns, shortest=8):
+    shape = draw(st.integers(shortest, 30)), columns
+    return draw(arrays(float, shape, elements=st.floats(-500, 500, allow_subnormal=False)))
 
 
 @given(logs(3), st.integers(1, 6), st.integers(1, 6), st.sampled_from([None, 0, 1, 2]), epsilons)
@@ -45,7 +37,73 @@ def test_tap_features_put_references_before_filtered_readouts():
     ]
 
 
-@pytest.mark.parametrize("seed", range(5))
+@given(logs(2, shortest=1), st.lists(epsilons, min_size=1, max_size=4))
+def test_bank_is_scipys_filter_of_each_column_with_each_factor(X, factors):
+    features = LowpassBank(factors).fit(X)
+    expected = [
+        lfilter([epsilon], [1.0, epsilon - 1.0], column, zi=[(1.0 - epsilon) * column[0]])[0]
+        for column in X.T
+        for epsilon in factors
+    ]
+    assert_allclose(features.transform(X).T, expected, rtol=1e-9, atol=1e-9)
+    # a tree would tell the last digits apart
+    assert np.array_equal([features.step(x) for x in X], features.transform(X))
+
+
+@given(logs(2, shortest=1))
+def test_plays_are_those_of_a_loop_over_samples_and_columns(X):
+    features = PlayOperators(n_plays=3).fit([[-300.0, 0.0], [300.0, 80.0]])
+    expected = np.empty((len(X), 6))
+    for i, widths in enumerate([[75.0, 150.0, 225.0], [10.0, 20.0, 30.0]]):
+        for j, r in enumerate(widths):
+            p = X[0, i]
+            for k, x in enumerate(X[:, i]):
+                p = max(x - r, min(x + r, p))
+                expected[k, 3 * i + j] = p
+    assert np.array_equal(features.transform(X), expected)
+    assert np.array_equal([features.step(x) for x in X], expected)
+
+
+@given(st.integers(1, 3), st.integers(1, 4), st.integers(2, 3), st.integers(1, 2), st.data())
+def test_products_are_those_of_literal_loops(n_taps, spacing, degree, columns, data):
+    seed = data.draw(st.integers(0, 99))
+    X = np.random.default_rng(seed).normal(30.0, 17.0, (25, columns))
+    z = (X - X.mean(axis=0)) / X.std(axis=0)
+    expected = []
+    for k in range(len(X)):
+        linear = [z[max(k - j * spacing, 0), i] for i in range(columns) for j in range(n_taps)]
+        products = []
+        for a in range(len(linear)):
+            for b in range(a, len(linear)):
+                if degree == 2:
+                    products.append(linear[a] * linear[b])
+                else:
+                    products += [linear[a] * linear[b] * linear[c] for c in range(b, len(linear))]
+        expected.append(linear + products)
+    features = NVAR(n_taps, spacing, degree).fit(X)
+    assert_allclose(features.transform(X), expected, rtol=1e-10, atol=1e-12)
+    assert_allclose([features.step(x) for x in X], expected, rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize("value", [42.0, 5e-324, 101325.3])
+@pytest.mark.parametrize("size", [10, 24_000])
+def test_column_that_is_constant_but_for_rounding_gives_no_products(value, size):
+    """The rounding of its standard deviation grows with the value and the number of samples."""
+    features = NVAR(2, 3).fit(value * (1.0 + 1e-15 * (np.arange(size) % 10))[:, None])
+    assert features.scale_.tolist() == [1.0]
+    assert_allclose(features.transform(np.full((10, 1), value)), 0.0, atol=1e-9)
+
+
+def test_products_of_the_smallest_allowed_scale_are_finite():
+    features = NVAR(2, 3, degree=10).fit(log(60)[:, :1])
+    allowed = {name: array.each for name, array in features.learned()}
+    features.mean_, features.scale_ = np.array([[allowed["mean_"].high], [allowed["scale_"].low]])
+    with np.errstate(all="raise"):
+        largest = np.abs(features.step([-1e9])).max()
+        assert np.isfinite(largest * 1e30 * 1e5)
+
+
+@pytest.mark.parametrize("seed", range(2))
 def test_largest_absolute_eigenvalue_of_the_network_is_rho(seed):
     W_r = EchoStates(r=30, rho=0.7, random_state=seed).fit(log(9)).W_r_
     assert np.abs(np.linalg.eigvals(W_r)).max() == pytest.approx(0.7, rel=1e-7)
@@ -63,9 +121,7 @@ def test_weights_of_the_network_are_dense_and_normally_distributed():
 
 
 @pytest.mark.parametrize(
-    "features",
-    [TapFeatures(n_y=3, n_u=2), EchoStates(r=8, n_y=3, random_state=0)],
-    ids=["taps", "network"],
+    "features", [TapFeatures(n_y=3, n_u=2), EchoStates(r=8, n_y=3, random_state=0)]
 )
 def test_rows_of_any_layout_compile_nothing_anew(features):
     X = log(20)
@@ -96,23 +152,3 @@ def test_steps_of_a_network_of_any_size_give_its_states(r, halves):
 def log(size):
     time = np.arange(size) / 10.0
     return np.column_stack([20.0 + 15.0 * np.sin(time), 100.0 + 5.0 * np.cos(1.3 * time)])
-
-
-# --- names ----------------------------------------------------------------------------------
-
-
-def table(samples=30):
-    values = np.random.default_rng(4).standard_normal((samples, 2))
-    return pd.DataFrame(values, columns=["theta", "p_o"], index=np.arange(samples) / 200.0)
-
-
-@pytest.mark.parametrize(
-    "model", [FPRC(n_c=2, random_state=0), FuzzyLinear(n_c=2, random_state=0), ESN(r=5)]
-)
-def test_model_is_the_same_where_maps_give_tables(model):
-    X = table().to_numpy()
-    with config_context(transform_output="pandas"):
-        fitted = clone(model).set_params(random_state=0).fit(X, X.sum(axis=1))
-        tables = fitted.predict(X)
-    arrays_ = clone(model).set_params(random_state=0).fit(X, X.sum(axis=1)).predict(X)
-    assert tables.tolist() == fitted.predict(X).tolist() == arrays_.tolist()
