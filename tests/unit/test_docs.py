@@ -118,63 +118,37 @@ def test_python_of_a_page_is_run_by_a_test_or_listed(page):
         assert Path(page).name in (ROOT / test).read_text("utf-8")
 
 
-@pytest.mark.slow
-def test_example_calls_the_python_that_runs_it(monkeypatch):
-    """A program `fprc` may be another one, or none."""
-    called = []
-
-    def run(command, **more):
-        called.append(command[:3])
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(subprocess, "run", run)
-    example = ROOT / "docs/examples/plot_03_own_recording.py"
-    with pytest.raises(KeyboardInterrupt):
-        exec(compile(example.read_text("utf-8"), str(example), "exec"), {})
-    assert called == [[sys.executable, "-m", "fprc"]]
-
-
-def text_of(page):
-    return " ".join((ROOT / page).read_text("utf-8").split())
-
-
-def cells_of(line):
-    return [cell.strip() for cell in line.split("|")[1:-1]]
+BEYOND = "beyond.md", "beyond-details.md"
 
 
 def rows_of(block):
-    """Return the rows of a generated table, each by the names of its columns."""
-    pages = " ".join((ROOT / name).read_text("utf-8") for name in PAGES_OF_RESULTS)
-    table = pages.partition(f"<!-- {block}: generated -->")[2].partition(f"<!-- {block}: end")[0]
-    heads, _, *rows = [cells_of(line) for line in table.splitlines() if line.startswith("|")]
-    return [dict(zip(heads, row, strict=True)) for row in rows]
-
-
-OPEN, CLOSED, FORWARD = "Open loop [deg]", "Closed loop [deg]", "Forward test [kPa]"
-BEYOND, DETAILS, RESULTS = "docs/beyond.md", "docs/beyond-details.md", "docs/results.md"
-DRIFT = "docs/drift.md"
-PAGES_OF_RESULTS = (BEYOND, DETAILS, RESULTS, DRIFT, "README.md")
+    """Return the rows of a generated table, by their first cells, as {column: cell}."""
+    pages = "".join((ROOT / "docs" / name).read_text("utf-8") for name in BEYOND)
+    text = pages.partition(f"<!-- {block}: generated -->")[2]
+    lines = [
+        line.split("|")[1:-1] for line in text.partition("<!--")[0].splitlines() if "|" in line
+    ]
+    heads, _, *rows = [[cell.strip() for cell in line] for line in lines]
+    # of several rows of a model the first counts
+    return {row[0]: dict(zip(heads, row, strict=True)) for row in reversed(rows)}
 
 
 @pytest.mark.parametrize(
-    ("page", "sentence", "block", "cells"),
+    ("sentence", "block", "cells"),
     [
-        (BEYOND, r"feedback FPRC\+PD is (\S+) deg off and Fuzzy-linear\+PD (\S+) on the default",
-         "beyond_models", [("FPRC", CLOSED), ("Fuzzy-linear", CLOSED)]),
-        (BEYOND, r"same motions (\S+) times the error .* another motion (\S+) times",
+        (r"feedback FPRC\+PD is (\S+) deg off and Fuzzy-linear\+PD (\S+) on the default",
+         "beyond_models", [("FPRC", "Closed loop [deg]"), ("Fuzzy-linear", "Closed loop [deg]")]),
+        (r"same motions (\S+) times the error .* another motion (\S+) times",
          "beyond_worth", [("unseen parts of the same motions", "paper"),
                           ("another motion", "paper")]),
-        (BEYOND, r"FPRC has (\S+) times the error of the best other model",
+        (r"FPRC has (\S+) times the error of the best other model",
          "beyond_worth", [("FPRC over the best other model with P_o", "paper")]),
     ],
 )  # fmt: skip
-def test_numbers_of_a_sentence_are_those_of_the_generated_table(page, sentence, block, cells):
-    """A cell is a row, a column and, if not the first, which decimal; a sentence may round it."""
-    # of several rows of a model the first counts
-    by_name = {next(iter(row.values())): row for row in reversed(rows_of(block))}
-    printed = [
-        re.findall(r"\d+\.\d+", by_name[row][column])[sum(which)] for row, column, *which in cells
-    ]
-    text = text_of(page)
+def test_numbers_of_a_sentence_are_those_of_the_generated_table(sentence, block, cells):
+    """A sentence may round its number."""
+    rows = rows_of(block)
+    printed = [re.search(r"\d+\.\d+", rows[row][column])[0] for row, column in cells]
+    text = " ".join((ROOT / "docs" / BEYOND[0]).read_text("utf-8").split())
     for written, mean in zip(re.search(sentence, text).groups(), printed, strict=True):
         assert written == f"{float(mean):.{len(written.partition('.')[2])}f}"

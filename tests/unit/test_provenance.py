@@ -24,48 +24,25 @@ def git(folder, *arguments):
     return subprocess.check_output(["git", "-C", folder, *arguments], text=True).strip()
 
 
-def add_package(folder):
-    folder.mkdir(parents=True)
-    (folder / "__init__.py").write_text("", encoding="utf-8")
-    (folder / "module.py").write_text("x = 1\n", encoding="utf-8")
-    return folder
-
-
-@pytest.fixture
-def repository(tmp_path):
-    """A repository with one commit, in which results/ and .venv/ are ignored."""
-    root = tmp_path / "project"
-    add_package(root / "src" / "package")
-    (root / ".gitignore").write_text("results/\n.venv/\n", encoding="utf-8")
+@needs_git
+def test_code_is_dirty_from_the_first_change_until_it_is_committed(tmp_path, monkeypatch):
+    package = tmp_path / "project/package"
+    package.mkdir(parents=True)
+    module = package / "__init__.py"
+    module.write_text("", encoding="utf-8")
     git(tmp_path, "init", "--quiet", "project")
-    git(root, "add", ".")
-    git(root, "commit", "--quiet", "--message", "First")
-    return root
-
-
-@needs_git
-def test_code_is_dirty_from_the_first_change_until_it_is_committed(repository):
-    package = repository / "src" / "package"
-    first = commit_of(package)
-    assert git(repository, "rev-parse", "HEAD").startswith(first)
-    assert len(first) == 12
-    (package / "module.py").write_text("x = 2\n", encoding="utf-8")
-    assert commit_of(package) == f"{first}-dirty"
-    git(repository, "add", ".")
-    assert commit_of(package) == f"{first}-dirty"
-    git(repository, "commit", "--quiet", "--message", "Second")
-    second = commit_of(package)
-    assert git(repository, "rev-parse", "HEAD").startswith(second)
-    (package / "module.py").unlink()
-    assert commit_of(package) == f"{second}-dirty"
-
-
-@needs_git
-def test_package_outside_git_or_in_an_ignored_folder_has_no_commit(repository, monkeypatch):
-    for folder in (repository.parent / "package", repository / ".venv/site-packages/package"):
-        assert commit_of(add_package(folder)).startswith("unknown")
-    monkeypatch.setenv("PATH", str(repository))  # where there is no git
-    assert commit_of(repository / "src/package").startswith("unknown")
+    assert commit_of(package).startswith("unknown")
+    for text in ("x = 1\n", "x = 2\n"):
+        module.write_text(text, encoding="utf-8")
+        git(package, "add", ".")
+        git(package, "commit", "--quiet", "--message", text)
+        commit = commit_of(package)
+        assert git(package, "rev-parse", "HEAD").startswith(commit)
+        assert len(commit) == 12
+        module.write_text("changed\n", encoding="utf-8")
+        assert commit_of(package) == f"{commit}-dirty"
+    monkeypatch.setenv("PATH", str(tmp_path))  # where there is no git
+    assert commit_of(package).startswith("unknown")
 
 
 def test_hash_of_settings_does_not_depend_on_the_order_of_keys():

@@ -56,14 +56,6 @@ def test_fit_is_written_where_it_is_asked_for_with_settings_of_the_merged_files(
     assert "out.yaml" in capsys.readouterr().err
 
 
-def test_without_files_the_configuration_of_the_project_is_taken(fit, tmp_path, monkeypatch):
-    (tmp_path / "config").symlink_to(CONFIG)
-    monkeypatch.chdir(tmp_path)
-    assert main(["calibrate", "--out", str(tmp_path / "out.yaml")]) == 0
-    expected = from_files(["config/config.yaml"]).model_dump(mode="json")
-    assert fit.calls[0]["calibration"] == expected["calibration"]
-
-
 def test_models_that_learn_while_they_run_are_not_fitted_to_print(tmp_path, capsys):
     (tmp_path / "mine.yaml").write_text("control: {feedforward: {adapt: true}}\n")
     out = tmp_path / "fitted.yaml"

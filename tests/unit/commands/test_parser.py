@@ -36,16 +36,6 @@ def test_help_has_examples_that_call_the_function(command, run, capsys):
         assert given.keys() == signature.parameters.keys()
 
 
-def test_arguments_have_types_and_defaults():
-    given = vars(parsed("fprc calibrate a.yaml b.yaml --workers 3"))
-    del given["run"]
-    assert given == {
-        "files": ["a.yaml", "b.yaml"], "out": "config/rigs/fitted.yaml", "published": None,
-        "workers": 3, "ensemble": None,
-    }  # fmt: skip
-    assert parsed("fprc calibrate").files == ()
-
-
 @pytest.mark.parametrize(
     ("words", "nearest"),
     [("simulat sweep", "simulate"), ("simulate sweeep --out x.h5", "sweep"),
