@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import takewhile
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # most jobs write no table, and many take less time than importing pandas
     from pandas import DataFrame
@@ -80,66 +80,38 @@ def explaining(path: Path | str) -> Iterator[None]:
 
 
 @contextmanager
-def exclusive(path: Path | str) -> Iterator[IO[bytes]]:
-    """Open a file to read and append, which no other process may do until the block ends.
-
-    Where the system or the file system has no locks, no process is refused.
-
-    Raises
-    ------
-    OutputError
-        Another process has the file, the disk is full, or the folder cannot be written to.
-    """
-    with explaining(path):
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        file = open(path, "a+b")
-    with file:
-        try:
-            import fcntl
-
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise OutputError(
-                f"{path}: another process is writing it; wait until that ends, or stop it, or "
-                "choose another folder"
-            ) from error
-        except (ImportError, OSError):
-            pass
-        yield file
-
-
-@contextmanager
 def resuming(path: Path | str, head: Any) -> Iterator[tuple[list[Any], Callable[[Any], None]]]:
     """Yield the entries of a checkpoint, and a function that appends one and syncs it to the disk.
 
     The file is JSON lines; the first entry is ``head``, what the others depend on: a file with
-    another head is replaced. A line that was cut is dropped with all that follow. Other processes
-    are refused meanwhile.
+    another head is replaced. A line that was cut is dropped with all that follow.
 
     Raises
     ------
     OutputError
-        Another process has the file, the disk is full, or the folder cannot be written to.
+        The disk is full, or the folder cannot be written to.
     """
-    with exclusive(path) as file:
 
-        def append(entry: Any) -> None:
-            text = json.dumps(entry, allow_nan=False)
-            # closing the file flushes it, which fails again on a full disk: explain that error too
-            with explaining(path), open(path, "a", encoding="utf-8") as end:
-                end.write(f"{text}\n")
-                end.flush()
-                os.fsync(end.fileno())
+    def append(entry: Any) -> None:
+        text = json.dumps(entry, allow_nan=False)
+        # closing the file flushes it, which fails again on a full disk: explain that error too
+        with explaining(path), open(path, "a", encoding="utf-8") as end:
+            end.write(f"{text}\n")
+            end.flush()
+            os.fsync(end.fileno())
 
-        file.seek(0)
-        lines = file.readlines()
-        entries = list(takewhile(lambda entry: entry is not None, map(_entry, lines)))
-        if entries[:1] != [head]:
-            entries = []
-        file.truncate(sum(map(len, lines[: len(entries)])))
-        if not entries:
-            append(head)
-        yield entries[1:], append
+    with explaining(path):
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        with open(path, "a+b") as file:
+            file.seek(0)
+            lines = file.readlines()
+            entries = list(takewhile(lambda entry: entry is not None, map(_entry, lines)))
+            if entries[:1] != [head]:
+                entries = []
+            file.truncate(sum(map(len, lines[: len(entries)])))
+    if not entries:
+        append(head)
+    yield entries[1:], append
 
 
 def _entry(line: bytes) -> Any:

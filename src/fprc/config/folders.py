@@ -24,14 +24,12 @@ def _checked(folder: str) -> str:
             f"{folder[:60]!r}: must consist of printable characters without braces, which are "
             "wildcards for Snakemake, and not begin with ~, - or a blank"
         )
-    first, *others = _path_parts(folder) or [""]
-    is_above = {first, *others} <= {"..", ""}
+    first, *others = _path_parts(folder) or [".."]
     is_hidden = first.startswith(".") and first != ".."
-    is_home = os.path.abspath(folder) == os.path.expanduser("~")
-    if is_above or is_hidden or is_home or first in PROJECT_FOLDERS:
+    if {first, *others} == {".."} or is_hidden or first in PROJECT_FOLDERS:
         raise ValueError(
             f"{folder[:60]!r}: must be none of the project's own, which are hidden folders and "
-            f"{', '.join(sorted(PROJECT_FOLDERS))}, nor your home or what contains the project"
+            f"{', '.join(sorted(PROJECT_FOLDERS))}, nor what contains the project"
         )
     return folder
 
@@ -53,14 +51,9 @@ class Folders(Section):
     @model_validator(mode="after")
     def _folders_differ(self) -> "Folders":
         raw, results = _path_parts(self.raw), _path_parts(self.results)
-        if raw == results:
-            raise ValueError(f"raw and results are both {self.raw}; give each its own folder")
-        if results[: len(raw)] == raw:
+        if results[: len(raw)] == raw or raw[: len(results)] == results and raw[-1] != "raw":
             raise ValueError(
-                f"results = {self.results} is inside raw = {self.raw}; put raw inside results, or "
-                "both side by side"
+                f"raw = {self.raw} and results = {self.results} would mix; use {self.results}/raw, "
+                "or put both side by side"
             )
-        below = raw[len(results) :] if raw[: len(results)] == results else ()
-        if below and "raw" not in below:
-            raise ValueError(f"raw = {self.raw} is among the results; use {self.results}/raw")
         return self

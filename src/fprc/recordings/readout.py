@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import exclusive, read_json, refuse_unwritable, write_json, write_text
+from fprc.artifacts import read_json, refuse_unwritable, write_json, write_text
 from fprc.config import from_files
 from fprc.errors import ConfigError, FprcError, LogError
 from fprc.evaluation.rates import PAPER_HZ, settings_at
@@ -82,8 +82,7 @@ def report_readout(
     log.info("%s", rates)
     parts = _parts(source, mapping, train)
     _refuse_leftovers(folder / "raw", parts)
-    lock = folder / ".lock"
-    with exclusive(lock), threadpool_limits(1):
+    with threadpool_limits(1):
         for name, (path, part) in parts.items():
             log.info("importing %s as %s.h5", path, name)
             with redirect_stdout(sys.stderr):  # the answer is what is printed
@@ -107,7 +106,6 @@ def report_readout(
         write_text(page, report_page(parts, map_, settings, folder, report, rates, doubts))
         lines = [report["answer"]["words"], *(f"Doubtful: {line}" for line in doubts)]
         print("\n".join([*lines, *sentences(report["claims"]), str(page)]))
-        lock.unlink()
 
 
 def _gathered(data: Mapping[str, str], one_file: bool, rate_hz: float) -> tuple[Recordings, Data]:

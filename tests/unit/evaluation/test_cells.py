@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import pytest
 
-from fprc.errors import FprcError, OutputError
+from fprc.errors import FprcError
 from fprc.evaluation import cells
 from fprc.evaluation.cells import checkpoint_key, run_cells
 
@@ -89,19 +89,6 @@ def test_damaged_line_is_dropped_and_its_cell_judged_again(sweep, line, damage):
     lost = order[-1:] if line == -1 else order[1:] if text[2] else order[1:2]
     assert sweep() == (expected(), sorted(lost))
     assert sorted(kept(sweep.checkpoint)) == [1, 2, 3, 4]
-
-
-def test_second_process_at_the_same_checkpoint_is_refused_and_spoils_nothing(sweep):
-    refused = []
-
-    def progress(done, total):
-        with pytest.raises(OutputError, match="another process"):
-            sweep()
-        refused.append((done, total, len(kept(sweep.checkpoint))))
-
-    assert sweep(progress=progress)[0] == expected()
-    assert refused == [(done, 4, done) for done in (1, 2, 3, 4)]
-    assert sweep() == (expected(), [])
 
 
 @pytest.mark.parametrize("text", ["", "{", '{"key": "other"}\n', "[1, 2]\nnonsense\n"])
