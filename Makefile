@@ -39,7 +39,7 @@ lint: style  ## style, types, layers, workflow lint
 test: lint site tests  ## everything that must pass: ten minutes or more
 
 # tools/kernels.py compiles what the tests need, once for all their processes; four of these, because
-# tests often wait for programs. Faults in one, because docs/faults.md is compared with all they found.
+# tests often wait for programs. Faults in one, because docs/hardware.md is compared with all they found.
 tests: .venv/.ready
 	$(ONE_THREAD) python tools/kernels.py
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared $(ONE_THREAD) \

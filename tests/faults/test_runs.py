@@ -95,6 +95,6 @@ def test_closed_loop_is_that_of_the_simulator(
     assert described["rig"]["control"]["pd"] == settings["control"]["pd"]
     (journal,) = tmp_path.glob("*.journal")
     channels, _, findings = read_journal(journal)
-    assert findings.complete
+    assert findings.reason == ""
     for channel, values in channels.items():
         assert np.array_equal(values, found.channels[channel])

@@ -31,21 +31,17 @@ def open_bus(number: int) -> Any:
     try:
         bus = _smbus2().SMBus(number)
     except OSError as error:
-        remedies = {
-            FileNotFoundError: "enable I2C (Raspberry Pi: `sudo raspi-config nonint do_i2c 0`, "
-            "elsewhere `sudo modprobe i2c-dev`), or choose a bus that `i2cdetect -l` lists",
-            PermissionError: "run `sudo usermod -aG i2c $USER` and log in again",
-        }
-        remedy = remedies.get(type(error), "check with `i2cdetect -l` that it is an I2C bus")
         raise DeviceError(
-            f"I2C bus {number}: /dev/i2c-{number} cannot be opened ({error}); {remedy}"
+            f"I2C bus {number}: /dev/i2c-{number} cannot be opened ({error}); enable I2C, choose a "
+            "bus that `i2cdetect -l` lists, and be a member of its group: "
+            "`sudo usermod -aG i2c $USER`, then log in again"
         ) from error
     bus.number = number
     return bus
 
 
 class BendSensor:
-    """One sensor on an open bus.
+    """One sensor on an open bus; every method raises DeviceError if it does not answer.
 
     angle = packet / 64 * gain + offset_deg
 
@@ -54,25 +50,15 @@ class BendSensor:
     bus : smbus2.SMBus
         Only ``i2c_rdwr`` is used; see ``open_bus``.
     address : int
-        I2C address, 0x12 by default.
-    gain : float, default=1.0
-        Factor on the sensor's angle.
-    offset_deg : float, default=0.0
-        Added after the gain.
-
-    Raises
-    ------
-    DeviceError
-        The sensor does not answer; raised by the constructor and every method.
+        I2C address; that of the factory is 0x12.
+    gain, offset_deg : float
+        Calibration.
     """
 
     def __init__(self, bus: Any, address: int, *, gain: float = 1.0, offset_deg: float = 0.0):
-        self._bus = bus
-        self._address = address
-        self._gain = gain
-        self._offset_deg = offset_deg
+        self._bus, self._address = bus, address
+        self._gain, self._offset_deg = gain, offset_deg
         self._message = _smbus2().i2c_msg
-        self._number = getattr(bus, "number", "N")
 
     def start(self, sleep: Callable[[float], None] = time.sleep) -> None:
         """Start sampling, and wait for the first sample."""
@@ -89,9 +75,7 @@ class BendSensor:
         """
         request = self._message.read(self._address, _LENGTH)
         code, counts = struct.unpack("<Bh", self._exchange("reading the angle", request))
-        if code != _SAMPLE:
-            return None
-        return counts * _DEG_PER_COUNT * self._gain + self._offset_deg
+        return counts * _DEG_PER_COUNT * self._gain + self._offset_deg if code == _SAMPLE else None
 
     def shutdown(self) -> None:
         """Stop sampling until the next ``start``."""
@@ -109,7 +93,7 @@ class BendSensor:
             if len(packet) != _LENGTH:
                 raise OSError(f"the reply has {len(packet)} bytes, not {_LENGTH}")
         except OSError as error:
-            number = self._number
+            number = getattr(self._bus, "number", "N")
             raise DeviceError(
                 f"angle sensor 0x{self._address:02x} on I2C bus {number}: {action} failed "
                 f"({error}); check cable, supply and address: `i2cdetect -y {number}` lists the "

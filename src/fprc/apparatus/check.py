@@ -4,8 +4,6 @@ import logging
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-import numpy as np
-
 from fprc.apparatus.session import Session, Stop, on_rig
 from fprc.channels import SENSORS, Readings
 
@@ -36,12 +34,11 @@ _FILLED_KPA = 0.5 * TEST_KPA
 _UNFILLED_KPA = 0.2 * TEST_KPA
 #: What a sensor reads at rest, by how much it may differ, and the remedy if it differs by more.
 _AT_REST = (
-    ("p_exp_kpa", 0.0, 15.0,
-     "vent the actuator, check the channel of its sensor and hardware.p_exp"),
-    ("p_i_kpa", 0.0, 15.0, "vent the PAM A, check the channel of its sensor and hardware.p_i"),
+    ("p_exp_kpa", 0.0, 15.0, "vent the actuator, check its sensor's channel and hardware.p_exp"),
+    ("p_i_kpa", 0.0, 15.0, "vent the PAM A, check its sensor's channel and hardware.p_i"),
     ("p_o_kpa", 100.0, 40.0, "fill PAM B to 100 kPa and close its hand valve"),
     ("theta_deg", 0.0, 5.0, "correct hardware.theta.offset_deg"),
-)  # fmt: skip
+)
 
 
 def check_rig(settings: Mapping[str, Any], armed: bool, stop: Stop) -> int:
@@ -56,6 +53,7 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Stop) -> int:
     """
     settings = {**settings, "hardware": _with_check_limits(settings["hardware"])}
     rate_hz = settings["control"]["sample_rate_hz"]
+    present = [name for name in SENSORS if settings["hardware"]["phi"] or name != "phi_deg"]
 
     def follow(phase: str) -> Session:
         *goals, seconds = PHASES[phase]
@@ -66,29 +64,27 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Stop) -> int:
         return on_rig(settings, law, round(seconds * rate_hz), stop, moves=phase in _FILLS)
 
     settled: dict[str, dict[str, float]] = {}
-    problems: list[str] = []
+    trouble: list[str] = []
     for phase in PHASES if armed else ("rest",):
         seen = follow(phase)
         time_s, timing = seen.channels["time_s"], seen.timing
         # the second half of the phase, in which the chamber has settled
         judged = time_s >= 0.5 * time_s[-1:]
-        values = {name: seen.channels[name][judged] for name in SENSORS}
-        present = [name for name in SENSORS if not np.isnan(values[name]).all()]
-        if not settled:
-            heads = (*present, "missed ticks", "most late")
-            log.info("%s", f"{'phase':16}" + "".join(f"{head:>18}" for head in heads))
+        values = {name: seen.channels[name][judged] for name in present}
         if time_s.size:
             settled[phase] = {name: float(values[name].mean()) for name in present}
-            cells = [f"{values[name].mean():.2f} +- {values[name].std():.2f}" for name in present]
-            cells += [f"{timing['overruns']}", f"{1e3 * timing['jitter_max_s']:.3f} ms"]
-            log.info("%s", f"{phase:16}" + "".join(f"{cell:>18}" for cell in cells))
-            problems += _problems(phase, settled, bool(seen.stopped))
+            shown = [
+                f"{name} {values[name].mean():.2f} +- {values[name].std():.2f}" for name in values
+            ]
+            shown.append(f"{timing['overruns']} ticks missed")
+            log.info("%s: %s", phase, ", ".join(shown))
+            trouble += _problems(phase, settled, bool(seen.stopped))
         if seen.stopped or seen.unvented:
+            stopped = f"stopped: {seen.stopped}" if seen.stopped else ""
+            trouble = [*filter(None, [stopped, seen.unvented]), *trouble]
             break
     if not armed:
         log.info("valves: kept vented; --armed fills and vents each chamber in turn")
-    stopped = f"stopped: {seen.stopped}" if seen.stopped else ""
-    trouble = [*filter(None, [stopped, seen.unvented]), *problems]
     for line in [f"TROUBLE: {line}" for line in trouble] or ["no trouble found"]:
         log.info("%s", line)
     return 1 if trouble else 0
@@ -106,13 +102,7 @@ def _with_check_limits(hardware: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _problems(phase: str, settled: Mapping[str, Mapping[str, float]], cut: bool) -> Iterator[str]:
-    """Yield what the mean readings of a phase show.
-
-    Parameters
-    ----------
-    cut : bool
-        Whether the phase was stopped: then it does not show what is missing.
-    """
+    """Yield what the mean readings of a phase show; one that was ``cut`` hides what is missing."""
     now, rest = settled[phase], settled["rest"]
     if phase == "rest":
         for name, near, most, remedy in _AT_REST:
@@ -122,13 +112,12 @@ def _problems(phase: str, settled: Mapping[str, Mapping[str, float]], cut: bool)
     chamber, channel, other, output = _FILLS[phase]
     filled = now[channel] - rest[channel] >= _FILLED_KPA
     moved = now[other] - rest[other]
-    crossed = moved > _UNFILLED_KPA
     if filled and abs(moved) > _UNFILLED_KPA:
         yield f"{chamber} filled, but {other} moved to {now[other]:.1f} kPa; check the hoses"
-    elif not filled and (crossed or not cut):
+    elif not filled and (moved > _UNFILLED_KPA or not cut):
         yield f"{chamber}: setpoint {TEST_KPA:g} kPa, but {channel} = {now[channel]:.1f}; " + (
             f"{other} rose instead: hoses, channels or {output} are swapped"
-            if crossed
+            if moved > _UNFILLED_KPA
             else f"check supply, valve and hardware.boards.{output}"
         )
     bent = now["theta_deg"] - rest["theta_deg"] >= 1.0

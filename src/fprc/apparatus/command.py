@@ -34,15 +34,11 @@ def run(
     refuse_unknown(name, settings)
     if model and (name in EXPERIMENTS or not feedforward_of(reference_and_controller(name)[1])):
         raise ConfigError(f"{name} uses no model; leave out --model, or choose another experiment")
-    results, folder = settings["folders"]["results"], settings["folders"]["raw"]
-    trained = f"{results}/models/sweep_{model_of_run(name)}.h5"
-    record_on_rig(
-        out or f"{folder}/{name}.h5",
-        name=name,
-        settings=settings,
-        armed=armed,
-        model=model or (trained if Path(trained).exists() else ""),
-    )
+    folders = settings["folders"]
+    trained = f"{folders['results']}/models/sweep_{model_of_run(name)}.h5"
+    model = model or (trained if Path(trained).exists() else "")
+    raw = out or f"{folders['raw']}/{name}.h5"
+    record_on_rig(raw, name=name, settings=settings, armed=armed, model=model)
 
 
 def _prepare(files: Sequence[str]) -> dict[str, Any]:

@@ -24,12 +24,7 @@ _SIGNATURES = {
 
 
 def load_library(path: str = "") -> ctypes.CDLL:
-    """Load the driver and declare the types of its calls.
-
-    Parameters
-    ----------
-    path : str
-        Shared library; empty for the driver's default name.
+    """Load the driver, by default that of its usual name, and declare the types of its calls.
 
     Raises
     ------
@@ -39,25 +34,21 @@ def load_library(path: str = "") -> ctypes.CDLL:
     name = path or "libcaio.so"
     try:
         library = ctypes.CDLL(name)
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        for call, types in _SIGNATURES.items():
+            function = getattr(library, call)
+            function.argtypes, function.restype = types, ctypes.c_long
+    except (OSError, ValueError, AttributeError) as error:  # ValueError: a NUL in the name
         raise DeviceError(
-            f"driver {name}: cannot be loaded ({error}); install Contec's "
+            f"driver {name}: is not Contec's API-AIO, or cannot be loaded ({error}); install "
             "API-AIO(LNX) from contec.com, or set hardware.boards.library to its path"
         ) from error
-    for call, types in _SIGNATURES.items():
-        try:
-            function = getattr(library, call)
-        except AttributeError:
-            raise DeviceError(
-                f"driver {name}: has no {call}; it is not Contec's API-AIO, "
-                "correct hardware.boards.library"
-            ) from None
-        function.argtypes, function.restype = types, ctypes.c_long
     return library
 
 
 class Board:
     """One analog board, range +- 10 V: opened by the constructor, released by ``close``.
+
+    Each method raises DeviceError if the driver reports an error.
 
     Parameters
     ----------
@@ -70,11 +61,6 @@ class Board:
     reset : bool
         Whether to reset the board to its power-on state; if not, its outputs hold their
         voltages until the first write.
-
-    Raises
-    ------
-    DeviceError
-        The driver reports an error; raised by the constructor and every method.
     """
 
     def __init__(self, library: str, name: str, kind: str, *, reset: bool = True):

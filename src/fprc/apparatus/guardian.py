@@ -9,7 +9,6 @@ import json
 import logging
 import math
 import os
-import queue
 import select
 import signal
 import subprocess
@@ -20,8 +19,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import IO, Any
 
-from fprc.apparatus.locks import locked
-from fprc.apparatus.pneumatics import NotVentedError, board_names, vent_from_outside
+from fprc.apparatus.locks import boards_of, locked
+from fprc.apparatus.pneumatics import NotVentedError, vent_from_outside
 from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
@@ -34,8 +33,6 @@ BEAT_S = 0.05
 #: Times between two attempts to vent, between two messages about them, and between two checks of
 #: their outcome, s.
 _RETRY_S, _MESSAGE_S, _POLL_S = 0.1, 1.0, 0.02
-#: Ends of the watch at which the guardian kills the loop.
-_KILLED = ("silent", "stuck")
 #: Number of stop signals after which the guardian kills the loop and vents.
 _KILL_AFTER = 3
 
@@ -54,58 +51,23 @@ def guard(request: Mapping[str, Any]) -> None:
         The child failed, was killed or stopped responding; says whether the chambers are vented.
     """
     hardware = request["settings"]["hardware"]
-    boards = hardware["boards"]
-    with locked(board_names(boards)) as locks:
-        _guard(request, hardware, locks)
-
-
-def _guard(request: Mapping[str, Any], hardware: Mapping[str, Any], locks: Sequence[int]) -> None:
-    pipe = subprocess.PIPE
-    # the loop gets its own session: a closed terminal, Ctrl-Z or a kill of the process group
-    # hits the guardian alone, and the loop then stops and vents
-    process = _Process(
-        [sys.executable, "-m", "fprc.apparatus.process"],
-        stdin=pipe,
-        stdout=pipe,
-        start_new_session=True,
-        pass_fds=locks,
-    )
-    with _forwarding_signals(process) as received:
-        with suppress(BrokenPipeError):  # it has already ended, with a message
-            process.stdin.write(json.dumps(request).encode() + b"\n")
-            process.stdin.flush()
-        end = _watch(process, hardware["loop"])
-        if end in _KILLED:
-            process.kill()
-        # vent before waiting for the end of the process: until then the valves hold their voltages
-        vented = "" if end == "safe" else vent_until_shown(hardware, received)
-        code = _wait(process, received)
-        if code is None:
-            raise ControlError(
-                f"process {process.pid}, which drives the rig, does not end: IT MAY STILL OPEN A "
-                "VALVE. Cut the supply and open the chambers by hand, then restart the computer"
-            )
-        if end in _KILLED:
-            # again: the last driver call of the killed process may have come after the venting
-            vented = vent_until_shown(hardware, received)
-    drives = "the process that drives the rig"
-    kept = "; if a run had begun, its samples are in the journal beside its log: fprc log repair"
-    if end != "safe":
-        opening_s = hardware["loop"]["opening_s"]
-        how = {
-            "gone": f"ended with code {code} before it released the rig",
-            "silent": "stopped responding before it released the rig, and was killed",
-            "stuck": f"had not opened the boards after {opening_s:g} s (hardware.loop.opening_s) "
-            "and was killed",
-        }
-        raise ControlError(f"{drives} {how[end]}; {vented}{kept}")
-    if code < 0:
-        raise ControlError(
-            f"{drives} was ended by {signal.Signals(-code).name}, before it opened the boards or "
-            f"after it vented{kept}"
+    with locked(boards_of(hardware)) as locks:
+        # the loop gets its own session: a closed terminal, Ctrl-Z or a kill of the process group
+        # hits the guardian alone, and the loop then stops and vents
+        process = _Process(
+            [sys.executable, "-m", "fprc.apparatus.process"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,
+            pass_fds=locks,
         )
-    if code:
-        raise ControlError(f"{drives} failed (exit code {code}); see its messages above")
+        with _forwarding_signals(process) as received:
+            with suppress(BrokenPipeError):  # it has already ended, with a message
+                process.stdin.write(json.dumps(request).encode() + b"\n")
+                process.stdin.flush()
+            problem = _supervise(process, hardware, received)
+    if problem:
+        raise ControlError(f"the process that drives the rig {problem}")
 
 
 class _Process(subprocess.Popen[bytes]):
@@ -124,6 +86,37 @@ class _Process(subprocess.Popen[bytes]):
         """Return messages of the process, empty if it closed the pipe; None after ``BEAT_S``."""
         heard, _, _ = select.select([self.stdout], [], [], BEAT_S)
         return os.read(self.stdout.fileno(), 64) if heard else None
+
+
+def _supervise(process: _Process, hardware: Mapping[str, Any], received: Sequence[int]) -> str:
+    """Watch the process until it has ended, and vent if it did not; return what went wrong."""
+    end = _watch(process, hardware["loop"])
+    killed = end in ("silent", "stuck")
+    if killed:
+        process.kill()
+    # vent before waiting for the end of the process: until then the valves hold their voltages
+    vented = "" if end == "safe" else vent_until_shown(hardware, received)
+    code = _wait(process, received)
+    if code is None:
+        return (
+            f"({process.pid}) does not end: IT MAY STILL OPEN A VALVE. Cut the supply and open the "
+            "chambers by hand, then restart the computer"
+        )
+    if killed:
+        # again: the last driver call of the killed process may have come after the venting
+        vented = vent_until_shown(hardware, received)
+    if end == "safe":
+        return f"failed (exit code {code}); see its messages above" if code else ""
+    how = {
+        "gone": f"ended with code {code} before it released the rig",
+        "silent": "stopped responding before it released the rig, and was killed",
+        "stuck": f"had not opened the boards after {hardware['loop']['opening_s']:g} s "
+        "(hardware.loop.opening_s) and was killed",
+    }
+    return (
+        f"{how[end]}; {vented}; if a run had begun, its samples are in the journal beside its log: "
+        "fprc log repair"
+    )
 
 
 def _watch(process: _Process, loop: Mapping[str, float]) -> str:
@@ -149,81 +142,88 @@ def _watch(process: _Process, loop: Mapping[str, float]) -> str:
         state = max(limits_s, key=(state + chunk).rfind)  # the latest
 
 
+class _Venting(threading.Thread):
+    """Attempts to vent until it succeeds or is given up.
+
+    It prints nothing, because printing may block. A driver call may never return: then
+    ``outcome`` stays empty.
+    """
+
+    def __init__(self, hardware: Mapping[str, Any]):
+        super().__init__(daemon=True)
+        self._hardware = hardware
+        self.given_up = threading.Event()
+        self.outcome = ""
+        self.problem = "the driver has not answered yet"
+        self.written_s = math.inf  #: when both valves were first written
+
+    def run(self) -> None:
+        while not self.given_up.is_set() and not self.outcome:
+            try:
+                vent_from_outside(self._hardware, self._note)
+                self.outcome = _VENTED
+            except NotVentedError as error:
+                self.outcome = str(error)
+            except Exception as error:  # of any type: the next attempt may succeed
+                self._note(f"{type(error).__name__}: {error}")
+                self.given_up.wait(_RETRY_S)
+
+    def _note(self, error: str) -> None:
+        """Note a write to the valves by its error, empty if it succeeded."""
+        self.problem = error or "the driver took the voltages"
+        if not error:
+            self.written_s = min(self.written_s, time.monotonic())
+
+
 def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) -> str:
     """Vent until the sensors confirm it or the user gives up; return the outcome as text.
 
-    A driver call may never return, and printing may block. Another thread therefore makes the
-    attempts and prints nothing; this one prints the state every second.
+    Parameters
+    ----------
+    received : sequence of int
+        Signals to this process; a SIGINT more gives up.
     """
     before, began_s = received.count(signal.SIGINT), time.monotonic()
-    given_up, reports = threading.Event(), queue.SimpleQueue[tuple[str, str]]()
-    threading.Thread(target=_attempt, args=(hardware, given_up, reports), daemon=True).start()
-    printed_s, printed, problem, written_s = began_s, "", "", 0.0
+    venting, printed_s = _Venting(hardware), began_s
+    venting.start()
     while True:
-        with suppress(queue.Empty):
-            what, text = reports.get(timeout=_POLL_S)
-            if what == "outcome":
-                return text
-            if text:
-                problem = text
-            else:
-                written_s = written_s or time.monotonic()
-        now_s = time.monotonic()
-        answer = f"the driver {'took the voltages' if written_s else 'has not answered yet'}"
-        if written_s and now_s - written_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S:
+        venting.join(_POLL_S)
+        if venting.outcome:
+            return venting.outcome
+        now_s, written = time.monotonic(), venting.written_s < math.inf
+        if now_s - venting.written_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S:
             return str(NotVentedError("no pressure can be read: the driver does not answer"))
         if received.count(signal.SIGINT) > before:
-            given_up.set()
-            if written_s:
+            venting.given_up.set()
+            if written:
                 return str(NotVentedError("Ctrl-C ended the wait for the pressures"))
-            return f"{_NOT_VENTED} ({problem or answer})"
-        if (problem and not printed) or now_s - printed_s > _MESSAGE_S:
-            printed_s, printed = now_s, problem
+            return f"{_NOT_VENTED} ({venting.problem})"
+        if now_s - printed_s > _MESSAGE_S:
+            printed_s = now_s
             log.error(
                 "%s after %.1f s (%s). Still trying; Ctrl-C gives up",
                 "the valves were set to vent, but no reading confirms it yet"
-                if written_s
+                if written
                 else _NOT_VENTED,
                 now_s - began_s,
-                problem or answer,
+                venting.problem,
             )
-
-
-def _attempt(
-    hardware: Mapping[str, Any],
-    given_up: threading.Event,
-    reports: queue.SimpleQueue[tuple[str, str]],
-) -> None:
-    """Try to vent until it succeeds or is given up; report each write and the outcome.
-
-    A write is reported by its error, which is empty if it succeeded.
-    """
-    while not given_up.is_set():
-        try:
-            vent_from_outside(hardware, lambda error: reports.put(("write", error)))
-            return reports.put(("outcome", _VENTED))
-        except NotVentedError as error:
-            return reports.put(("outcome", str(error)))
-        except Exception as error:  # of any type: the next attempt may succeed
-            reports.put(("write", f"{type(error).__name__}: {error}"))
-            given_up.wait(_RETRY_S)
 
 
 def _wait(process: _Process, received: Sequence[int]) -> int | None:
     """Wait for the end of a process and return its exit code; None if the user gave up."""
     before = received.count(signal.SIGINT)
-    while True:
+    while received.count(signal.SIGINT) <= before:
         with suppress(subprocess.TimeoutExpired):
             code = process.wait(timeout=_MESSAGE_S)
             process.stdin.close()
             process.stdout.close()
             return code
-        if received.count(signal.SIGINT) > before:
-            return None
         log.error(
             "process %d has not ended: it may hang in a driver call. Ctrl-C stops the wait",
             process.pid,
         )
+    return None
 
 
 @contextmanager

@@ -8,15 +8,8 @@ from functools import partial
 from typing import Any
 
 from fprc.apparatus.bendlabs import BendSensor, open_bus
-from fprc.apparatus.locks import locked
-from fprc.apparatus.pneumatics import (
-    Pressures,
-    Valves,
-    board_names,
-    call_all,
-    quietly,
-    vent,
-)
+from fprc.apparatus.locks import boards_of, locked
+from fprc.apparatus.pneumatics import Pressures, Valves, call_all, quietly, vent
 from fprc.channels import Readings
 from fprc.errors import DeviceError
 
@@ -50,16 +43,16 @@ class HardwareRig:
         sleep: Callable[[float], None] = time.sleep,
         now: Callable[[], float] = time.monotonic,
     ):
-        boards = hardware["boards"]
         self._elapsed = elapsed
         self._voltages = hardware["valves"]
         self._venting: dict[str, Any] = {"sleep": sleep, "now": now}
         self._buses: dict[int, Any] = {}
+        self._angles = [math.nan, math.nan]
+        problems: dict[str, None] = {}  # each once: both boards may lack the driver
         with contextlib.ExitStack() as opened:
-            locks = opened.enter_context(contextlib.ExitStack())
+            self._locks = opened.enter_context(contextlib.ExitStack())
             if not has_lock:
-                locks.enter_context(locked(board_names(boards)))
-            problems: dict[str, None] = {}  # each once: both boards may lack the driver
+                self._locks.enter_context(locked(boards_of(hardware)))
 
             def attempt(build: Callable[[], Any], release: str) -> Any:
                 try:
@@ -70,29 +63,25 @@ class HardwareRig:
                 opened.callback(quietly, getattr(part, release))
                 return part
 
-            def sensor(settings: Mapping[str, Any]) -> BendSensor:
-                number = settings["bus"]
-                if number not in self._buses:
-                    self._buses[number] = bus = open_bus(number)
-                    opened.callback(quietly, bus.close)
-                calibration = {key: settings[key] for key in ("gain", "offset_deg")}
-                built = BendSensor(self._buses[number], settings["address"], **calibration)
+            def sensor(bus: int, address: int, **calibration: float) -> BendSensor:
+                if bus not in self._buses:
+                    self._buses[bus] = open_bus(bus)
+                    opened.callback(quietly, self._buses[bus].close)
+                built = BendSensor(self._buses[bus], address, **calibration)
                 built.start(sleep=sleep)
                 return built
 
-            self._valves: Valves = attempt(lambda: Valves(hardware, reset=True), "close")
-            self._inputs: Pressures = attempt(lambda: Pressures(hardware), "close")
+            self._valves: Valves = attempt(partial(Valves, hardware, reset=True), "close")
+            self._inputs: Pressures = attempt(partial(Pressures, hardware), "close")
             self._sensors: list[BendSensor] = [
-                attempt(partial(sensor, hardware[name]), "shutdown")
+                attempt(partial(sensor, **hardware[name]), "shutdown")
                 for name in ("theta", "phi")
                 if hardware[name]
             ]
             if problems:
                 raise DeviceError("\n".join(problems))
             opened.pop_all()
-        self._locks = locks
         self.write, self.safe = self._valves.write, self._valves.vent
-        self._angles = [math.nan, math.nan]
 
     def read(self) -> Readings:
         """Return the latest reading of every sensor; NaN for a sensor that the rig lacks.
@@ -103,12 +92,12 @@ class HardwareRig:
             A board or a sensor does not answer.
         """
         stamp = self._elapsed()
-        kpa = self._inputs.read()
+        p_exp, p_i, p_o = self._inputs.read()
         for k, sensor in enumerate(self._sensors):
             angle = sensor.read()
             if angle is not None:
                 self._angles[k] = angle
-        return Readings(stamp, kpa[0], self._angles[0], kpa[1], kpa[2], self._angles[1])
+        return Readings(stamp, p_exp, self._angles[0], p_i, p_o, self._angles[1])
 
     def close(self) -> None:
         """Vent, wait until readings confirm it, and release every part, even if a step fails.
@@ -119,13 +108,11 @@ class HardwareRig:
             No reading confirms that both chambers are vented; the driver or a sensor reports
             an error.
         """
-        sensors = [sensor.shutdown for sensor in self._sensors]
-        buses = [bus.close for bus in self._buses.values()]
         with self._locks:
             call_all(
                 lambda: vent(self._valves, lambda: self._inputs, self._voltages, **self._venting),
                 self._valves.release,
                 self._inputs.close,
-                *sensors,
-                *buses,
+                *(sensor.shutdown for sensor in self._sensors),
+                *(bus.close for bus in self._buses.values()),
             )

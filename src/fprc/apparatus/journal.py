@@ -8,7 +8,6 @@ samples and end mark start from the header's checksum, so that those of another 
 rejected (after a power cut a disk may return an old page).
 """
 
-import errno
 import json
 import os
 import struct
@@ -19,8 +18,6 @@ from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
-
-import numpy as np
 
 from fprc.errors import LogError
 
@@ -45,7 +42,7 @@ class Journal:
 
     Parameters
     ----------
-    path : Path or str
+    path : Path
         Its name ends in ``.journal``; an existing file is never overwritten.
     names : sequence of str
         Channels, as a raw log has them.
@@ -70,35 +67,42 @@ class Journal:
 
     def __init__(
         self,
-        path: Path | str,
+        path: Path,
         names: Sequence[str],
         attributes: Mapping[str, Any],
         *,
         sync_s: float = 0.5,
     ):
-        self.path = Path(path)
+        self.path, self.samples = path, 0
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         self.attributes = started | dict(attributes)
         line = _line(self.attributes | {"names": list(names)})
         self._seed = int(line[:8], 16)
         self._start = len(MAGIC + line)
-        self._file = _open_new(self.path)
+        self._record = struct.Struct(f"<Q{len(names)}d")
+        self._problem = ""
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o644)
+        except FileExistsError as error:
+            raise LogError(
+                f"{path}: exists and is not overwritten; move it away (`fprc log repair` reads it)"
+            ) from error
+        except OSError as error:
+            raise LogError(f"{path}: cannot be created ({error.strerror})") from error
         try:
             _write(self._file, MAGIC + line)
             os.fsync(self._file)
-            _sync_folder(self.path.parent)
+            folder = os.open(path.parent, os.O_RDONLY)
+            os.fsync(folder)
+            os.close(folder)
         except OSError as error:
             os.close(self._file)
-            self.path.unlink()
+            path.unlink()
             raise LogError(
-                f"{self.path}: cannot be written ({error.strerror}); no run was started, free the "
-                "disk or choose another folder"
+                f"{path}: cannot be written ({error.strerror}); no run was started, free the disk "
+                "or choose another folder"
             ) from error
-        self.samples = 0
-        self._record = struct.Struct(f"<Q{len(names)}d")
-        self._buffer = bytearray(self._record.size + UINT32.size)
-        self._checked = memoryview(self._buffer)[: self._record.size]
-        self._problem = ""
         self._closing = threading.Event()
         self._syncing = threading.Thread(target=self._sync, args=(sync_s,), daemon=True)
         self._syncing.start()
@@ -121,15 +125,13 @@ class Journal:
         """
         if self._problem:
             raise LogError(self._problem)
-        self._record.pack_into(self._buffer, 0, tick, *row)
-        UINT32.pack_into(self._buffer, self._record.size, zlib.crc32(self._checked, self._seed))
+        sample = self._record.pack(tick, *row)
         try:
-            _write(self._file, self._buffer)
+            _write(self._file, sample + UINT32.pack(zlib.crc32(sample, self._seed)))
         except OSError as error:
             self._problem = (
-                f"{self.path}: sample {self.samples} could not be written ({error.strerror}); the "
-                "samples before it are kept, copy them with `fprc log repair`, free the disk and "
-                "run again"
+                f"{self.path}: sample {self.samples} could not be written ({error.strerror}); free "
+                "the disk and run again"
             )
             raise LogError(self._problem) from error
         self.samples += 1
@@ -154,20 +156,18 @@ class Journal:
             return
         self._closing.set()
         self._syncing.join()
-        self._problem = self._problem or self._loss()
-        content: dict[str, Any] = {"reason": self._problem or reason, "statistics": statistics}
-        content["samples"] = self.samples
+        problem = self._problem or self._loss()
+        content = {"reason": problem or reason, "statistics": statistics, "samples": self.samples}
         try:
             _write(self._file, END + _line(content, self._seed))
             os.fsync(self._file)
         except OSError as error:
-            self._problem = self._problem or (
-                f"{self.path}: the end mark could not be written ({error.strerror}); all "
-                "samples are kept, copy them with `fprc log repair`"
+            problem = problem or (
+                f"{self.path}: the end mark could not be written ({error.strerror})"
             )
         finally:
             os.close(self._file)
-            problem, self._problem = self._problem, self._problem or f"{self.path}: is closed"
+            self._problem = problem or f"{self.path}: is closed"
         if problem:
             raise LogError(problem)
 
@@ -185,25 +185,23 @@ class Journal:
 
     def _sync(self, period_s: float) -> None:
         on_disk = 0
-        while not self._closing.wait(period_s):
+        while not self._closing.wait(period_s) and not self._problem:
             samples = self.samples
             if loss := self._loss():
                 self._problem = loss
-                return
-            try:
-                if samples != on_disk:
+            elif samples != on_disk:
+                try:
                     os.fsync(self._file)
-            except OSError as error:
-                self._problem = (
-                    f"{self.path}: samples from {on_disk} on may not have reached the disk "
-                    f"({error.strerror}); check the disk, copy the others with `fprc log repair`"
-                )
-                return
-            on_disk = samples
+                    on_disk = samples
+                except OSError as error:
+                    self._problem = (
+                        f"{self.path}: samples from {on_disk} on may not have reached the disk "
+                        f"({error.strerror}); check the disk"
+                    )
 
     def _loss(self) -> str:
         """Return an error text if the file was lost; empty if it is whole."""
-        written = self._start + self.samples * len(self._buffer)
+        written = self._start + self.samples * (self._record.size + UINT32.size)
         with suppress(OSError):  # if it was moved or unmounted
             kept = os.fstat(self._file)
             if os.path.samestat(self.path.stat(), kept) and kept.st_size >= written:
@@ -214,54 +212,12 @@ class Journal:
         )
 
 
-def _open_new(path: Path) -> int:
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        return os.open(path, flags, 0o644)
-    except OSError as error:
-        if error.errno == errno.EEXIST and path.exists():
-            raise LogError(
-                f"{path}: exists and is not overwritten; move it away (`fprc log repair` reads it)"
-            ) from error
-        raise LogError(f"{path}: cannot be created ({error.strerror}); check the path") from error
-
-
-def _sync_folder(folder: Path) -> None:
-    file = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(file)
-    finally:
-        os.close(file)
-
-
-def _write(file: int, data: bytes | bytearray) -> None:
+def _write(file: int, data: bytes) -> None:
     # on a disk that fills up, a write can end early without an error
-    written = os.write(file, data)
-    while written < len(data):
-        written += os.write(file, memoryview(data)[written:])
+    while data:
+        data = data[os.write(file, data) :]
 
 
 def _line(content: Mapping[str, Any], seed: int = 0) -> bytes:
-    def as_plain(value: Any) -> Any:  # no statistic may prevent the writing of the end mark
-        return value.item() if isinstance(value, np.generic) else str(value)
-
-    text = json.dumps(content, default=as_plain).encode("ascii")
+    text = json.dumps(content).encode("ascii")
     return b"%08x %b\n" % (zlib.crc32(text, seed), text)
-
-
-def content_of(line: bytes, types: Mapping[str, type], seed: int = 0) -> tuple[Any, int] | None:
-    """Return the content of a line and its checksum; None if it was cut, damaged or forged.
-
-    Parameters
-    ----------
-    types : Mapping of str to type
-        Keys that it must have, and what they hold.
-    """
-    crc, _, text = line.rstrip(b"\n").partition(b" ")
-    right = zlib.crc32(text, seed)
-    with suppress(ValueError, RecursionError):
-        content = json.loads(text) if crc == b"%08x" % right else None
-        if isinstance(content, dict) and all(type(content.get(k)) is types[k] for k in types):
-            return content, right
-    return None

@@ -1,13 +1,18 @@
 """Locks that give one program at a time access to a board, across processes and users."""
 
-import contextlib
 import errno
 import socket
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import Any
 
 from fprc.errors import DeviceError
+
+
+def boards_of(hardware: Mapping[str, Any]) -> list[str]:
+    """Return the device names of both boards."""
+    return [hardware["boards"][f"{kind}_device"] for kind in ("input", "output")]
 
 
 @contextmanager
@@ -16,11 +21,6 @@ def locked(boards: Sequence[str]) -> Iterator[list[int]]:
 
     A lock is an abstract socket of Linux: its name exists once for all users of a computer, without
     a file that could be deleted or that a user could not write to.
-
-    Parameters
-    ----------
-    boards : sequence of str
-        Device names, such as AIO000.
 
     Yields
     ------
@@ -34,9 +34,9 @@ def locked(boards: Sequence[str]) -> Iterator[list[int]]:
     """
     if sys.platform != "linux":
         raise DeviceError("the real rig can be driven only from Linux; nothing was moved")
-    with contextlib.ExitStack() as held:
+    with ExitStack() as held:
         files = []
-        for board in sorted(set(boards)):
+        for board in sorted(boards):
             lock = held.enter_context(socket.socket(socket.AF_UNIX))
             try:
                 lock.bind(f"\0fprc-{board}".encode())

@@ -52,9 +52,10 @@ class Valves:
         boards = hardware["boards"]
         self._board = Board(boards["library"], boards["output_device"], "Ao", reset=reset)
         self._outputs = (boards["main_output"], boards["reservoir_output"])
-        self._heartbeat = boards["heartbeat_output"]
-        self._beats = 0
-        self._voltages = hardware["valves"]
+        self._heartbeat, self._beats = boards["heartbeat_output"], 0
+        self._neutral_v, self._vent_v = (
+            hardware["valves"][f"{at}_v"] for at in ("neutral", "vent")
+        )
         self.release = self._board.close  #: releases the board; its outputs hold their voltages
         if reset:
             try:
@@ -72,22 +73,20 @@ class Valves:
 
     def vent(self) -> None:
         """Close both valves, then open both chambers to the atmosphere."""
-        neutral_v, vent_v = self._voltages["neutral_v"], self._voltages["vent_v"]
-        self._write_in_turn(neutral_v, neutral_v, vent_v, vent_v)
+        self._write_in_turn(self._neutral_v, self._neutral_v, self._vent_v, self._vent_v)
+
+    def exhaust(self) -> None:
+        """Open both chambers to the atmosphere at once."""
+        self._write_in_turn(self._vent_v, self._vent_v)
 
     def close(self) -> None:
         """Open both chambers to the atmosphere at once, and release the board."""
         call_all(self.exhaust, self.release)
 
-    def exhaust(self) -> None:
-        """Open both chambers to the atmosphere at once."""
-        self._write_in_turn(self._voltages["vent_v"], self._voltages["vent_v"])
-
     def _write_in_turn(self, *volts: float) -> None:
         """Write voltages to the actuator's and the reservoir's valve in turn."""
-        call_all(
-            *(partial(self._board.write, *write) for write in zip(cycle(self._outputs), volts))
-        )
+        writes = zip(cycle(self._outputs), volts)
+        call_all(*(partial(self._board.write, *write) for write in writes))
 
 
 class Pressures:
@@ -109,15 +108,8 @@ class Pressures:
     def read(self) -> list[float]:
         """Return the present P_exp, P_i and P_o, kPa gauge."""
         volts = self._board.read(1 + max(self._channels))
-        return [
-            (volts[channel] - zero) * gain
-            for channel, (zero, gain) in zip(self._channels, self._scales, strict=True)
-        ]
-
-
-def board_names(boards: Mapping[str, Any]) -> list[str]:
-    """Return the device names of both boards."""
-    return [boards["input_device"], boards["output_device"]]
+        own = zip(self._channels, self._scales, strict=True)
+        return [(volts[channel] - zero) * gain for channel, (zero, gain) in own]
 
 
 def vent(
@@ -150,7 +142,8 @@ def vent(
     DeviceError
         Every write to the valves has failed for ``vent_s``.
     """
-    began_s, written_s = now(), None
+    began_s, longest_s = now(), voltages["vent_s"]
+    written_s: float | None = None
     names, limit_kpa = ("p_exp_kpa", "p_i_kpa"), voltages["vented_kpa"]
     seen: list[list[float]] = []
     in_a_row = 0
@@ -158,31 +151,29 @@ def vent(
         failed = ""
         try:
             valves.exhaust()
-        except DeviceError as error:
-            failed = f"{error}; "
-            on_write(str(error))
-            if written_s is None and now() - began_s > voltages["vent_s"]:
-                raise
-        else:
-            on_write("")
             written_s = now() if written_s is None else written_s
+        except DeviceError as error:
+            failed = str(error)
+            if written_s is None and now() - began_s > longest_s:
+                raise
+        on_write(failed)
         try:
             seen.append(open_inputs().read()[:2])
-            state = in_words(
-                f"{name} = {kpa:.1f}" for name, kpa in zip(names, seen[-1], strict=True)
-            )
-            state += f"; vented is {limit_kpa:g} or less (hardware.valves.vented_kpa)"
             # abs: a disconnected sensor reads far below 0
             in_a_row = in_a_row + 1 if all(abs(kpa) <= limit_kpa for kpa in seen[-1]) else 0
+            shown = (f"{name} = {kpa:.1f}" for name, kpa in zip(names, seen[-1], strict=True))
+            state = f"{in_words(shown)}; vented is {limit_kpa:g} or less (valves.vented_kpa)"
         except DeviceError as error:
             in_a_row, state = 0, f"no pressure can be read ({error})"
         frozen = [name for k, name in enumerate(names) if len({row[k] for row in seen}) == 1]
         if written_s is not None:
             if in_a_row >= _IN_A_ROW and not frozen:
                 return
-            if now() - written_s > voltages["vent_s"]:
+            if now() - written_s > longest_s:
                 state += f"; {in_words(frozen)} never changed: frozen sensor" if frozen else ""
-                raise NotVentedError(f"after {voltages['vent_s']:g} s {failed}{state}")
+                raise NotVentedError(
+                    "; ".join(filter(None, [f"after {longest_s:g} s", failed, state]))
+                )
         sleep(_POLL_S)
 
 
@@ -200,10 +191,8 @@ def vent_from_outside(hardware: Mapping[str, Any], on_write: Callable[[str], Non
             return inputs
 
         valves = Valves(hardware, reset=False)
-        try:
-            vent(valves, open_inputs, hardware["valves"], on_write=on_write)
-        finally:
-            quietly(valves.close)
+        opened.callback(quietly, valves.close)
+        vent(valves, open_inputs, hardware["valves"], on_write=on_write)
 
 
 def call_all(*calls: Callable[[], None]) -> None:

@@ -10,7 +10,9 @@ import gc
 import json
 import logging
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -20,11 +22,12 @@ import numpy as np
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.journal import Journal
 from fprc.apparatus.programme import plan
-from fprc.apparatus.recovery import difference, recover, rescue
+from fprc.apparatus.recovery import state_of
 from fprc.apparatus.session import Stop, on_rig, reserve_pipes
+from fprc.artifacts import refuse_output
 from fprc.channels import RAW_CHANNELS
-from fprc.control import RunAbortedError
-from fprc.errors import FprcError, LogError
+from fprc.errors import ControlError, FprcError, LogError
+from fprc.logs import write_raw
 
 log = logging.getLogger("fprc.rig")
 
@@ -60,14 +63,14 @@ def record(
 ) -> None:
     """Run an experiment on the real rig and write its raw log, read-only.
 
-    The run writes its samples to a journal beside the log, named after the log and the time,
-    which is kept.
+    During the run its samples also go to a journal beside the log, named after the log and the
+    time, which is kept. The log of a run that was stopped has another name than ``raw``.
 
     Raises
     ------
     ControlError, DeviceError
-        The run was refused or stopped, or its journal does not hold the samples that are in memory;
-        names the journal, or the log that replaces it.
+        The run was refused or stopped, or its log cannot be written; names the file that has the
+        samples.
     """
     experiment = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
@@ -91,56 +94,57 @@ def record(
         if unvented:
             complete = "the samples are complete, but the rig was not closed: "
             stopped = (f"{stopped}\n" if stopped else complete) + unvented
-        failed = ""
         try:
             journal.close(stopped, **statistics)
         except LogError as error:
-            failed = str(error)
-    failed = failed or difference(path, channels)
-    kept = _kept(journal, channels, stopped, statistics, failed)
-    if stopped or failed:
-        why = stopped or "the run was complete, but not its log"
-        if failed not in why:  # which holds that of a sample
-            why += f"\n{failed}"
-        shown = "" if unvented else "both chambers are vented, as their sensors show; "
-        raise RunAbortedError(f"{why}\n{shown}{kept}", channels)
-    try:
-        recover(path, raw)
-    except (FprcError, OSError) as error:
-        raise LogError(f"{error}\nthe run was complete; {kept}") from error
-    for file in (path, Path(raw)):
-        file.chmod(_READ_ONLY)
-    log.info(
-        "%d samples, %d ticks missed, lateness %.3f ms median, %.3f ms at 99.9 %%; wrote %s",
-        statistics["ticks"],
-        statistics["overruns"],
-        1e3 * statistics["jitter_p50_s"],
-        1e3 * statistics["jitter_p99_9_s"],
-        raw,
-    )
-
-
-def _kept(
-    journal: Journal,
-    channels: Mapping[str, np.ndarray],
-    stopped: str,
-    statistics: Mapping[str, float],
-    failed: str,
-) -> str:
-    """Return where the samples of a closed journal are; if it failed, save them elsewhere."""
-    path, recorded = journal.path, len(channels["time_s"])
-    if not failed and not recorded:
-        return f"no sample was recorded, and {path} can be deleted"
-    if not failed:
-        out = path.with_suffix(".rescued.h5")
-        return (
-            f"{recorded} samples are in {path}, copy them with: fprc log repair {path} --out {out}"
+            if str(error) not in stopped:
+                log.warning("%s", error)
+    attributes = journal.attributes | state_of(stopped, statistics)
+    samples, saved, problems = len(channels["time_s"]), None, ""
+    if samples:
+        saved, problems = _save(channels, attributes, path, "" if stopped else raw)
+    if saved == Path(raw):
+        for file in (path, saved):
+            with suppress(OSError):  # the journal may be lost
+                file.chmod(_READ_ONLY)
+        log.info(
+            "%d samples, %d ticks missed, lateness %.3f ms median, %.3f ms at 99.9 %%; wrote %s",
+            statistics["ticks"],
+            statistics["overruns"],
+            1e3 * statistics["jitter_p50_s"],
+            1e3 * statistics["jitter_p99_9_s"],
+            raw,
         )
-    try:
-        saved = rescue(journal, channels, reason=stopped, statistics=statistics)
-    except LogError as error:
-        return f"{path} may lack some of {recorded} samples, which can be saved nowhere:\n{error}"
-    return f"{saved} has all of them, {recorded} samples"
+        return
+    shown = "" if unvented else "; both chambers are vented, as their sensors show"
+    where = "no sample was recorded"
+    if samples:
+        where = f"{saved or path} has {'' if saved else 'what it can of '}the {samples} samples"
+    why = stopped or "the run was complete, but not its log"
+    raise ControlError("\n".join(filter(None, [why, problems, f"{where}{shown}"])))
+
+
+def _save(
+    channels: Mapping[str, np.ndarray], attributes: Mapping[str, Any], journal: Path, raw: str
+) -> tuple[Path | None, str]:
+    """Write the samples in memory as a raw log; return its path, and what failed before.
+
+    If ``raw`` is empty, or cannot be written, the log is written beside the journal under another
+    name; if that fails too, among the temporary files.
+    """
+    name = journal.with_suffix(".rescued.h5").name
+    places = [journal.parent / name, Path(tempfile.gettempdir(), name)]
+    problems = []
+    for place in [Path(raw), *places] if raw else places:
+        try:
+            place.parent.resolve(strict=True)  # a folder that is gone is not made again
+            refuse_output(place, ".h5")
+            write_raw(place, channels, **attributes)
+        except (FprcError, OSError) as error:
+            problems.append(str(error))
+        else:
+            return place, "\n".join(problems)
+    return None, "\n".join(problems)
 
 
 if __name__ == "__main__":

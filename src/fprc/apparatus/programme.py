@@ -10,7 +10,7 @@ from fprc.config.tracking import Tracking
 from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
-from fprc.paper import EXPERIMENTS, reference_and_controller, run_log
+from fprc.paper import DISTURBANCE, EXPERIMENTS, reference_and_controller, run_log
 from fprc.registry import controllers, entries, feedforward_of, load_class, outside_classes
 from fprc.signals import pressure_command
 
@@ -27,15 +27,8 @@ class Experiment(NamedTuple):
 
 def names(settings: Mapping[str, Any]) -> list[str]:
     """Return the names of the experiments in the order in which they are run."""
-    tracking = settings["tracking"]
-    return [
-        *EXPERIMENTS,
-        *(
-            run_log(reference, controller)
-            for reference in tracking["references"]
-            for controller in controllers(settings["models"])
-        ),
-    ]
+    references, laws = settings["tracking"]["references"], controllers(settings["models"])
+    return [*EXPERIMENTS, *(run_log(reference, law) for reference in references for law in laws)]
 
 
 def refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
@@ -75,76 +68,13 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
     return planned._replace(attributes=planned.attributes | of_rig)
 
 
-def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
-    # imported here because they take a second, for which the other experiments need not wait
-    from fprc.experiments.tracking import Track, describe_model
-    from fprc.experiments.trained import refuse_other_data
-    from fprc.models import load_model
-
-    control, limits = Control(**settings["control"]), settings["hardware"]["limits"]
-    bench = Track(Tracking(**settings["tracking"]), control, {}, settings["seed"])
-    hint = ""
-    reference, controller = reference_and_controller(name)
-    if reference == "disturbance":
-        hint = f"push the reservoir by hand from {bench.tracking.pushes.quiet_s:g} s on"
-    theta_d = bench.reference(reference)
-    p_i_kpa = min(control.reservoir_limit_kpa, control.k_in_kpa_per_deg * theta_d.max())
-    _refuse_beyond(limits, "p_i_kpa", p_i_kpa, "lower control.reservoir_limit_kpa")
-    p_d_kpa = bench.tracking.pressure_limit_kpa
-    _refuse_beyond(limits, "p_exp_kpa", p_d_kpa, "lower tracking.pressure_limit_kpa")
-    driver = feedforward_of(controller)
-    attributes, fitted = bench.describe(reference, controller), None
-    if driver and model:  # without a file the law refuses to start
-        fitted = load_model(model, outside_classes(settings["models"]))
-        which, inputs = f"{model}, the model of {name}", entries(settings["models"])[driver].inputs
-        _refuse_other(fitted, driver, settings["models"], which)
-        units = [unit_of(channel) for channel in ("p_target_kpa", *inputs)]
-        refuse_other_data(fitted, which, control.sample_rate_hz, units)
-        try:  # which also compiles the step before the first tick
-            fitted.step((0.0,) * fitted.n_features_in_)
-        except Exception as error:  # a class from outside may raise any error
-            raise FprcError(f"{model}: makes no step ({error}); train the model again") from error
-        attributes |= describe_model(fitted, model)
-    law = bench.law(theta_d, controller, fitted)
-    channels = (*RAW_CHANNELS, *bench.channels(controller))
-    return Experiment(law, len(theta_d), channels, attributes, hint)
-
-
-def _refuse_other(fitted: Any, driver: str, models: Mapping[str, Any], which: str) -> None:
-    """Check that a fitted model is the one that gives the log its name."""
-    found, needed, inputs = type(fitted), load_class(driver, models), entries(models)[driver].inputs
-    if found is not needed:
-        raise ConfigError(
-            f"{which}, is a {found.__name__}, must be a {needed.__name__}; give --model a file of "
-            f"{driver}, or choose the experiment that is named after the model"
-        )
-    columns = getattr(fitted, "n_features_in_", None)  # a class from outside may have none
-    if columns != len(inputs):
-        raise ConfigError(
-            f"{which}, was fitted to {columns} inputs, must have {len(inputs)}, "
-            f"{in_words(inputs)}; train it again"
-        )
-
-
-def _refuse_beyond(limits: Mapping[str, Any], sensor: str, highest: float, remedy: str) -> None:
-    """Check that a command, as far as it may go, does not end the run by its reading."""
-    _, limit = limits[sensor]
-    if highest > limit:
-        raise ConfigError(
-            f"commands go up to {highest:g} kPa, and a reading above {limit:g} ends a run "
-            f"(hardware.limits.{sensor}); {remedy}"
-        )
-
-
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
-    control = Control(**settings["control"])
-    signal = Signal(**settings["experiments"][name])
+    control, signal = Control(**settings["control"]), Signal(**settings["experiments"][name])
     p_exp_kpa = pressure_command(signal, control.sample_rate_hz)
-    limits = settings["hardware"]["limits"]
-    lower = f"experiments.{name}: lower its amplitude_kpa or offset_kpa"
-    _refuse_beyond(limits, "p_exp_kpa", p_exp_kpa.max(), lower)
-    lower = "lower control.reservoir_limit_kpa"
-    _refuse_beyond(limits, "p_i_kpa", control.reservoir_limit_kpa, lower)
+    lower = f"experiments.{name}: amplitude_kpa or offset_kpa"
+    _refuse_beyond(settings, "p_exp_kpa", p_exp_kpa.max(), lower)
+    limit = "control.reservoir_limit_kpa"
+    _refuse_beyond(settings, "p_i_kpa", control.reservoir_limit_kpa, limit)
     attributes = {
         "experiment": name,
         "sample_rate_hz": control.sample_rate_hz,
@@ -153,3 +83,68 @@ def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
     }
     law = hysteresis_law(p_exp_kpa, control)
     return Experiment(law, len(p_exp_kpa), RAW_CHANNELS, attributes)
+
+
+def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
+    # imported here because it takes a second, for which the other experiments need not wait
+    from fprc.experiments.tracking import Track, describe_model
+
+    control, tracking = Control(**settings["control"]), Tracking(**settings["tracking"])
+    bench = Track(tracking, control, {}, settings["seed"])
+    reference, controller = reference_and_controller(name)
+    theta_d = bench.reference(reference)
+    p_i_kpa = min(control.reservoir_limit_kpa, control.k_in_kpa_per_deg * theta_d.max())
+    _refuse_beyond(settings, "p_i_kpa", p_i_kpa, "control.reservoir_limit_kpa")
+    limit = "tracking.pressure_limit_kpa"
+    _refuse_beyond(settings, "p_exp_kpa", tracking.pressure_limit_kpa, limit)
+    hint = f"push the reservoir by hand from {tracking.pushes.quiet_s:g} s on"
+    attributes, fitted = bench.describe(reference, controller), None
+    driver = feedforward_of(controller)
+    if driver and model:  # without a file the law refuses to start
+        fitted = _load(model, name, driver, settings)
+        attributes |= describe_model(fitted, model)
+    return Experiment(
+        bench.law(theta_d, controller, fitted),
+        len(theta_d),
+        (*RAW_CHANNELS, *bench.channels(controller)),
+        attributes,
+        hint if reference == DISTURBANCE else "",
+    )
+
+
+def _refuse_beyond(settings: Mapping[str, Any], sensor: str, highest: float, lower: str) -> None:
+    """Check that a command, as far as it may go, does not end the run by its reading."""
+    _, limit = settings["hardware"]["limits"][sensor]
+    if highest > limit:
+        raise ConfigError(
+            f"commands go up to {highest:g} kPa, and a reading above {limit:g} ends a run "
+            f"(hardware.limits.{sensor}); lower {lower}"
+        )
+
+
+def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any:
+    """Load the model of an experiment; check that it is the one in the name, and makes a step."""
+    from fprc.experiments.trained import refuse_other_data
+    from fprc.models import load_model
+
+    models, which = settings["models"], f"{file}, the model of {name}"
+    inputs, needed = entries(models)[driver].inputs, load_class(driver, models)
+    fitted = load_model(file, outside_classes(models))
+    if type(fitted) is not needed:
+        raise ConfigError(
+            f"{which}, is a {type(fitted).__name__}, must be a {needed.__name__}; give --model a "
+            f"file of {driver}, or choose the experiment that is named after the model"
+        )
+    columns = getattr(fitted, "n_features_in_", None)  # a class from outside may have none
+    if columns != len(inputs):
+        raise ConfigError(
+            f"{which}, was fitted to {columns} inputs, must have {len(inputs)}, "
+            f"{in_words(inputs)}; train it again"
+        )
+    units = [unit_of(channel) for channel in ("p_target_kpa", *inputs)]
+    refuse_other_data(fitted, which, settings["control"]["sample_rate_hz"], units)
+    try:  # which also compiles the step before the first tick
+        fitted.step((0.0,) * len(inputs))
+    except Exception as error:  # a class from outside may raise any error
+        raise FprcError(f"{file}: makes no step ({error}); train the model again") from error
+    return fitted

@@ -32,7 +32,7 @@ def record_on_rig(
     OutputError
         The log exists, cannot be written, or is too large for the disk.
     ControlError
-        Not armed, or the run was stopped; names the experiment, or the journal.
+        Not armed, or the run was stopped; names the experiment, or the file of its samples.
     """
     refuse_output(raw, ".h5")
     experiment = plan(name, settings, model)
@@ -52,9 +52,6 @@ def record_on_rig(
         Path(raw).parent.mkdir(parents=True, exist_ok=True)
         free = disk_usage(Path(raw).parent).free
     if free < needed:
-        raise OutputError(
-            f"{raw}: the run needs up to {needed:,} bytes, and its disk has {free:,} left; free "
-            "some, or choose another folder"
-        )
+        raise OutputError(f"{raw}: needs up to {needed:,} bytes, and its disk has {free:,} left")
     run = {"name": name, "raw": raw, "model": model}
     guard({"what": "run", "settings": dict(settings), "run": run})

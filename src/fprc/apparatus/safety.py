@@ -6,7 +6,7 @@ from typing import Any
 
 from fprc.channels import SENSORS, Readings, unit_of
 from fprc.control_laws import HIGHEST_V
-from fprc.devices.protocol import Device
+from fprc.devices import Device
 from fprc.errors import SafetyError
 
 
@@ -33,18 +33,16 @@ class CheckedRig:
     def __init__(
         self, device: Device, limits: Mapping[str, Any], period_s: float, *, phi: bool = True
     ):
-        self._device = device
-        self.safe = device.safe
-        self._period_s = period_s
-        self._stale_s = limits["stale_s"]
-        watched = [name for name in SENSORS if name in limits and (phi or name != "phi_deg")]
+        self._device, self.safe = device, device.safe
+        self._period_s, self._stale_s = period_s, limits["stale_s"]
         steps = {"kPa": limits["pressure_step_kpa"], "deg": limits["angle_step_deg"]}
         self._watched = [
-            (Readings._fields.index(name), name, *limits[name], steps[unit_of(name)])
-            for name in watched
+            (name, *limits[name], steps[unit_of(name)])
+            for name in SENSORS
+            if name in limits and (phi or name != "phi_deg")
         ]
         self._last: Readings | None = None
-        self._changed_s = dict.fromkeys(watched, 0.0)
+        self._changed_s: dict[str, float] = {}
 
     def read(self) -> Readings:
         """Return the readings.
@@ -57,11 +55,11 @@ class CheckedRig:
             The device failed.
         """
         now = self._device.read()
-        last = self._last or now
+        last, self._last = self._last or now, now
         periods = max((now.time_s - last.time_s) / self._period_s, 1.0)
-        problems: list[str] = []
-        for place, name, low, high, step in self._watched:
-            value, before = now[place], last[place]
+        problems = []
+        for name, low, high, step in self._watched:
+            value, before = getattr(now, name), getattr(last, name)
             if not math.isfinite(value):
                 problems.append(f"{name}: no reading; check the sensor's cable")
                 continue
@@ -75,14 +73,13 @@ class CheckedRig:
                     f"{name} jumped from {before:.1f} to {value:.1f} in {periods:.1f} samples, "
                     f"more than {step:g} per sample; check sensor and cable, or hardware.limits"
                 )
-            if value != before or self._last is None:
+            if value != before or name not in self._changed_s:
                 self._changed_s[name] = now.time_s
             elif (held_s := now.time_s - self._changed_s[name]) > self._stale_s:
                 problems.append(
                     f"{name} has been {value:g} for {held_s:.2f} s; the sensor is frozen or "
                     "disconnected (hardware.limits.stale_s)"
                 )
-        self._last = now
         if problems:
             raise SafetyError("\n".join(problems))
         return now

@@ -18,10 +18,8 @@ from fprc.apparatus.hardware import HardwareRig
 from fprc.apparatus.safety import CheckedRig
 from fprc.config.settings import Control
 from fprc.control import Law, RunAbortedError, run
+from fprc.devices import Device
 from fprc.errors import DeviceError
-
-#: Shortest suspension of the computer that stops a run, s.
-_SUSPENDED_S = 0.1
 
 
 class Session(NamedTuple):
@@ -65,12 +63,8 @@ def on_rig(
     )
     notify(OPENING)  # the guardian then notices a call that hangs
     try:
-        opened = HardwareRig(
-            hardware,
-            clock.elapsed,
-            has_lock=True,  # inherited from the guardian
-            sleep=_wait,
-        )
+        # the locks are inherited from the guardian
+        opened = HardwareRig(hardware, clock.elapsed, has_lock=True, sleep=_wait)
     except DeviceError:
         notify(SAFE)  # nothing was moved
         raise
@@ -78,9 +72,12 @@ def on_rig(
     timing: dict[str, float] = {}
     stopped = unvented = ""
     try:
-        checked = CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"]))
-        still = SimpleNamespace(read=checked.read, write=lambda *volts: None, safe=lambda: None)
-        device = checked if moves else still
+        device: Device
+        device = checked = CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"]))
+        if not moves:
+            device = SimpleNamespace(
+                read=checked.read, write=lambda *volts: None, safe=lambda: None
+            )
         neutral_v = hardware["valves"]["neutral_v"]
         try:
             channels = run(
@@ -127,7 +124,7 @@ def notify(message: bytes) -> None:
 
 
 class Stop:
-    """Reason to stop: a signal, a guardian that ended or is silent, a suspended computer.
+    """Reason to stop: a signal, or a guardian that ended or is silent.
 
     The loop asks at every tick, and each time the guardian gets a heartbeat if one is due.
 
@@ -140,7 +137,6 @@ class Stop:
     def __init__(self, stalled_s: float) -> None:
         self._reason = ""
         self._stalled_s = stalled_s
-        self._suspended_s = time.clock_gettime(time.CLOCK_BOOTTIME) - time.monotonic()
         self._heartbeat_s = self._sent_s = time.monotonic()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._signalled)
@@ -148,22 +144,15 @@ class Stop:
 
     def __call__(self) -> str:
         """Send a heartbeat; return the reason, empty if there is none."""
-        # the first clock also runs while the computer is suspended; a delay between the two calls
-        # cannot look like a suspension
-        boottime_s, now_s = time.clock_gettime(time.CLOCK_BOOTTIME), time.monotonic()
+        now_s = time.monotonic()
         if now_s - self._sent_s >= BEAT_S:
             self._sent_s = now_s
             notify(HEARTBEAT)
-        if not self._reason:
-            suspended_s = boottime_s - now_s - self._suspended_s
-            silent_s = now_s - self._heartbeat_s
-            if suspended_s > _SUSPENDED_S:
-                self._reason = f"the computer was suspended for {suspended_s:.1f} s"
-            elif silent_s > self._stalled_s:
-                self._reason = (
-                    f"the guardian process has been silent for {silent_s:.2f} s "
-                    "(hardware.loop.stalled_s)"
-                )
+        if not self.guarded() and not self._reason:
+            self._reason = (
+                f"the guardian process has been silent for {now_s - self._heartbeat_s:.2f} s "
+                "(hardware.loop.stalled_s)"
+            )
         return self._reason
 
     def guarded(self) -> bool:

@@ -11,6 +11,8 @@ from fprc.apparatus import guardian, pneumatics
 from fprc.apparatus.guardian import BEAT_S, _wait, _watch, vent_until_shown
 from fprc.errors import ControlError
 
+VENTED = "both chambers are vented, as their sensors show"
+
 
 @pytest.fixture
 def alive(bench, monkeypatch):
@@ -40,7 +42,6 @@ DRIVEN, OPENED = ([None] * (round(limit_s / BEAT_S) - 1) for limit_s in LIMITS.v
         ([b"OA", b""], "gone"),
         ([b"A..", b".", b""], "gone"),
         ([b"A...", b".S", b""], "safe"),
-        ([b"A.SA..S", b""], "safe"),
         ([b"OA.S", b"O", b"A..S", b""], "safe"),  # a check: two sessions
         ([b"A.SA", b""], "gone"),
         ([b"A.S", b"A.", b""], "gone"),
@@ -65,16 +66,6 @@ def test_end_of_the_loop_is_derived_from_its_messages(chunks, end):
     assert process.listen.call_count == process.beat.call_count == len(chunks)
 
 
-VENTED = "both chambers are vented, as their sensors show"
-
-
-def fill(bench):
-    """Fill both chambers and leave the valves open, as a loop that is killed does."""
-    bench.shared.outputs[:2] = [9.0, 9.0]
-    bench.wait(0.3)
-    assert bench.rig.read().p_exp_kpa > 100.0
-
-
 def test_chambers_that_no_sensor_shows_are_not_called_vented(alive, settings):
     settings["hardware"]["boards"]["input_device"] = "AIO007"
     message = vent_until_shown(settings["hardware"])
@@ -84,20 +75,21 @@ def test_chambers_that_no_sensor_shows_are_not_called_vented(alive, settings):
 
 
 @pytest.mark.parametrize("failures", [0, 1, 6, 40])
-def test_board_that_fails_and_recovers_is_tried_until_it_vents(alive, settings, quick, failures):
-    fill(alive)
+def test_board_that_fails_and_recovers_is_tried_until_it_vents(
+    alive, settings, quick, monkeypatch, failures
+):
+    """Also while the terminal takes no message."""
+    held = threading.Event()
+    monkeypatch.setattr(guardian.log, "error", lambda *arguments: held.wait(0.5))
+    alive.shared.outputs[:2] = [9.0, 9.0]  # as of a loop that was killed
+    alive.wait(0.3)
+    assert alive.rig.read().p_exp_kpa > 100.0
     alive.fail(failures)
     assert vent_until_shown(settings["hardware"]) == VENTED
     assert alive.shared.failures == failures
     assert list(alive.shared.outputs[:2]) == [0.0, 0.0]
     assert abs(alive.rig.read().p_exp_kpa) < 15.0
     assert failures or alive.shared.opened == 0
-
-
-def in_the_background(work):
-    person = threading.Thread(target=work, daemon=True)
-    person.start()
-    return person
 
 
 def wait_for(true):
@@ -114,84 +106,57 @@ def test_venting_is_given_up_only_by_the_user(alive, settings, quick, caplog, nu
     alive.fail(1 << 40)
 
     def send():
-        wait_for(lambda: len(caplog.messages) >= 5)
-        # on a busy computer the first attempts may take longer than five messages
-        wait_for(lambda: alive.shared.failures > 5 and "code 777" in caplog.messages[-1])
+        wait_for(lambda: alive.shared.failures > 5 and len(caplog.messages) >= 5)
         heard.append(number)
         if number != signal.SIGINT:  # a terminal that is closed does not end it
             wait_for(lambda: len(caplog.messages) >= 10)
             alive.shared.fail_count = 0
 
-    person = in_the_background(send)
+    person = threading.Thread(target=send, daemon=True)
+    person.start()
     message = vent_until_shown(settings["hardware"], heard)
     person.join()
     if number == signal.SIGINT:
         assert message.startswith("THE CHAMBERS COULD NOT BE VENTED")
-        assert "failed with code 777" in message
     else:
         assert message == VENTED
-    assert alive.shared.failures > 5
     # once the board answers, a message may say that only readings are still missing
     assert all("COULD NOT BE VENTED" in message for message in caplog.messages[:5])
     assert any("failed with code 777" in message for message in caplog.messages)
 
 
-def test_terminal_that_takes_no_message_does_not_keep_from_venting(
-    alive, settings, quick, monkeypatch
+@pytest.mark.parametrize("writes", [0, 1])
+def test_driver_that_never_answers_is_not_waited_for_without_end(
+    settings, quick, monkeypatch, caplog, writes
 ):
-    fill(alive)
-    alive.fail(6)
-    held = threading.Event()
-    monkeypatch.setattr(guardian.log, "error", lambda *arguments: held.wait(30.0))
-
-    def look():
-        wait_for(lambda: list(alive.shared.outputs[:2]) == [0.0, 0.0])
-        held.set()
-
-    person = in_the_background(look)
-    assert vent_until_shown(settings["hardware"]) == VENTED
-    person.join()
-
-
-def test_driver_that_does_not_answer_a_reading_is_not_waited_for_without_end(
-    settings, quick, monkeypatch, caplog
-):
-    never = threading.Event()
+    """One that took the voltages and hangs in a reading is given up after a time."""
+    never, heard = threading.Event(), []
 
     def vent(hardware, report):
-        report("")
+        for _ in range(writes):
+            report("")
         never.wait(30.0)
 
     monkeypatch.setattr(guardian, "vent_from_outside", vent)
     settings["hardware"]["valves"]["vent_s"] = 0.1
-    message = vent_until_shown(settings["hardware"])
-    never.set()
-    assert message != VENTED
-    assert caplog.messages
-    assert "has not answered" not in caplog.text  # it took the voltages
-
-
-def test_driver_that_never_answers_is_named_when_the_user_gives_up(settings, quick, monkeypatch):
-    never = threading.Event()
-    monkeypatch.setattr(guardian, "vent_from_outside", lambda *given: never.wait(30.0))
-    heard = []
-    person = in_the_background(lambda: (time.sleep(0.1), heard.append(signal.SIGINT)))
+    if not writes:
+        threading.Timer(0.1, heard.append, [signal.SIGINT]).start()
     message = vent_until_shown(settings["hardware"], heard)
     never.set()
-    person.join()
-    assert message.startswith("THE CHAMBERS COULD NOT BE VENTED")
-    assert "driver" in message
+    shown = "MAY BE UNDER PRESSURE" if writes else "COULD NOT BE VENTED"
+    assert message.startswith(f"THE CHAMBERS {shown}")
+    assert ("has not answered" in message + caplog.text) is not bool(writes)
 
 
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGKILL"])
-def test_loop_that_a_signal_ends_before_it_opens_the_boards_is_named(
-    settings, tmp_path, monkeypatch, name
+@pytest.mark.parametrize("signal_", [15, 9])
+def test_loop_that_a_signal_ends_before_it_opens_the_boards_is_told(
+    settings, tmp_path, monkeypatch, signal_
 ):
     python = tmp_path / "python"
-    python.write_text(f"#!/bin/sh\nkill -{name[3:]} $$\n")
+    python.write_text(f"#!/bin/sh\nkill -{signal_} $$\n")
     python.chmod(0o755)
     monkeypatch.setattr(guardian.sys, "executable", str(python))
-    with pytest.raises(ControlError, match=name):
+    with pytest.raises(ControlError, match=f"code -{signal_}"):
         guardian.guard({"what": "check", "settings": settings, "armed": False})
 
 
@@ -218,17 +183,14 @@ def test_chambers_are_vented_again_once_a_loop_that_was_killed_has_ended(
 
 
 def test_process_that_does_not_end_is_reported_and_awaited_until_the_user_gives_up(quick, caplog):
-    class Process:
-        pid = 4711
-
-        def wait(self, timeout):
-            waits.append(timeout)
-            if len(waits) == 4:
-                heard.append(signal.SIGINT)
-            raise guardian.subprocess.TimeoutExpired("rig", timeout)
-
     waits, heard = [], []
-    assert _wait(Process(), heard) is None
+
+    def wait(timeout):
+        waits.append(timeout)
+        if len(waits) == 4:
+            heard.append(signal.SIGINT)
+        raise guardian.subprocess.TimeoutExpired("rig", timeout)
+
+    assert _wait(Mock(pid=4711, wait=wait), heard) is None
     assert len(waits) == 4
-    assert len(caplog.messages) == 3
     assert all("process 4711 has not ended" in message for message in caplog.messages)

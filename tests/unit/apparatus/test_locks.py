@@ -17,18 +17,13 @@ def test_board_is_had_by_one_at_a_time():
     with locked(BOARDS[:2]):
         with pytest.raises(DeviceError, match=f"{BOARDS[1]} is in use"), locked([BOARDS[1]]):
             pass
+        # one that was free is released if another is in use
+        with pytest.raises(DeviceError, match="is in use"), locked(reversed(BOARDS)):
+            pass
         with locked([BOARDS[2]]):
             pass
     with locked(BOARDS):
         pass
-
-
-def test_boards_that_were_free_are_released_if_one_is_in_use():
-    with locked([BOARDS[1]]):
-        with pytest.raises(DeviceError, match=BOARDS[1]), locked(BOARDS):
-            pass
-        with locked([BOARDS[0]]):
-            pass
 
 
 @pytest.mark.parametrize("system", ["darwin", "win32"])
@@ -38,28 +33,23 @@ def test_boards_are_refused_on_a_system_that_cannot_drive_them(monkeypatch, syst
         pass
 
 
-def test_process_that_inherits_a_lock_holds_it_after_the_other_has_gone():
+@pytest.mark.parametrize("inherits", [True, False])
+def test_only_a_process_that_inherits_a_lock_holds_it_after_the_other_has_gone(inherits):
     with locked(BOARDS[:1]) as files:
-        heir = subprocess.Popen(["sleep", "60"], pass_fds=files)
+        heir = subprocess.Popen(["sleep", "60"], pass_fds=files if inherits else ())
     try:
-        with pytest.raises(DeviceError, match="in use"), locked(BOARDS[:1]):
-            pass
+        free = locked(BOARDS[:1])
+        if inherits:
+            with pytest.raises(DeviceError, match="in use"), free:
+                pass
+        else:
+            with free:
+                pass
     finally:
         heir.kill()
         heir.wait()
     with locked(BOARDS[:1]):
         pass
-
-
-def test_process_without_the_lock_does_not_hold_it():
-    with locked(BOARDS[:1]):
-        other = subprocess.Popen(["sleep", "60"], close_fds=False)
-    try:
-        with locked(BOARDS[:1]):
-            pass
-    finally:
-        other.kill()
-        other.wait()
 
 
 def test_rig_that_is_opened_from_a_program_has_its_boards_alone(bench, settings):
