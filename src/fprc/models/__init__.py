@@ -12,6 +12,7 @@ from fprc.models.features import (
     taps,
 )
 from fprc.models.fprc import FPRC, FuzzyLinear
+from fprc.models.nodes import NodeFeatures
 from fprc.models.nvar import NVAR
 from fprc.models.online import Learning, Online
 from fprc.models.ridge import RidgeReadout
@@ -29,6 +30,7 @@ __all__ = [
     "FuzzyLinear",
     "Learning",
     "LowpassBank",
+    "NodeFeatures",
     "Online",
     "PlayOperators",
     "RidgeReadout",

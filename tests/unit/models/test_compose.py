@@ -26,6 +26,7 @@ from fprc.models import (
     EchoStates,
     FeatureModel,
     LowpassBank,
+    NodeFeatures,
     PlayOperators,
     RidgeReadout,
     SideBySide,
@@ -161,9 +162,31 @@ def ring(monkeypatch):
     return of_page("class Ring(", module)
 
 
-def test_map_of_the_page_is_the_same_in_a_log_and_sample_by_sample(ring):
+class Integrator:
+    """A node as ReservoirPy has them: a leaky sum of its inputs."""
+
+    state = 0.0
+
+    def run(self, X):
+        rows = []
+        for x in X:
+            self.state = 0.9 * self.state + x.sum()
+            rows.append([self.state])
+        return np.array(rows)
+
+    def reset(self):
+        self.state = 0.0
+
+
+def reservoir_of_another_library():
+    nodes = pytest.importorskip("reservoirpy.nodes")
+    return nodes.Reservoir(12, sr=0.9, lr=0.3, seed=1)
+
+
+@pytest.mark.parametrize("node", [None, Integrator, reservoir_of_another_library])
+def test_map_from_outside_is_the_same_in_a_log_and_sample_by_sample(ring, node):
     X, _ = log()
-    found = ring.Ring(units=20).fit(X)
+    found = (NodeFeatures(node()) if node else ring.Ring(units=20)).fit(X)
     found.reset(X[0])
     stream = [found.step(x) for x in X[:60]]
     whole = found.transform(X)  # in the middle of a stream
@@ -181,6 +204,12 @@ def test_reservoir_of_the_page_is_fitted_saved_and_loaded(ring, tmp_path):
     np.testing.assert_array_equal(loaded.predict(X), model.predict(X))
     with pytest.raises(FprcError, match="cannot be exported"):
         c_header(loaded, "ring")
+
+
+def test_model_on_a_node_is_not_saved(tmp_path):
+    model = FeatureModel(NodeFeatures(Integrator()), RidgeReadout()).fit(*log())
+    with pytest.raises(FprcError, match="Integrator"):
+        save_model(model, tmp_path / "node.h5")
 
 
 def log():
