@@ -1,8 +1,7 @@
-"""Judging models: folds, errors, cross-validation, execution times."""
+"""Models on logs: folds, errors, cross-validation, execution times."""
 
 from fprc.evaluation.crossval import CrossValidated, Prepared, evaluate, prepare, rmse
-from fprc.evaluation.folds import split_rows
-from fprc.evaluation.scikit import TimeBlocks, settled_rmse
+from fprc.evaluation.folds import TimeBlocks, settled_rmse, split_rows
 from fprc.evaluation.timing import time_models
 
 __all__ = [

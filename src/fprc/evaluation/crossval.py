@@ -1,9 +1,7 @@
 """Cross-validation, choice of the best fold, and its test."""
 
-import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from numbers import Integral
 from typing import Any, NamedTuple
 
@@ -12,12 +10,8 @@ from sklearn.base import BaseEstimator, clone
 
 from fprc.errors import EvaluationError
 from fprc.evaluation.folds import Fold
-from fprc.models import SequenceModel
-from fprc.models.learned import features_of
+from fprc.models import RidgeReadout, SequenceModel
 from fprc.signals import rms
-
-#: Most bytes of the features of a log; training takes up to twice as many.
-MOST_BYTES = 2 << 30
 
 
 def rmse(truth: np.ndarray, prediction: np.ndarray) -> float:
@@ -60,22 +54,9 @@ class CrossValidated(NamedTuple):
     model: SequenceModel  #: trained on the best fold
 
 
-#: What a model learns from a log or is judged on: inputs of shape (n_samples, n_inputs), P_exp in
+#: What a model learns from a log or is tested on: inputs of shape (n_samples, n_inputs), P_exp in
 #: kPa, and the samples of each recording if there are several.
 Samples = tuple[np.ndarray, np.ndarray] | tuple[np.ndarray, np.ndarray, Sequence[int] | None]
-
-
-@dataclass(frozen=True)
-class Streamed:
-    """Features of a log that are computed again each time, block by block, and not kept."""
-
-    features: BaseEstimator  #: fitted
-    samples: Samples
-
-    def __iter__(self) -> Iterator[np.ndarray]:
-        """Return the blocks in the order of time."""
-        X, _, *lengths = self.samples
-        return self.features.blocks(X, *lengths)
 
 
 class Prepared(NamedTuple):
@@ -111,59 +92,71 @@ class Prepared(NamedTuple):
 
         A random readout has its own seed in every fold, which no other seed shares.
         """
-        return cross_validated(self.model, self.features, [self.rows[log]], self.y[log], folds)
+        rows = [self.rows[log]]
+        return _cross_validated(self.model, self.features, lambda: rows, self.y[log], folds)
 
 
-def prepare(
-    model: SequenceModel, logs: Mapping[str, Samples], most_bytes: float = math.inf
-) -> Prepared:
+def prepare(model: SequenceModel, logs: Mapping[str, Samples]) -> Prepared:
     """Compute the features of some logs, once per log and in the order of time.
 
-    Whatever judges a model begins here. The features are fitted to the first log.
-
-    Parameters
-    ----------
-    most_bytes : float
-        Limit on the features of each log.
+    The features are fitted to the first log.
 
     Raises
     ------
     EvaluationError
-        A log does not suit the model: it is too short for its taps, or too long for the limit.
+        A log does not suit the model: it is too short for its taps.
     """
     first, *_ = next(iter(logs.values()))
     with refusals_of(model):
         features = model.make_features().fit(first)
-        most = most_bytes // (8 * (features_of(features) or 1))
-        longest = max(len(X) for X, *_ in logs.values())
-        if longest > most:
-            raise ValueError(
-                f"{longest:,} samples; training it holds the features of all samples in "
-                f"memory, so with its settings it takes at most {most:,}: use a shorter log, or "
-                "fewer features"
-            )
         rows = {name: features.map_log(X, *lengths) for name, (X, _, *lengths) in logs.items()}
     return Prepared(model, features, rows, {name: log[1] for name, log in logs.items()})
 
 
-def cross_validated(
-    model: SequenceModel,
-    features: BaseEstimator,
-    blocks: Iterable[np.ndarray],
-    y: np.ndarray,
-    folds: Sequence[Fold],
-) -> CrossValidated:
-    """Train once per fold and keep the best; see ``Prepared.cross_validated``.
+def learn(model: SequenceModel, samples: Samples, folds: Sequence[Fold]) -> CrossValidated:
+    """Cross-validate a model on one log; of a ridge regression's features a block is in memory.
 
-    Parameters
-    ----------
-    blocks : iterable of ndarray
-        The features of all samples; it is read twice, and has one item unless the readout
-        is a ridge regression and the folds part the log.
+    Raises
+    ------
+    EvaluationError
+        As ``evaluate`` raises it.
     """
+    X, y, *lengths = samples
+    if not isinstance(model.make_readout(), RidgeReadout) or not _is_partition(folds, len(y)):
+        return prepare(model, {"train": samples}).cross_validated("train", folds)
     with refusals_of(model):
-        readouts = list(_fitted(model.make_readout(), blocks, y, folds))
-        outputs = [np.column_stack([fit.predict(rows) for fit in readouts]) for rows in blocks]
+        features = model.make_features().fit(X)
+    return _cross_validated(model, features, lambda: features.blocks(X, *lengths), y, folds)
+
+
+def evaluate(
+    model: SequenceModel, folds: Sequence[Fold], train: Samples, test: Samples
+) -> dict[str, Any]:
+    """Return the errors of all folds of a log, and that of the best fold's model on a test log.
+
+    Raises
+    ------
+    EvaluationError
+        A log does not suit the model (too short for its taps, fewer samples than rules), or an
+        error is not finite.
+    """
+    prepared = prepare(model, {"train": train, "test": test})
+    validated = prepared.cross_validated("train", folds)
+    return {
+        "train_rmse_kpa": validated.train_rmse,
+        "validation_rmse_kpa": validated.validation_rmse,
+        "test_rmse_kpa": prepared.error(validated.model.readout_, "test"),
+    }
+
+
+def _cross_validated(
+    model: SequenceModel, features: BaseEstimator, blocks: Callable[[], Iterable[np.ndarray]],
+    y: np.ndarray, folds: Sequence[Fold],
+) -> CrossValidated:  # fmt: skip
+    """Train once per fold and keep the best; ``blocks`` gives the features of all samples."""
+    with refusals_of(model):
+        readouts = list(_fitted(model.make_readout(), blocks(), y, folds))
+        outputs = [np.column_stack([fit.predict(rows) for fit in readouts]) for rows in blocks()]
         fits = np.concatenate(outputs).T
         errors = [
             tuple(rmse(y[part], fit[part]) for part in fold)
@@ -175,47 +168,10 @@ def cross_validated(
     return CrossValidated(train_rmse, validation_rmse, best, fits[best], fitted)
 
 
-def learn(model: SequenceModel, samples: Samples, folds: Sequence[Fold]) -> CrossValidated:
-    """Cross-validate a model on one log; of a ridge regression's features a block is in memory.
-
-    Raises
-    ------
-    EvaluationError
-        As ``evaluate`` raises it.
-    """
-    X, y, *_ = samples
-    if hasattr(model.make_readout(), "fit_complements") and _is_partition(folds, len(y)):
-        with refusals_of(model):
-            features = model.make_features().fit(X)
-        return cross_validated(model, features, Streamed(features, samples), y, folds)
-    return prepare(model, {"train": samples}, MOST_BYTES).cross_validated("train", folds)
-
-
-def evaluate(
-    model: SequenceModel, folds: Sequence[Fold], train: Samples, test: Samples
-) -> dict[str, Any]:
-    """Return the errors of all folds of a log, and that of the best fold's model on a test log.
-
-    Raises
-    ------
-    EvaluationError
-        A log does not suit the model (too short for its taps, fewer samples than rules, more
-        features than ``MOST_BYTES``), or an error is not finite.
-    """
-    prepared = prepare(model, {"train": train, "test": test}, MOST_BYTES)
-    judged = prepared.cross_validated("train", folds)
-    return {
-        "train_rmse_kpa": judged.train_rmse,
-        "validation_rmse_kpa": judged.validation_rmse,
-        "test_rmse_kpa": prepared.error(judged.model.readout_, "test"),
-    }
-
-
 def _fitted(
     readout: BaseEstimator, blocks: Iterable[np.ndarray], y: np.ndarray, folds: Sequence[Fold]
 ) -> Iterator[BaseEstimator]:
-    # not isinstance: an edit of RidgeReadout should not repeat the results of the other models
-    if hasattr(readout, "fit_complements") and _is_partition(folds, len(y)):
+    if isinstance(readout, RidgeReadout) and _is_partition(folds, len(y)):
         yield from readout.fit_complements(blocks, y, [validation for _, validation in folds])
     else:
         (rows,) = blocks
@@ -226,9 +182,8 @@ def _fitted(
 def _is_partition(folds: Sequence[Fold], samples: int) -> bool:
     """Return whether each row validates in one fold and trains in all others."""
     validated = np.sort(np.concatenate([validation for _, validation in folds]))
-    return np.array_equal(validated, np.arange(samples)) and all(
-        np.array_equal(np.sort(np.concatenate(fold)), np.arange(samples)) for fold in folds
-    )
+    sizes = {len(train) + len(validation) for train, validation in folds}
+    return sizes == {samples} and np.array_equal(validated, np.arange(samples))
 
 
 def _with_seed_of(readout: BaseEstimator, fold: int) -> BaseEstimator:

@@ -17,7 +17,7 @@ MODELS = [
 
 
 def cross_validate(model, X, y, folds, lengths=None):
-    prepared = prepare(model, {"train": (X, y, lengths)}, crossval.MOST_BYTES)
+    prepared = prepare(model, {"train": (X, y, lengths)})
     return prepared.cross_validated("train", folds)
 
 
@@ -132,17 +132,6 @@ def test_random_readout_starts_differently_in_every_fold(wrap):
 def test_log_that_does_not_suit_the_model_is_refused_with_its_name(model):
     with pytest.raises(EvaluationError, match=type(model).__name__):
         cross_validate(model, log(), pressure(), split_rows(200, 4, "shuffled", 1))
-
-
-def test_log_whose_features_would_fill_the_memory_is_refused(monkeypatch):
-    folds = split_rows(200, 4, "shuffled", 1)
-    esn = ESN(r=50, random_state=1)
-    features = esn.make_features().fit(log()).transform(log())
-    monkeypatch.setattr("fprc.evaluation.crossval.MOST_BYTES", features.nbytes)
-    cross_validate(esn, log(), pressure(), folds)
-    monkeypatch.setattr("fprc.evaluation.crossval.MOST_BYTES", features.nbytes - 1)
-    with pytest.raises(EvaluationError, match="ESN: 200 samples; .* at most 199"):
-        cross_validate(esn, log(), pressure(), folds)
 
 
 def test_rmse_is_the_root_of_the_mean_square():
