@@ -53,8 +53,16 @@ def code_that_computes(
 
 
 def code_that_shows() -> str:
-    """Return a digest of the code that makes tables, figures, claims and pages."""
-    return _digest(name for name in modules() if name.startswith(SHOWS))
+    """Return a digest of the code, drawings, printed numbers and verdicts of what is shown."""
+    folder = Path(fprc.__path__[0])
+    files = [
+        folder / "config/published.yaml",
+        *folder.glob("claims/*.*"),
+        *folder.glob("figures/drawings/*"),
+    ]
+    data = (path.read_bytes() for path in sorted(files) if path.suffix != ".py")
+    code = _digest(name for name in modules() if name.startswith(SHOWS))
+    return hashlib.sha256(b"".join([code.encode(), *data])).hexdigest()[:16]
 
 
 @cache

@@ -52,7 +52,7 @@ COMPUTING = {"shared", "studies", *MODELS}
     ("name", "expected"),
     [("models/esn.py", {"esn"}), ("models/fprc.py", {"fprc", "fuzzy_linear"}),
      ("models/competitors.py", set()), ("models/features.py", COMPUTING),
-     ("rig/friction.py", COMPUTING), ("stages/judge.py", COMPUTING), ("stages/draw.py", {"shows"}),
+     ("rig/friction.py", COMPUTING), ("stages/models.py", COMPUTING), ("stages/draw.py", {"shows"}),
      ("figures/style.py", {"shows"}), ("studies/families/family.py", {"studies"}),
      ("studies/beyond/tables.py", {"shows"}), ("commands/logs.py", set())],
 )  # fmt: skip

@@ -25,7 +25,7 @@ def test_whole_paper_is_planned_on_the_real_rig(project):
     jobs = project.planned("all", "--config", *OF_THEIR_OWN)
     assert jobs["record_on_rig"] == 2 + 15
     assert not {"record", "track", "replicate"} & jobs.keys()
-    assert {"tabulate_tracking", "draw_tracking"} <= jobs.keys()
+    assert "draw_loops" in jobs
 
 
 def test_log_that_is_there_is_not_recorded_again(project):

@@ -19,16 +19,16 @@ def jobs(*rules, **counts):
 
 REPORT = jobs("report_page")
 #: What shows further seeds, which are one job each.
-SEEDS = REPORT | jobs("tabulate_seeds", "draw_settings", "draw_taps", "ledger", replicate=2)
+SEEDS = REPORT | jobs("tabulate_seeds", "draw_grids", "ledger", replicate=2)
 #: What one model changes.
 ESN = SEEDS | jobs("judge", "measure_times", "tabulate_models", "tabulate_times")
 #: Closed loops and what is made of them.
-LOOPS = jobs("track", "tabulate_tracking", "draw_tracking")
+LOOPS = jobs("track", "draw_loops")
 #: What every model changes: all but the experiments and what is made of their logs alone.
-MODELS = ESN | LOOPS | jobs("weigh", "draw_training", "draw_weights", judge=3)
+MODELS = ESN | LOOPS | jobs("draw_training", "draw_weights", judge=3)
 RIG = MODELS | jobs("draw_hysteresis", record=2, preprocess=2)
 SHOWN = {rule for rule in RIG if rule.startswith(("tabulate", "draw"))} | {
-    "ledger", "report_page", "tabulate_settings",
+    "ledger", "report_page", "draw_without_data",
 }  # fmt: skip
 
 #: Edits that rerun the same jobs are made together: file, old text, new text.
@@ -45,7 +45,7 @@ EDITS = {
         MODELS | jobs(judge=2),
     ),
     "what computes": ([("rig/friction.py", "return force", "return 1.0 * force")], RIG),
-    "what shows": ([("stages/draw.py", "style.COLUMN_IN, 2.4", "style.COLUMN_IN, 2.5")],
+    "what shows": ([("figures/hysteresis.py", "style.COLUMN_IN, 2.4", "style.COLUMN_IN, 2.5")],
                    jobs(*SHOWN)),
 }  # fmt: skip
 

@@ -17,7 +17,7 @@ CONTRACT = [
     "timing/table2_timing.csv",
     "report.html",
     "claims.json",
-    "claims.md",
+    "claims.csv",
 ]
 
 pytestmark = pytest.mark.slow
@@ -44,7 +44,7 @@ def rules_run(printed):
 
 def test_smoke_touches_every_rule(smoked, studied, project):
     working = project.stages().keys()
-    assert len(working) > 30
+    assert len(working) > 25
     # these look at results and make none, or take minutes and are tested by themselves
     by_hand = {"check", "readme", "beyond_page", "drift_page"}
     by_hand |= {"grid"}  # of recorded logs: test_recorded.py

@@ -39,15 +39,14 @@ FIG8 = {"record": 2, "preprocess": 2, "judge": 1, "draw_training": 1}
 
 #: Targets, the jobs that they need, and jobs that they must do without.
 PLANNED = [
-    (["table1", "fig1"], {"tabulate_settings", "copy_schematics"}, {"record"}),
+    (["table1", "fig1"], {"draw_without_data"}, {"record"}),
     (["table2", "table3"], {"tabulate_models", "judge"}, {"measure_times", "replicate"}),
     (["seeds"], {"tabulate_seeds", "replicate"}, {"judge", "record"}),
     (["timing", "fig4", "fig9", "fig11"], {"tabulate_times", "draw_hysteresis", "draw_weights",
-     "draw_taps", "weigh"}, {"judge", "track"}),
-    (["fig10"], {"draw_settings", "replicate", "measure_times"}, {"grid", "track"}),
-    (["table4", "fig12", "fig17"], {"track", "tabulate_tracking", "draw_tracking"},
-     {"grid", "replicate"}),
-    (["report"], {"report_page", "ledger", "draw_taps"}, {"judge_family"}),
+     "draw_grids"}, {"judge", "track"}),
+    (["fig10"], {"draw_grids", "replicate", "measure_times"}, {"grid", "track"}),
+    (["table4", "fig12", "fig17"], {"track", "draw_loops"}, {"grid", "replicate"}),
+    (["report"], {"report_page", "ledger", "draw_grids"}, {"judge_family"}),
     ([*STUDIES, "families"], {"judge_family", "tabulate_families", "replicate"}, {"judge"}),
     ([*STUDIES, "readme"], {"readme", "tabulate_times", "ledger"}, {"judge_family"}),
 ]  # fmt: skip
@@ -69,9 +68,9 @@ def test_run_says_what_it_does_and_how_much_is_done(project):
     snakemake = [sys.executable, "-m", "snakemake", "--cores", "1"]
     done = project.run(*snakemake, "table1")
     assert done.returncode == 0, done.stdout
-    assert re.search(r"^Job 1: Table I$", done.stdout, re.MULTILINE)
+    assert re.search(r"^Job 1: Table I, and ", done.stdout, re.MULTILINE)
     assert re.search(r"^1 of 2 steps \(50%\) done$", done.stdout, re.MULTILINE)
     assert re.search(r"^Job 0: Target table1$", done.stdout, re.MULTILINE)
     assert "Reason:" not in done.stdout
     # what a job says of its progress is in its log
-    assert "[tabulate_settings]" not in done.stdout
+    assert "[draw_without_data]" not in done.stdout

@@ -1,16 +1,14 @@
 # Names that several rules share.
 #
 # A rule's script calls the function of the package that the param `stage` names, with the rule's
-# named inputs, outputs and params as arguments, except `stage`, `code` and `made_from`. The param
-# `code` is a digest, which lets a rule run again when its code has changed.
+# named inputs, outputs and params as arguments, except `stage` and `code`. The param `code` is a
+# digest, which lets a rule run again when its code has changed.
 
 #: Priorities: LONG starts long jobs early; ALONE is for jobs that need the whole machine. The
 #: scheduler sums the priorities of jobs that start together, so ALONE exceeds LONG on every core.
 LONG, ALONE = 1, workflow.cores + 1
 #: What tables, figures and pages are made with.
 SHOWS = code_that_shows()
-#: Rules whose named outputs are targets, in the order of the report.
-SHOWN = []
 PATHS = PLAN.paths
 RULES = workflow.current_basedir
 

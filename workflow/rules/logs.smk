@@ -1,4 +1,11 @@
-# Sec. II-B: the two hysteresis experiments, recorded and checked.
+# Raw logs, and what is selected from them: the hysteresis experiments of Sec. II-B and the closed
+# loops of Sec. IV.
+
+TRACKED = [*REFERENCES, DISTURBANCE]
+#: The models that drive the closed loops; logs that were recorded elsewhere need none.
+DRIVEN_BY = (
+    [PATHS.judged("sweep", model)["fitted"] for model in PLAN.feedforward] if PLAN.records else []
+)
 
 
 if PLAN.on_simulated_rig:
@@ -18,6 +25,30 @@ if PLAN.on_simulated_rig:
             seed=SETTINGS["seed"],
         message:
             "Experiment {wildcards.experiment} on the simulated rig"
+        script:
+            "../scripts/stage.py"
+
+    rule track:
+        input:
+            models=DRIVEN_BY,
+        output:
+            raw=[
+                PATHS.log(run_log(reference, controller))
+                for reference in TRACKED
+                for controller in PLAN.controllers
+            ],
+        log:
+            PATHS.messages("track"),
+        params:
+            **pick(SETTINGS, "tracking", "control", "rig", "seed"),
+            stage="stages.record.track",
+            code=computes(*PLAN.feedforward),
+            references=TRACKED,
+            names=PLAN.feedforward,
+            controllers=PLAN.controllers,
+            classes=pick(SETTINGS["models"], "others"),
+        message:
+            "Closed loops: every reference with every controller"
         script:
             "../scripts/stage.py"
 

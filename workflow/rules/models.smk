@@ -1,12 +1,12 @@
 # Sec. III-D: cross-validation, test and execution times of the models.
 # Result files are named after the training log; Table III trains on `complex`.
 
-TRAIN_AND_TEST = {"train": PATHS.data("sweep"), "test": PATHS.data("complex")}
+BOTH_LOGS = {log: PATHS.data(log) for log in EXPERIMENTS}
 
 
 rule judge:
     input:
-        **{log: PATHS.data(log) for log in EXPERIMENTS},
+        **BOTH_LOGS,
     output:
         **{
             kind: [PATHS.judged(log, "{model}")[kind] for log in EXPERIMENTS]
@@ -19,7 +19,7 @@ rule judge:
     params:
         name="{model}",
         validation=lambda wildcards: validation(SETTINGS, wildcards.model),
-        stage="stages.judge.judge",
+        stage="stages.models.judge",
         code=lambda wildcards: computes(wildcards.model),
     message:
         "Cross-validation and test of {wildcards.model}, also with the logs reversed"
@@ -53,7 +53,7 @@ rule replicate:
 
 rule measure_times:
     input:
-        **TRAIN_AND_TEST,
+        **BOTH_LOGS,
     output:
         times=PATHS.below("timing/times.json"),
         times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
@@ -64,7 +64,7 @@ rule measure_times:
     resources:
         mem_mb=2000,
     params:
-        stage="stages.timing.measure_times",
+        stage="stages.models.measure_times",
         code=computes(*PLAN.models),
         models=SETTINGS["models"],
         n_c=SETTINGS["grids"]["n_c"],
@@ -76,26 +76,9 @@ rule measure_times:
         "../scripts/stage.py"
 
 
-rule weigh:
+rule grid:  # of logs that have no further seeds
     input:
-        train=PATHS.data("sweep"),
-    output:
-        weights=PATHS.below("weights/fprc.json"),
-    log:
-        PATHS.messages("weigh"),
-    params:
-        stage="stages.grid.weigh",
-        code=computes("fprc"),
-        validation=validation(SETTINGS, "fprc"),
-    message:
-        "Weight contributions of the FPRC"
-    script:
-        "../scripts/stage.py"
-
-
-rule grid:
-    input:
-        **TRAIN_AND_TEST,
+        **BOTH_LOGS,
     output:
         cells=PATHS.below("grids.json"),
     log:
@@ -104,7 +87,7 @@ rule grid:
     resources:
         mem_mb=2000,
     params:
-        stage="stages.grid.judge",
+        stage="stages.models.grid",
         code=computes("fprc", "fuzzy_linear"),
         values=SETTINGS["grids"],
         validation=validation(SETTINGS, "fprc"),

@@ -1,6 +1,6 @@
 """Figures 10 and 11: errors and times over settings of models."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,33 +14,113 @@ from matplotlib.ticker import MaxNLocator
 from pandas import DataFrame
 
 from fprc import escape
-from fprc.figures.style import MARK, PHASES, line_of
+from fprc.figures import style
+from fprc.paper import GRID_SETTINGS
 from fprc.registry import title_of
+from fprc.signals import mean_and_std
 
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
+_TITLES = {"a": "Errors of FPRC", "b": "Errors", "c": "Execution times, batch"}
 #: Edges of the grids' colours, as shares of the errors' range on a logarithmic scale.
 _EDGES = np.linspace(0.0, 1.0, 11) ** 2
 #: Colours of the frames of two cells, by what they frame.
-_FRAMES = {"lowest": MARK, "paper's setting": "white"}
+_FRAMES = {"lowest": style.MARK, "paper's setting": "white"}
 
 
-def plot_over(table: DataFrame, ax: Axes, *, times: bool = False) -> None:
+def grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> DataFrame:
+    """Mean and standard deviation of each phase's RMSE, over folds or seeds (Figs. 10a, 10b, 11).
+
+    Parameters
+    ----------
+    reports : sequence of mapping
+        ``source`` and cells by grid: of further seeds, each with the errors of one fold, or one
+        report with those of all folds and their ``unit``.
+
+    Returns
+    -------
+    DataFrame
+        ``model``, name and value of the ``setting`` or the values of several, ``phase``, ``mean``,
+        ``std`` (sample; NaN for a single value), ``values`` (their number), ``unit``, ``source``.
+    """
+    names = GRID_SETTINGS[grid]
+    rows = []
+    for cells in zip(*(report[grid] for report in reports), strict=True):
+        values = {name: cells[0][name] for name in names}
+        setting = values if len(names) > 1 else {"setting": grid, "value": values[grid]}
+        rows += [
+            {
+                "model": cells[0]["model"],
+                **setting,
+                "phase": phase,
+                **_spread([cell[f"{phase}_rmse_kpa"] for cell in cells]),
+                "unit": reports[0].get("unit", "kPa"),
+                "source": reports[0]["source"],
+            }
+            for phase in _PHASES
+        ]
+    return DataFrame(rows)
+
+
+def times_over_n_c(report: Mapping[str, Any]) -> DataFrame:
+    """Mean and standard deviation over repeats of the batch execution times (Fig. 10c)."""
+    return DataFrame(
+        {
+            "model": entry["model"],
+            "setting": "n_c",
+            "value": entry["n_c"],
+            "phase": entry["phase"],
+            **_spread(entry["seconds"]),
+            "unit": "s",
+            "source": report["source"],
+        }
+        for entry in report["times"]
+        if entry["mode"] == "batch"
+    )
+
+
+def _spread(values: Sequence[Any]) -> dict[str, float | int]:
+    mean, std = mean_and_std(values)
+    return {"mean": mean, "std": std, "values": np.size(values)}
+
+
+def draw_settings(panels: Mapping[str, DataFrame], spread: str) -> Figure:
+    """Figure 10: a key, and the tables of the panels ``a``, ``b`` and ``c``, one above the other.
+
+    ``spread`` says what a band or a bar is. Without FPRC, panel ``a`` is not there.
+    """
+    fig, axes = style.figure(len(panels), 1, style.COLUMN_IN, 4.6 if "a" in panels else 3.4)
+    for (panel, table), ax in zip(panels.items(), axes, strict=True):
+        _plot_over(table, ax, times=panel == "c")
+        style.letter(ax, f"({panel}) {_TITLES[panel]}")
+        if panel == "a":
+            ax.set_xscale("log")
+            ax.set_xlabel(r"$\epsilon$")
+        else:
+            ax.set_xscale("log", base=2)
+            ax.set_xlabel("$n_c$")
+            ax.set_xticks(sorted(table["value"].unique()))
+            ax.xaxis.set_major_formatter("{x:g}")
+    models = panels["b"]["model"].unique()
+    marks: list[Any] = [Line2D([], [], **style.line_of(model)) for model in models]
+    marks += [Line2D([], [], color="black", linestyle="", **look) for look in style.PHASES.values()]
+    names = [*map(title_of, models), *_PHASES.values(), spread]
+    fig.legend([*marks, Patch(facecolor="0.7")], names, loc="outside upper center", ncols=3,
+               handlelength=2.2, columnspacing=1.2)  # fmt: skip
+    return fig
+
+
+def _plot_over(table: DataFrame, ax: Axes, *, times: bool) -> None:
     """Draw training, validation and test RMSE, or execution times, over a setting.
 
     A line style is a model, a marker is a phase. The standard deviation of an error is a band
     either way, that of a time a bar: on a logarithmic axis, a band that reaches below zero would
     cover the rest.
-
-    Parameters
-    ----------
-    table : DataFrame
-        ``model``, ``value`` of the setting, ``phase``, ``mean``, ``std``, ``unit``.
     """
     for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
         rows = rows.sort_values("value")
         x, mean, std = rows["value"], rows["mean"], rows["std"]
-        look = line_of(model)
-        ax.plot(x, mean, **look, **PHASES[phase], linewidth=0.8)
+        look = style.line_of(model)
+        ax.plot(x, mean, **look, **style.PHASES[phase], linewidth=0.8)
         if times:
             ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=look["color"], elinewidth=0.6)
         else:
@@ -53,31 +133,18 @@ def plot_over(table: DataFrame, ax: Axes, *, times: bool = False) -> None:
     ax.set_ylabel(f"{quantity} [{escape.figure(table['unit'].iloc[0])}]")
 
 
-def explain_lines(fig: Figure, models: Sequence[str], spread: str) -> None:
-    """Put a key to the lines, markers and bands of ``plot_over`` above the figure."""
-    marks: list[Any] = [Line2D([], [], **line_of(model)) for model in models]
-    marks += [Line2D([], [], color="black", linestyle="", **look) for look in PHASES.values()]
-    names = [*map(title_of, models), *_PHASES.values(), spread]
-    fig.legend([*marks, Patch(facecolor="0.7")], names, loc="outside upper center", ncols=3,
-               handlelength=2.2, columnspacing=1.2)  # fmt: skip
-
-
-def plot_grids(table: DataFrame, axes: Sequence[Axes], papers: tuple[int, int]) -> ScalarMappable:
-    """Draw the RMSE of each phase over n_u and n_y as a coloured grid; return the colours.
+def draw_taps(table: DataFrame, papers: tuple[int, int]) -> Figure:
+    """Figure 11: the RMSE of each phase over n_u and n_y as a coloured grid.
 
     All grids share the colours, which are closer together at small errors, so that neither these
-    nor the largest look alike. The lowest cell and that of the paper's setting are framed, and the
-    titles have their numbers.
-
-    Parameters
-    ----------
-    papers : (int, int)
-        n_u and n_y of the paper; not drawn if the grid does not contain them.
+    nor the largest look alike. The lowest cell and that of the paper's setting, ``papers``, n_u and
+    n_y, are framed, and the titles have their numbers.
     """
+    fig, axes = style.figure(1, 3, style.COLUMN_IN, 2.5, sharey=True)
     least, most = table["mean"].min(), max(table["mean"].max(), 1.01 * table["mean"].min())
     norm = BoundaryNorm(least * (most / least) ** _EDGES, 256)
     colours = ScalarMappable(norm, "cividis")
-    for ax, phase in zip(axes, PHASES, strict=True):
+    for ax, letter, (phase, title) in zip(axes, "abc", _PHASES.items(), strict=True):
         rows = table[table["phase"] == phase]
         grid = rows.pivot(index="n_y", columns="n_u", values="mean")
         ax.pcolormesh(grid.columns, grid.index, grid, cmap=colours.cmap, norm=norm,
@@ -91,20 +158,15 @@ def plot_grids(table: DataFrame, axes: Sequence[Axes], papers: tuple[int, int]) 
                 ax.add_patch(Rectangle((n_u - 0.5, n_y - 0.5), 1, 1, fill=False, clip_on=False,
                                        edgecolor=colour, linewidth=1.0))  # fmt: skip
         # on two lines, as a panel is not as wide as both
-        ax.set_title(f"{_PHASES[phase].capitalize()}\n{', '.join(numbers)}", loc="left")
+        style.letter(ax, f"({letter}) {title.capitalize()}\n{', '.join(numbers)}")
         ax.set(xlabel="$n_u$", ylabel="$n_y$")
         ax.xaxis.set_major_locator(MaxNLocator(5, integer=True))
         ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
-    return colours
-
-
-def explain_grids(fig: Figure, axes: Sequence[Axes], colours: ScalarMappable, unit: str) -> None:
-    """Put a bar for the colours below the grids, and a key to the frames above them.
-
-    The key is on grey as one frame is white.
-    """
+        ax.label_outer()
     bar = fig.colorbar(colours, ax=axes, location="bottom", aspect=40, format="%.3g")
-    bar.set_label(f"RMSE [{escape.figure(unit)}]")
+    bar.set_label(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")
     frames = [Patch(fill=False, edgecolor=colour, linewidth=1.2) for colour in _FRAMES.values()]
+    # on grey as one frame is white
     fig.legend(frames, _FRAMES, loc="outside upper right", ncols=2, frameon=True, facecolor="0.7",
                edgecolor="none", handlelength=0.9, handleheight=0.9)  # fmt: skip
+    return fig

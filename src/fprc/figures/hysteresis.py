@@ -1,34 +1,126 @@
 """Figures 4 and 5: hysteresis loops of actuator and reservoir."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm
-from pandas import DataFrame
+from matplotlib.figure import Figure
+
+from fprc import escape
+from fprc.figures import style
+from fprc.signals import turning_points
+
+#: Width of a band of frequency, Hz, and phases of a cycle, of mean loops.
+_BAND_HZ, _PHASES_OF_CYCLE = 0.1, 100
+#: Length of the mean that takes the noise from a path, s: a tenth of the shortest period.
+_SMOOTHED_S = 0.1
+#: Symbol and unit of a channel.
+_SYMBOLS = {
+    "theta_deg": (r"$\theta$", "deg"),
+    "p_target_kpa": (r"$P_\mathrm{exp}$", "kPa"),
+    "p_o_kpa": ("$P_o$", "kPa"),
+}
 
 
-def plot_loops(loops: DataFrame, ax: Axes, x: str, y: str, band_hz: float) -> ScalarMappable:
-    """Draw ``y`` over ``x``, one loop per band of frequency; return their colours.
+def draw_actuator(logs: Sequence[Any]) -> Figure:
+    """Figure 4: pressure commands, each as wide as the column, and the actuator's loops.
 
-    Parameters
-    ----------
-    loops : DataFrame
-        From ``mean_loops``.
+    ``logs`` are those of the sweep and of the complex command.
     """
-    edges = np.arange(loops["f_hz"].min(), loops["f_hz"].max() + 1.5 * band_hz, band_hz)
+    fig, axes = style.figure(3, 2, style.COLUMN_IN, 4.6, height_ratios=(1, 1, 2), sharey="row")
+    commands = [fig.add_subplot(axes[row, 0].get_gridspec()[row, :]) for row in (0, 1)]
+    for ax in axes[:2].ravel():
+        ax.remove()
+    for log, ax in zip(logs, commands, strict=True):
+        time_s, command = (log.channels[name] for name in ("time_s", "p_target_kpa"))
+        ax.plot(time_s, command, color=style.SIGNALS["p_exp"], linewidth=0.5)
+        ax.set(xlabel="Time [s]", ylabel=label("p_target_kpa", log.attributes))
+        ax.set_xlim(time_s[0], time_s[-1])
+    axes[2, 1].sharex(axes[2, 0])
+    titles = "(a) Sweep", "(c) Complex", "(b) Loops of (a)", "(d) Loops of (c)"
+    _draw_loops(logs, axes[2], "p_target_kpa", "theta_deg", titles[2:])
+    axes[2, 1].label_outer()
+    for ax, title in zip(commands, titles[:2], strict=True):
+        style.letter(ax, title)
+    return fig
+
+
+def draw_reservoir(logs: Sequence[Any]) -> Figure:
+    """Figure 5: hysteresis between theta and the reservoir's P_o."""
+    fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.4, sharex=True, sharey=True)
+    _draw_loops(logs, axes, "theta_deg", "p_o_kpa", ("(a) Sweep", "(b) Complex"))
+    for ax in axes:
+        ax.label_outer()
+    return fig
+
+
+def _draw_loops(
+    logs: Sequence[Any], axes: Sequence[Axes], x: str, y: str, titles: Sequence[str]
+) -> None:
+    """Draw the mean loops of the sweep, coloured by frequency, and the path of the complex log.
+
+    The complex command adds up five sines, so that it has no frequency at a time.
+    """
+    loops = mean_loops(logs[0].channels)
+    edges = np.arange(loops["f_hz"].min(), loops["f_hz"].max() + 1.5 * _BAND_HZ, _BAND_HZ)
     bands = len(edges) - 1
     colours = ScalarMappable(BoundaryNorm(edges, bands), colormaps["viridis"].resampled(bands))
     for f_hz, loop in loops.groupby("f_hz"):
-        colour = colours.to_rgba(f_hz + band_hz / 2)
-        ax.plot(loop[x], loop[y], color=colour, linewidth=0.7)
-    return colours
-
-
-def add_frequency_bar(colours: ScalarMappable, axes: Sequence[Axes], panel: str) -> None:
-    """Put a bar for the colour of frequency below the axes; only ``panel`` has this colour."""
+        colour = colours.to_rgba(f_hz + _BAND_HZ / 2)
+        axes[0].plot(loop[x], loop[y], color=colour, linewidth=0.7)
+    for number, (log, ax) in enumerate(zip(logs, axes, strict=True)):
+        path = {name: _smoothed(log.channels, name) for name in (x, y)}
+        if number:
+            ax.plot(*path.values(), color="0.5", linewidth=0.4)
+        # begins at rest and is not repeated
+        start = slice(next(iter(turning_points(log.channels["p_target_kpa"])), 0))
+        ax.plot(path[x][start], path[y][start], color="black", linewidth=0.9, label="start")
+        ax.set(xlabel=label(x, log.attributes), ylabel=label(y, log.attributes))
+        ax.legend(loc="upper left", handlelength=1.2, borderaxespad=0.0)
+        style.letter(ax, titles[number])
     bar = axes[0].figure.colorbar(colours, ax=axes, location="bottom", aspect=40, pad=0.02)
-    bar.set_label(f"Frequency of the command in {panel} [Hz]")
+    bar.set_label("Frequency of the command in (a) [Hz]")
     bar.outline.set_visible(False)
+
+
+def label(channel: str, attributes: Mapping[str, Any]) -> str:
+    """Return symbol and unit of a log's theta, p_target or p_o."""
+    symbol, unit = _SYMBOLS[channel]
+    quantity = channel.rpartition("_")[0]
+    return f"{symbol} [{escape.figure(attributes.get(f'{quantity}_unit', unit))}]"
+
+
+def mean_loops(channels: Mapping[str, np.ndarray]) -> pd.DataFrame:
+    """Mean over the cycles of each band of frequency, by phase (Figs. 4b and 5a).
+
+    A cycle goes from one upper turn of ``p_target_kpa`` to the next; without one, the whole counts.
+
+    Returns
+    -------
+    DataFrame
+        ``f_hz``, the lower edge of the band, and the mean of each channel at each phase.
+    """
+    turns = turning_points(channels["p_target_kpa"])[::2]
+    if len(turns) < 2:
+        turns = np.array([0, len(channels["time_s"]) - 1])
+    lengths = np.diff(turns)
+    table = pd.DataFrame(channels)[turns[0] : turns[-1]]
+    f_hz = 1.0 / np.diff(channels["time_s"][turns])
+    table["f_hz"] = np.repeat(_BAND_HZ * np.floor(f_hz / _BAND_HZ + 1e-6), lengths)
+    samples = np.arange(len(table)) - np.repeat(turns[:-1] - turns[0], lengths)
+    table["phase"] = samples * _PHASES_OF_CYCLE // np.repeat(lengths, lengths)
+    loops = table.groupby(["f_hz", "phase"]).mean().reset_index()
+    # the first point again, which closes each loop
+    return pd.concat([loops, loops.groupby("f_hz", as_index=False).first()])
+
+
+def _smoothed(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """Mean of a channel over ``_SMOOTHED_S`` around each sample."""
+    time_s = channels["time_s"]
+    samples = max(round(_SMOOTHED_S / (time_s[1] - time_s[0])), 1)
+    return pd.Series(channels[name]).rolling(samples, center=True, min_periods=1).mean().to_numpy()

@@ -1,17 +1,19 @@
 """Figure 9: share of each feature in the weights of each rule."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from pandas import DataFrame, Series
 
-from fprc.figures.style import MARK, SIGNALS
+from fprc.figures import style
 
 _LABELS = {"bias": "Bias", "p_o": r"$\tilde{P}_o$", "theta_d": r"$\theta_d$"}
-_COLOURS = SIGNALS | {"bias": "#cccccc"}
+_COLOURS = style.SIGNALS | {"bias": "#cccccc"}
 #: Lines between the features, from the top, by their names.
 _LIMITS: dict[str, dict[str, Any]] = {
     r"$\theta_d$ above, $\tilde{P}_o$ below": {"linewidth": 1.3},
@@ -21,17 +23,38 @@ _LIMITS: dict[str, dict[str, Any]] = {
 _AVERAGES = {"mean_of_feature": "mean", "published_mean_of_feature": "paper"}
 
 
-def plot_shares(table: DataFrame, ax: Axes) -> None:
+def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> DataFrame:
+    """Share of each weight in its rule, and each feature's mean over rules, ours and the paper's.
+
+    The paper prints no mean for the bias; it is 1 minus the two printed means.
+    """
+    printed = {
+        name: percent / 100
+        for name, percent in published["fig_portion_mean_weight_share_percent"].items()
+    }
+    printed["bias"] = 1.0 - sum(printed.values())
+    return DataFrame(
+        {
+            "rule": rule,
+            "feature": feature,
+            "lag": lag,
+            "share": share,
+            "mean_of_feature": report["mean_share"].get(feature),
+            "published_mean_of_feature": printed[feature],
+            "source": report["source"],
+        }
+        for feature, rules in report["shares"].items()
+        for rule, lags in enumerate(rules, start=1)
+        for lag, share in enumerate(lags)
+    )
+
+
+def draw_shares(table: DataFrame) -> Figure:
     """Draw stacked bars: bias, P_o and theta_d from the bottom, separated by red lines.
 
     Beside the rules: the mean over the rules, and the mean that the paper prints.
-
-    Parameters
-    ----------
-    table : DataFrame
-        ``rule``, ``feature`` (bias, p_o, theta_d), ``lag``, ``share``, ``mean_of_feature``,
-        ``published_mean_of_feature``.
     """
+    fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.8)
     shares = table.pivot(index="rule", columns=["feature", "lag"], values="share")[list(_LABELS)]
     rules, bottom = list(shares.index), 0.0
     for (feature, lag), share in shares.items():
@@ -41,7 +64,7 @@ def plot_shares(table: DataFrame, ax: Axes) -> None:
     totals = table.groupby(["rule", "feature"])["share"].sum().unstack()
     lower, upper = totals["bias"], totals["bias"] + totals["p_o"]
     for edge, look in zip((upper, lower), _LIMITS.values(), strict=True):
-        ax.hlines(edge, edge.index - 0.4, edge.index + 0.4, color=MARK, **look)
+        ax.hlines(edge, edge.index - 0.4, edge.index + 0.4, color=style.MARK, **look)
     places = [rules[-1] + 1.6 * number for number, _ in enumerate(_AVERAGES, start=1)]
     for place, column in zip(places, _AVERAGES, strict=True):
         _plot_average(table.groupby("feature")[column].first().dropna(), place, ax)
@@ -49,17 +72,18 @@ def plot_shares(table: DataFrame, ax: Axes) -> None:
     ax.set_xticks([*rules, *places], [*map(str, rules), *_AVERAGES.values()])
     ax.set_xlim(rules[0] - 0.5, places[-1] + 0.8)
     ax.tick_params(axis="x", length=0)
-    _add_key(table, ax)
+    _add_key(table, fig)
+    return fig
 
 
 def _opacity(lag: int) -> float:
     return 1.0 - 0.15 * lag
 
 
-def _add_key(table: DataFrame, ax: Axes) -> None:
+def _add_key(table: DataFrame, fig: Figure) -> None:
     """Explain the colours of the features and the shades of their taps above the bars."""
     taps = table.groupby("feature")["lag"].max()
-    patches = [
+    marks: list[Any] = [
         tuple(Patch(color=_COLOURS[name], alpha=_opacity(lag), linewidth=0)
               for lag in range(taps[name] + 1))
         for name in _LABELS
@@ -67,11 +91,10 @@ def _add_key(table: DataFrame, ax: Axes) -> None:
     steps = {name: f", $k$ to $k-{last}$" if last else "" for name, last in taps.items()}
     largest = table.loc[table["feature"] == "bias", "share"].max()
     steps["bias"] = f", up to {100 * largest:.1f} %"
-    lines = [Line2D([], [], color=MARK, **look) for look in _LIMITS.values()]
+    marks += [Line2D([], [], color=style.MARK, **look) for look in _LIMITS.values()]
     names = [*(label + steps[name] for name, label in _LABELS.items()), *_LIMITS]
-    figure: Any = ax.figure
-    figure.legend(
-        [*patches, *lines], names, loc="outside upper center", ncols=2, columnspacing=1.2,
+    fig.legend(
+        marks, names, loc="outside upper center", ncols=2, columnspacing=1.2,
         handler_map={tuple: HandlerTuple(None, pad=0.0)},
     )  # fmt: skip
 
@@ -82,7 +105,7 @@ def _plot_average(shares: "Series[float]", place: float, ax: Axes) -> None:
     for feature in (name for name in _LABELS if name in shares):
         share = shares[feature]
         ax.bar(place, share, bottom=bottom, width=1.4, color=_COLOURS[feature], linewidth=0)
-        if feature in ("p_o", "theta_d"):
+        if feature != "bias":
             ax.text(place, bottom + share / 2, f"{100 * share:.0f} %", ha="center", va="center",
                     color="white" if feature == "p_o" else "black")  # fmt: skip
         bottom += share

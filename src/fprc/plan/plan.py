@@ -149,11 +149,6 @@ class Plan:
         logs = NEEDS[target].logs if target in NEEDS else ()
         return self.contents[logs[0]].attributes.get("source", "none") if logs else "none"
 
-    def runs_of(self, *targets: str) -> list[str]:
-        """Return the logs of the runs that those of the results show that can be made."""
-        possible = [NEEDS[target].logs for target in targets if target not in self.unavailable]
-        return [run for run in self.runs if run in sum(possible, ())]
-
     def replicates(self, part: str) -> list[str]:
         """Return one part of each further seed's report."""
         seeds = self.settings["evaluation"]["replicate_seeds"]

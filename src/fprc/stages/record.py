@@ -1,12 +1,16 @@
-"""Run a hysteresis experiment on the simulated rig and write its raw log."""
+"""Run experiments on the simulated rig and write their raw logs."""
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fprc.config.settings import Control, Signal
+from fprc.config.tracking import Tracking
 from fprc.experiments.hysteresis import acquire
+from fprc.experiments.tracking import Track, describe_model, tracking_rmse
 from fprc.logs import write_raw
+from fprc.models import load_model
+from fprc.registry import feedforward_of, outside_classes
 
 log = logging.getLogger(__name__)
 
@@ -20,7 +24,7 @@ def record(
     rig: Mapping[str, Any],
     seed: int,
 ) -> None:
-    """Record one hysteresis experiment (Sec. II-B) on the simulated rig."""
+    """Record one hysteresis experiment (Sec. II-B)."""
     channels = acquire(experiment, Signal(**signal), Control(**control), rig, seed)
     write_raw(
         raw,
@@ -32,3 +36,47 @@ def record(
         rig={"rig": rig, "control": control, "signal": signal},
     )
     log.info("simulated %d samples, wrote %s", len(channels["time_s"]), raw)
+
+
+def track(
+    models: Sequence[str],
+    raw: Sequence[str],
+    *,
+    references: Sequence[str],
+    names: Sequence[str],
+    controllers: Sequence[str],
+    tracking: Mapping[str, Any],
+    control: Mapping[str, Any],
+    rig: Mapping[str, Any],
+    seed: int,
+    classes: Mapping[str, Any] | None = None,
+) -> None:
+    """Follow every reference with every controller (Sec. IV), and write one raw log per run.
+
+    Parameters
+    ----------
+    models, names : sequences of str
+        Files of the feedforward models, and their names.
+    raw : sequence of str
+        Logs to write: those of the first reference for each controller, then of the second, ...
+    classes : Mapping, optional
+        The section ``models`` of the configuration, for models from outside this package.
+
+    Raises
+    ------
+    ControlError
+        A reference is impossible, or a model gives no finite P_ff.
+    """
+    files = dict(zip(names, models, strict=True))
+    outside = outside_classes(classes or {})
+    fitted = {name: load_model(path, outside) for name, path in files.items()}
+    bench, runs = Track(Tracking(**tracking), Control(**control), rig, seed), iter(raw)
+    for reference in references:
+        for controller, channels in bench.follow(reference, controllers, fitted).items():
+            described = bench.describe(reference, controller)
+            described |= {"source": "sim", "rig": {"rig": rig, **described["rig"]}}
+            if feedforward := feedforward_of(controller):
+                described |= describe_model(fitted[feedforward], files[feedforward])
+            write_raw(next(runs), channels, **described)
+            rmse_deg = tracking_rmse(channels, described["settle_s"])
+            log.info("%s, %s: RMSE %.3f deg", reference, controller, rmse_deg)

@@ -23,15 +23,11 @@ _NOT_ARGUMENTS = ("stage", "code", "made_from")
 def run_stage(job: Any) -> None:
     """Call the stage of a rule with its named inputs, outputs and params as arguments.
 
-    The param ``stage`` names it, see ``module_of``. Progress goes to the rule's log file,
-    and with FPRC_MESSAGES=all to the terminal too. An FprcError ends the process with exit code 1
-    and only its message; the traceback goes to the log file. Numerical libraries run on one thread,
-    so that results do not depend on the number of cores and parallel jobs do not compete for them.
-
-    Parameters
-    ----------
-    job
-        The object ``snakemake`` of a ``script:``.
+    ``job`` is the object ``snakemake`` of a ``script:``; its param ``stage`` names the function.
+    Progress goes to the rule's log file, and with FPRC_MESSAGES=all to the terminal too. An
+    FprcError ends the process with exit code 1 and only its message; the traceback goes to the log
+    file. Numerical libraries run on one thread, so that results do not depend on the number of
+    cores and parallel jobs do not compete for them.
     """
     named = [*job.input.items(), *job.output.items(), *job.params.items()]
     arguments = {name: value for name, value in named if name not in _NOT_ARGUMENTS}
@@ -49,13 +45,9 @@ def run_stage(job: Any) -> None:
 
 
 def stage_of(name: str) -> Callable[..., Any]:
-    """Return the function of a stage, given as ``stages.judge.judge``."""
-    return getattr(import_module(module_of(name)), name.rpartition(".")[2])
-
-
-def module_of(name: str) -> str:
-    """Return the module of a stage: ``stages.judge.judge`` is in ``fprc.stages.judge``."""
-    return f"fprc.{name.rpartition('.')[0]}"
+    """Return the function of a stage: ``stages.draw.draw_grids`` is one of ``fprc.stages.draw``."""
+    module, _, function = name.rpartition(".")
+    return getattr(import_module(f"fprc.{module}"), function)
 
 
 def _log_to(path: str, label: str) -> None:

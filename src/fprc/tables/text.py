@@ -1,7 +1,7 @@
 """Numbers and tables as text."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -46,33 +46,21 @@ def markdown(page: pd.DataFrame, note: str) -> str:
 
 
 def latex(page: pd.DataFrame, title: str, label: str) -> str:
-    """Render a page as a LaTeX table with the rules of booktabs.
+    """Render a page as a LaTeX table with the rules of booktabs and the paper's symbols.
 
     Its caption is the title without the paper's number, since LaTeX counts tables itself.
     """
     caption = re.sub(r"^Table [IVX]+[.,] ", "", title)
-    text = page.to_latex(
-        index=False,
-        escape=True,
-        caption=_tex(caption[:1].upper() + caption[1:]),
-        label=f"tab:{label}",
-    )
-    return _symbols(text.replace(r"\begin{table}", "\\begin{table}\n\\centering"))
+    caption = re.sub(r"([&%$#_{}])", r"\\\1", caption[:1].upper() + caption[1:])
+    text = page.to_latex(index=False, escape=True, caption=caption, label=f"tab:{label}")
+    text = text.replace(r"\begin{table}", "\\begin{table}\n\\centering")
+    text = re.sub(r"\b(theta|P|n)\\_([a-z]+)", r"$\1_\\mathrm{\2}$", text)
+    return text.replace("$theta_", r"$\theta_")
 
 
-def _tex(text: str) -> str:
-    return re.sub(r"([&%$#_{}])", r"\\\1", text)
-
-
-def _symbols(text: str) -> str:
-    """Return LaTeX with the paper's symbols in formulas, as theta_d, P_o and n_c."""
-
-    def typeset(found: re.Match[str]) -> str:
-        name, index = found.groups()
-        letter = r"\theta" if name == "theta" else name
-        return rf"${letter}_\mathrm{{{index}}}$"
-
-    return re.sub(r"\b(theta|P|n)\\_([a-z]+)", typeset, text)
+def failed(lines: Sequence[str]) -> str:
+    """Return the lines of a note on failed quality checks."""
+    return "".join(f"\nFailed check: {line}." for line in lines)
 
 
 def write_table(
@@ -86,16 +74,9 @@ def write_table(
     *,
     title: str = "",
 ) -> None:
-    """Write a table as CSV, and its page with title and note.
+    """Write a table's tidy numbers as CSV, and its page, what readers see, with title and note.
 
-    Parameters
-    ----------
-    table : DataFrame
-        Tidy numbers.
-    page : DataFrame
-        What readers see: texts.
-    md, tex, json : str
-        Files of the page in Markdown, in LaTeX and, for the report, in JSON.
+    The page is written as Markdown, as LaTeX and, for the report, as JSON.
     """
     write_csv(csv, table)
     write_text(md, markdown(page, f"{title}: {note}" if title else note))

@@ -15,7 +15,7 @@ from fprc.models import load_model
 from fprc.models.storage import packed
 from fprc.plan.arguments import validation
 from fprc.registry import build
-from fprc.stages.judge import judge
+from fprc.stages.models import judge
 
 pytestmark = pytest.mark.slow
 

@@ -1,4 +1,5 @@
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
@@ -15,8 +16,8 @@ from fprc.models import load_model
 from fprc.paper import REFERENCES
 from fprc.plan import arguments
 from fprc.registry import build
-from fprc.stages.grid import weigh
-from fprc.stages.judge import judge
+from fprc.stages.draw import draw_weights
+from fprc.stages.models import judge
 from fprc.stages.replicate import replicate
 
 pytestmark = pytest.mark.slow
@@ -101,30 +102,38 @@ def test_main_run_writes_the_same_errors_and_what_they_are_of(
         assert_allclose(again.predict(X), prediction.channels["p_ff_kpa"], rtol=1e-9)
 
 
-def test_weights_are_those_of_the_main_run_with_that_seed(errors, logs, validation, tmp_path):
-    path = str(tmp_path / "weights.json")
-    weigh(logs["sweep"], path, validation=validation)
-    main = read_json(path)
-    assert read_json(errors)["weights"] == {key: main[key] for key in ("mean_share", "shares")}
-    assert sum(main["mean_share"].values()) <= 1.0 + 1e-9
+def test_weights_are_those_of_the_main_run_with_that_seed(
+    errors, logs, validation, tmp_path, undrawn
+):
+    csv = str(tmp_path / "weights.csv")
+    draw_weights(logs["sweep"], [csv], validation=validation)
+    shown, ours = pd.read_csv(csv), read_json(errors)["weights"]
+    for feature, rules in ours["shares"].items():
+        rows = shown[shown["feature"] == feature]
+        assert_allclose(rows["share"], np.ravel(rules), rtol=1e-5)
+        assert set(rows["mean_of_feature"].round(5)) == {round(ours["mean_share"][feature], 5)}
+
+
+def fourth_start(log, on_rig, validation):
+    """Fit the readout by itself, on the rows of the first fold, from the fourth start."""
+    logs, how = simulate(RigSettings(**on_rig), SEED), CrossValidation(**validation)
+    model, (X, y, _) = build("fprc", how.models, SEED), logs[log].samples("fprc")
+    features, part = model.make_features().fit(X), how.split_rows(logs[log])[0][0]
+    seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])
+    readout = model.make_readout().set_params(random_state=seed)
+    readout.fit(features.transform(X)[part], y[part])
+    return logs, model, features, readout, part
 
 
 def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, validation):
-    """A start is a fit of the readout by itself, on the rows of the first fold."""
     found = read_json(errors)["fprc_rmse_over_starts"]
     for log in ("sweep", "complex"):
         assert {phase: len(set(found[log][phase])) for phase in found[log]} == {
             "train": 10,
             "test": 10,
         }
-    logs, how = simulate(RigSettings(**on_rig), SEED), CrossValidation(**validation)
-    model = build("fprc", how.models, SEED)
+    logs, _, features, readout, part = fourth_start("complex", on_rig, validation)
     (X, y, _), (other, expected, _) = (logs[name].samples("fprc") for name in ("complex", "sweep"))
-    features = model.make_features().fit(X)
-    part = how.split_rows(logs["complex"])[0][0]
-    seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])
-    readout = model.make_readout().set_params(random_state=seed)
-    readout.fit(features.transform(X)[part], y[part])
     tested = readout.predict(features.transform(other)) - expected
     trained = readout.predict(features.transform(X)[part]) - y[part]
     for phase, wrong in (("train", trained), ("test", tested)):
@@ -139,13 +148,7 @@ def test_starts_drive_the_loops_of_table_4(errors, settings, on_rig, validation)
         for reference in REFERENCES
         for controller in ("fprc", "fprc_pd")
     }
-    logs, how = simulate(RigSettings(**on_rig), SEED), CrossValidation(**validation)
-    (X, y, _), part = logs["sweep"].samples("fprc"), how.split_rows(logs["sweep"])[0][0]
-    model = build("fprc", how.models, SEED)
-    features = model.make_features().fit(X)
-    seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])
-    readout = model.make_readout().set_params(random_state=seed)
-    readout.fit(features.transform(X)[part], y[part])
+    _, model, features, readout, _ = fourth_start("sweep", on_rig, validation)
     bench = Track(
         Tracking(**settings["tracking"]), Control(**settings["control"]), settings["rig"], SEED
     )

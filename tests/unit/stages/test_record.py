@@ -9,7 +9,7 @@ from fprc.errors import ControlError
 from fprc.logs import read_columns
 from fprc.models import load_model
 from fprc.paper import CONTROLLERS
-from fprc.stages.track import track
+from fprc.stages.record import track
 
 NAMES = needed_by("sim", tracking=True)
 

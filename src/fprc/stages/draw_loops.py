@@ -1,0 +1,94 @@
+"""Table IV and the figures of closed loops, from raw logs."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from fprc.artifacts import write_csv
+from fprc.config import PUBLISHED
+from fprc.config.settings import Quality
+from fprc.errors import LogError
+from fprc.figures import loops, style
+from fprc.logs import read_run
+from fprc.logs.columns import read_each
+from fprc.logs.quality import warnings_of_run
+from fprc.paper import DISTURBANCE, LOOPS, REFERENCES, SOURCES
+from fprc.tables import tracking
+from fprc.tables.text import failed, write_table
+from fprc.yaml_file import read_yaml
+
+
+def draw_loops(
+    runs: Sequence[str],
+    table4: Sequence[str] = (),
+    *,
+    left_out: Sequence[str],
+    limits: Mapping[str, Any],
+    feedback: str,
+    quiet_s: float,
+    **figures: Sequence[str],
+) -> None:
+    """Table IV and Figs. 12 to 17, those that are asked for; failed checks stand below the table.
+
+    Parameters
+    ----------
+    left_out : sequence of str
+        Runs of a complete Table IV that have no log.
+    limits : Mapping
+        Plausible ranges, see ``fprc.logs.assess``.
+    feedback : str
+        Describes the PD controller.
+    quiet_s : float
+        Time before the reservoir is pushed.
+    **figures : sequence of str
+        Files by figure: PDF and PNG, of all but Fig. 16 also CSV.
+
+    Raises
+    ------
+    LogError
+        A log cannot be read, or some are simulated and others are not.
+    """
+    logs = read_each(read_run, runs)
+    kinds = {run.attributes["source"]: str(run.path) for run in logs}
+    if len(kinds) > 1:
+        named = ", ".join(f"{source} ({path})" for source, path in kinds.items())
+        raise LogError(f"closed-loop logs of different sources: {named}; use logs of one kind")
+    (source,) = kinds
+    if table4:
+        same = ", with the same noise and drift for all controllers" if source == "sim" else ""
+        note = f"one run each{same}.\nData: {SOURCES[source]}. {feedback}"
+        if left_out:
+            note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
+        note += failed([line for run in logs for line in warnings_of_run(run, Quality(**limits))])
+        table = tracking.tracking(logs, read_yaml(PUBLISHED))
+        write_table(table, tracking.tracking_page(table), note, *table4, title=tracking.TITLE)
+    _draw({(run.attributes["reference"], run.attributes["controller"]): run for run in logs},
+          quiet_s, figures)  # fmt: skip
+
+
+def _draw(
+    logs: Mapping[tuple[str, str], Any], quiet_s: float, figures: Mapping[str, Sequence[str]]
+) -> None:
+    pairs = {
+        f"fig{number}": [logs[reference, "fprc"], logs[reference, "fprc_pd"]]
+        for number, reference in enumerate(REFERENCES, start=12)
+        if f"fig{number}" in figures
+    }
+    shown = [run for pair in pairs.values() for run in pair]
+    for name, pair in pairs.items():
+        *pictures, csv = figures[name]
+        table = tracking.error_summary(pair)
+        write_csv(csv, table)
+        limit = 1.05 * tracking.error_summary(shown)["max_abs_error_deg"].max()
+        fig = loops.draw_following(pair, shown, table["rmse_deg"], limit)
+        style.save(fig, pair[1].attributes, *pictures)
+    if "fig16" in figures:
+        both = {name: [logs[name, loop] for loop in ("pd", "fprc_pd")] for name in LOOPS}
+        attributes = both[LOOPS[0]][0].attributes
+        style.save(loops.draw_reference_loops(both), attributes, *figures["fig16"])
+    if "fig17" in figures:
+        log = logs[DISTURBANCE, "fprc_pd"]
+        *pictures, csv = figures["fig17"]
+        table = tracking.error_summary([log])
+        write_csv(csv, table)
+        (errors,) = table.itertuples()
+        style.save(loops.draw_disturbance(log, quiet_s, errors), log.attributes, *pictures)

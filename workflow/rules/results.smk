@@ -1,0 +1,305 @@
+# Tables, figures, claims and the report, made from result files. Each named output is a target.
+
+#: Figures that show no data, by their targets.
+SCHEMATICS = {
+    "fig1": "fig01_actuator",
+    "fig2": "fig02_reservoir",
+    "fig3": "fig03_apparatus",
+    "fig6": "fig06_esn_system",
+    "fig7": "fig07_fprc_system",
+}
+#: Tables and figures of closed loops.
+LOOPS = {
+    "table4": table("tables/table4"),
+    **{
+        f"fig{number}": figure(f"fig{number}_{reference}", "csv")
+        for number, reference in enumerate(REFERENCES, start=12)
+    },
+    "fig16": figure("fig16_loops"),
+    "fig17": figure("fig17_disturbance", "csv"),
+}
+
+
+rule draw_without_data:
+    output:
+        **{target: figure(name) for target, name in SCHEMATICS.items()},
+        table1=table("tables/table1"),
+    log:
+        PATHS.messages("draw_without_data"),
+    params:
+        stage="stages.tabulate.tabulate_settings",
+        code=SHOWS,
+        models=SETTINGS["models"],
+    message:
+        "Table I, and Figs. 1, 2, 3, 6 and 7, which show no data"
+    script:
+        "../scripts/stage.py"
+
+
+rule tabulate_models:
+    input:
+        **{
+            log: [PATHS.judged(log, model)["errors"] for model in PLAN.models]
+            for log in EXPERIMENTS
+        },
+        quality=[PATHS.quality(log) for log in EXPERIMENTS],
+    output:
+        **PLAN.possible(table2=table("tables/table2"), table3=table("tables/table3")),
+    log:
+        PATHS.messages("tabulate_models"),
+    params:
+        stage="stages.tabulate.tabulate_models",
+        code=SHOWS,
+        left_out=PLAN.left_out,
+    message:
+        "Tables II and III"
+    script:
+        "../scripts/stage.py"
+
+
+rule tabulate_times:
+    input:
+        times=PATHS.below("timing/times.json"),
+    output:
+        **PLAN.possible(timing=table("timing/table2_timing")),
+    log:
+        PATHS.messages("tabulate_times"),
+    params:
+        stage="stages.tabulate.tabulate_times",
+        code=SHOWS,
+        left_out=PLAN.left_out,
+    message:
+        "Table II, execution times"
+    script:
+        "../scripts/stage.py"
+
+
+rule tabulate_seeds:
+    input:
+        models=PLAN.replicates("models"),
+        loops=PLAN.replicates("control"),
+    output:
+        **PLAN.possible(
+            seeds=[
+                file
+                for name in ("table2_seeds", "table3_seeds", "table4_seeds")
+                for file in table(f"tables/{name}")
+            ]
+        ),
+    log:
+        PATHS.messages("tabulate_seeds"),
+    params:
+        stage="stages.tabulate.tabulate_seeds",
+        code=SHOWS,
+        feedback=feedback_in_words(SETTINGS),
+    message:
+        "Tables II to IV over further seeds"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_hysteresis:
+    input:
+        **BOTH_LOGS,
+    output:
+        **PLAN.possible(
+            fig4=figure("fig04_hysteresis_actuator"), fig5=figure("fig05_hysteresis_reservoir")
+        ),
+    log:
+        PATHS.messages("draw_hysteresis"),
+    params:
+        stage="stages.draw.draw_hysteresis",
+        code=SHOWS,
+    message:
+        "Figs. 4 and 5: hysteresis of actuator and reservoir"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_training:
+    input:
+        **pick(PATHS.judged("sweep", "fprc"), "fits", "predictions"),
+    output:
+        **PLAN.possible(fig8=figure("fig08_training", "csv")),
+    log:
+        PATHS.messages("draw_training"),
+    params:
+        stage="stages.draw.draw_training",
+        code=SHOWS,
+    message:
+        "Fig. 8: FPRC on its training and test logs"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_weights:
+    input:
+        train=PATHS.data("sweep"),
+    output:
+        **PLAN.possible(fig9=figure("fig09_weights", "csv")),
+    log:
+        PATHS.messages("draw_weights"),
+    params:
+        stage="stages.draw.draw_weights",
+        code=[computes("fprc"), SHOWS],
+        validation=validation(SETTINGS, "fprc"),
+    message:
+        "Fig. 9: weights of FPRC"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_grids:
+    input:
+        grids=PLAN.grids,
+        times=PATHS.below("timing/times_over_n_c.json"),
+    output:
+        **PLAN.possible(fig10=figure("fig10_settings", "csv"), fig11=figure("fig11_taps", "csv")),
+    log:
+        PATHS.messages("draw_grids"),
+    priority: LONG  # its execution times are measured last, and the report waits for it
+    params:
+        stage="stages.draw.draw_grids",
+        code=SHOWS,
+    message:
+        "Figs. 10 and 11: errors and times over the settings of FPRC"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_loops:
+    input:
+        runs=[PATHS.log(run) for run in PLAN.runs],
+    output:
+        **PLAN.possible(**LOOPS),
+    log:
+        PATHS.messages("draw_loops"),
+    params:
+        stage="stages.draw_loops.draw_loops",
+        code=SHOWS,
+        left_out=[run for run in PLAN.every_run if run not in PLAN.contents],
+        limits=SETTINGS["quality"],
+        feedback=feedback_in_words(SETTINGS),
+        quiet_s=SETTINGS["tracking"]["pushes"]["quiet_s"],
+    message:
+        "Closed loops: Table IV and Figs. 12 to 17"
+    script:
+        "../scripts/stage.py"
+
+
+rule ledger:
+    input:
+        replicates=PLAN.replicates("models"),
+        grids=PLAN.replicates("grids"),
+        controls=PLAN.replicates("control"),
+        times=PATHS.below("timing/times.json"),
+        times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
+    output:
+        **PLAN.possible(claims=[PATHS.below("claims.json"), PATHS.below("claims.csv")]),
+    log:
+        PATHS.messages("ledger"),
+    params:
+        stage="stages.claims.write_ledger",
+        code=SHOWS,
+        fitted=SETTINGS["fitted"],
+    message:
+        "Claims C1 to C22"
+    script:
+        "../scripts/stage.py"
+
+
+#: Rules whose named outputs are targets, in the order of the report.
+SHOWN = [
+    rules.draw_without_data,
+    rules.tabulate_models,
+    rules.draw_loops,
+    rules.tabulate_times,
+    rules.tabulate_seeds,
+    rules.draw_hysteresis,
+    rules.draw_training,
+    rules.draw_weights,
+    rules.draw_grids,
+    rules.ledger,
+]
+MADE = {target: list(files) for shown in SHOWN for target, files in shown.output.items()}
+
+
+def behind(shown):
+    """Return what results are made from; without it results of an earlier run would count as
+    complete after a job has failed, since Snakemake removes only the outputs of that job."""
+    if shown in (rules.draw_without_data, rules.tabulate_seeds):
+        return shown.input
+    if shown is rules.draw_loops:
+        return [*shown.input, *(PLAN.data if PLAN.records else []), *DRIVEN_BY]
+    return [*shown.input, *PLAN.data]
+
+
+TARGETS = {
+    target: [*files, *behind(shown)] for shown in SHOWN for target, files in shown.output.items()
+}
+#: Tables of the report; the claims have a place of their own.
+PAGES = [
+    file
+    for files in MADE.values()
+    for file in files
+    if file.endswith(".json") and "claims" not in file
+]
+#: Figures of the report, with the sources of their data.
+DRAWN = {
+    file: PLAN.source_of(target)
+    for target in sorted(MADE, key=lambda target: target[3:].zfill(2))
+    for file in MADE[target]
+    if file.endswith(".png")
+}
+
+
+rule report_page:
+    input:
+        template=[file_of_workflow(f"../report/page.{kind}.j2") for kind in ("html", "css")],
+        ledger=[PATHS.below("claims.json")] if "claims" in MADE else [],
+        tables=PAGES,
+        figures=list(DRAWN),
+        captions=file_of_workflow("../report/captions.yaml"),
+    output:
+        html=PATHS.below("report.html"),
+    log:
+        PATHS.messages("report_page"),
+    params:
+        stage="stages.report.write_report",
+        code=SHOWS,
+        sources=list(DRAWN.values()),
+        missing={title_of_result(name): PLAN.unavailable[name] for name in PLAN.unavailable},
+        settings=SETTINGS,
+    message:
+        "Report: claims, tables, figures and settings on one page"
+    script:
+        "../scripts/stage.py"
+
+
+TARGETS["report"] = [PATHS.below("report.html"), *sorted(set(sum(TARGETS.values(), [])))]
+TARGETS["logs"] = [PATHS.log(experiment) for experiment in PLAN.experiments]
+
+for target, files in TARGETS.items():
+
+    rule:
+        name:
+            target
+        input:
+            files,
+        localrule: True
+        message:
+            f"Target {target}"
+
+
+for target in PLAN.unavailable:
+
+    rule:
+        name:
+            target
+        log:
+            PATHS.messages(target),
+        localrule: True
+        message:
+            PLAN.refusal(target)
+        shell:
+            "exit 1"
