@@ -224,16 +224,6 @@ SHOWN = [
 MADE = {target: list(files) for shown in SHOWN for target, files in shown.output.items()}
 
 
-def behind(shown):
-    """Return what results are made from; without it results of an earlier run would count as
-    complete after a job has failed, since Snakemake removes only the outputs of that job."""
-    if shown in (rules.draw_without_data, rules.tabulate_seeds):
-        return shown.input
-    if shown is rules.draw_loops:
-        return [*shown.input, *(PLAN.data if PLAN.records else []), *DRIVEN_BY]
-    return [*shown.input, *PLAN.data]
-
-
 TARGETS = {
     target: [*files, *behind(shown)] for shown in SHOWN for target, files in shown.output.items()
 }

@@ -31,7 +31,7 @@ class Paths:
         return self.below(f"quality/{experiment}.json")
 
     def judged(self, experiment: str, model: str) -> dict[str, str]:
-        """Return what ``fprc.stages.judge`` writes, by its arguments, for one training log."""
+        """Return the files of ``fprc.stages.models.judge``, by its arguments, for one log."""
         return {
             "errors": self.below(f"crossval/{experiment}_{model}.json"),
             "fitted": self.below(f"models/{experiment}_{model}.h5"),
