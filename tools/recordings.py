@@ -1,4 +1,4 @@
-"""Write the table of recordings in docs/chamber.md: ``python tools/recordings.py folder``.
+"""Write the table of recordings in docs/own-data.md: ``python tools/recordings.py folder``.
 
 The folder has the two public recordings of ``config/maps``, each in a folder of its map's name.
 """
@@ -19,11 +19,10 @@ from fprc.studies.blocks import replace_block
 from fprc.tables.text import three_digits
 
 ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs/chamber.md"
+PAGE = ROOT / "docs/own-data.md"
 #: Public recordings: file below the folder of its map's name.
 FILES = {"byu_bellows_arm": "bellows_arm_whitened.mat", "pneusim_antagonistic_pam": "data.mat"}
 SIMULATED = {
-    "experiment": "complex",
     "time": {"column": "time_s"},
     "channels": {
         name: {"column": name, "unit": unit}

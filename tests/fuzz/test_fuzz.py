@@ -257,7 +257,7 @@ def test_recording_is_refused_or_imported_in_numbers(bench, draw):
     data, name = draw.draw(damaged(recording(kind))), f"arm.{kind}"
     bench.put(**{f"arm_{kind}": data}, map_yaml=yaml.safe_dump(MAP).encode())
     bench.run("import", name, "--draft", names=[name])
-    outputs = ("out.h5", "out.diagnosis.json", "out.diagnosis.png")
+    outputs = ("out.h5", "out.png")
     command = ("import", name, "--map", "map.yaml", "--out", "out.h5")
     if bench.run(*command, names=[name, "map.yaml"], writes=outputs):
         with h5py.File(bench.folder / "out.h5") as file:

@@ -28,6 +28,6 @@ def test_one_command_goes_from_the_file_to_a_report(source, unit, tmp_path):
         # as much as a ridge by other hands: 26.3 N without, 23.1 N with p1
         errors = [report["answer"][side]["families"]["taps"] for side in ("without", "with")]
         assert all(20.0 < error < 32.0 for error in errors)
-    name, page = source.parent.name, (ROOT / "docs/chamber.md").read_text(encoding="utf-8")
+    name, page = source.parent.name, (ROOT / "docs/own-data.md").read_text(encoding="utf-8")
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in page.splitlines()]
     assert [*recordings.row(f"`{name}`", report).values()] in rows, "make recordings"

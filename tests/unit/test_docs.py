@@ -31,8 +31,6 @@ BLOCKS = {
     ],
     "docs/changing.md": ["a protocol without bodies"],
     "docs/elsewhere.md": ["tests/workflow/test_module.py"],
-    "docs/chamber.md": ["tests/unit/recordings/test_import_recording.py"],
-    "docs/own-data.md": ["tests/unit/commands/test_page.py"],
 }
 #: Targets of other Snakefiles than ours, and the tests that make them.
 TARGETS_ELSEWHERE = {

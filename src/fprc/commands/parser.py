@@ -153,7 +153,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
     ("import", "recordings.import_recording:import_or_draft", """
         Turn a recording of another program into a raw log.
 
-        Also diagnoses the recording. docs/own-data.md describes the map.
+        Says what is doubtful in it, and draws it. docs/own-data.md describes the map.
 
         examples:
           fprc import arm.csv --draft > arm.yaml
@@ -197,16 +197,15 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
 
         Compares the best model of theta alone with the best one that also has P_o, on
         parts of the recording that did not train them, and P_o with itself at other
-        times; then the paper's models. docs/own-data.md describes the map, and
-        docs/chamber.md the answer. Without a rate in the map, the models work at the
+        times; then the paper's models. docs/own-data.md describes the map and the
+        answer. Without a rate in the map, the models work at the
         recording's own rate, at most 200 Hz; settings in samples are scaled to the
         same time. A recording that can give no right answer stops the command before
         any training.
 
-        Writes `report.md`, `readout/` (tables, every number), `raw/` (the logs with
-        their diagnoses), `data/` and `quality/`, in the workflow's formats. `raw/` has
-        two logs, divided at test_from_s of the map, by default at two thirds; both are
-        judged.
+        Writes `report.md`, `readout/` (tables, every number, pictures) and `raw/`, two
+        logs for the workflow, divided at test_from_s of the map, by default at two
+        thirds; the answer is of both.
 
         examples:
           fprc readout recording.csv --map map.yaml --out results/mine

@@ -1,5 +1,7 @@
 """Time stamps of a recording: which column holds them, in which unit, at which rate."""
 
+import re
+from os.path import commonprefix
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +13,8 @@ from fprc.recordings.table import Column, Table
 _OFF_LINE = 0.01
 #: First stamp of a clock that counts from 1970 (or 1904), by unit: up to five times this.
 _EPOCHS = {"s": 1e9, "ms": 1e12, "us": 1e15, "ns": 1e18}
-#: Range of plausible sample rates, Hz.
-LIKELY_HZ = (0.05, 50000.0)
+#: Range of sample rates of a column that may be a clock, Hz.
+_LIKELY_HZ = (0.05, 50000.0)
 #: A time step longer than this many median steps is a pause.
 PAUSE_PERIODS = 1.5
 #: A sample rate this near to a whole number of Hz, as a share of it, is that number: quartz clocks
@@ -23,21 +25,20 @@ _INTEGER_TOLERANCE = 5e-4
 class Clock(NamedTuple):
     """What a column is as a clock."""
 
-    column: str
     unit: str
     rate_hz: float
     repeated: int  #: samples whose stamp is that of the sample before
     doubts: tuple[str, ...] = ()
 
 
-def pauses_of(time_s: np.ndarray, periods: float) -> np.ndarray:
+def pauses_of(time_s: np.ndarray) -> np.ndarray:
     """Return the last sample before each pause of a clock.
 
     A pause is a step longer than some median steps; of a clock that scatters, longer than three
     times its 99th percentile: its long steps are no pauses.
     """
     steps = np.diff(time_s)
-    limit = periods * float(np.median(steps))
+    limit = PAUSE_PERIODS * float(np.median(steps))
     if np.percentile(steps, 95) > 1.5 * np.median(steps):
         limit = max(limit, 3.0 * float(np.percentile(steps, 99)))
     return np.flatnonzero(steps > limit)
@@ -48,8 +49,7 @@ def rate_of(time_s: np.ndarray) -> float:
 
     If it differs from a whole number by no more than a clock's error, it is that number.
     """
-    steps = np.delete(np.diff(time_s), pauses_of(time_s, PAUSE_PERIODS))
-    mean = float(steps.mean())
+    mean = float(np.delete(np.diff(time_s), pauses_of(time_s)).mean())
     rate_hz = 1.0 / mean if mean > 0.0 else np.inf
     whole_hz = float(np.round(rate_hz))
     return whole_hz if abs(rate_hz - whole_hz) <= _INTEGER_TOLERANCE * rate_hz else rate_hz
@@ -57,18 +57,15 @@ def rate_of(time_s: np.ndarray) -> float:
 
 def clocks_of(table: Table) -> dict[str, Clock]:
     """Return every column that may be a clock, the likeliest first."""
-    found = {
-        name: clock
-        for name, column in table.columns.items()
-        if (clock := guess_clock(name, column)) is not None
-    }
+    guesses = {name: guess_clock(name, column) for name, column in table.columns.items()}
+    found = {name: clock for name, clock in guesses.items() if clock is not None}
 
     def rank(name: str) -> tuple[bool, bool]:
         often = found[name].repeated > 0.5 * len(table.columns[name].values)
         named = " + " in name or is_time(f"{name} {table.columns[name].label}")
         return not named, often
 
-    return dict(sorted(found.items(), key=lambda item: rank(item[0])))
+    return {name: found[name] for name in sorted(found, key=rank)}
 
 
 @np.errstate(all="ignore")  # differences of large values may overflow, and are no steps of a clock
@@ -81,61 +78,48 @@ def guess_clock(name: str, column: Column) -> Clock | None:
     """
     stamps = column.values[np.isfinite(column.values)]
     words = f"{name} {column.label}"
-    named = is_time(words)
-    other = parse_unit(column.unit) or unit_in(name)
+    named, other = is_time(words), parse_unit(column.unit) or unit_in(name)
     if len(stamps) < 3 or len(stamps) < 0.9 * len(column.values):
         return None
-    if other is not None and other.quantity != "s":
-        return None
-    steps = np.diff(stamps)
-    span = float(stamps[-1] - stamps[0])
+    steps, span = np.diff(stamps), float(stamps[-1] - stamps[0])
     back = int((steps < 0.0).sum())
-    if span <= 0.0 or back > 0.01 * len(steps) * named:
+    if span <= 0.0 or back > 0.01 * len(steps) * named or (other and other.quantity != "s"):
         return None
-    if not named and not _is_even(stamps, steps):
+    step = float(np.median(steps))
+    line = np.linspace(stamps[0], stamps[-1], len(stamps))
+    even = (np.abs(steps - step) < 0.5 * step).mean() > 0.9
+    if not (named or even or np.abs(stamps - line).max() < _OFF_LINE * span):
         return None
-    stated = other.text if other else time_unit_in(words)
+    stated, epoch = other.text if other else time_unit_in(words), _epoch(stamps)
     whole = bool((stamps == np.round(stamps)).all())
-    if has(name, "count") and whole and not stated:
-        return None
-    if not stated and whole and np.median(steps) == 1.0 and not _epoch(stamps):
+    if whole and not stated and (has(name, "count") or (step == 1.0 and not epoch)):
         return None  # the number of the sample
-    unit = stated or _epoch(stamps) or _by_step(float(np.median(steps[steps > 0.0])), whole)
-    doubts: tuple[str, ...] = () if stated or _epoch(stamps) else ("unit?",)
+    step = float(np.median(steps[steps > 0.0]))
+    if whole:  # whole numbers above 1 are no seconds
+        likely = "s" if step <= 1.0 else "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
+    else:
+        likely = "s" if step < 2.0 else "ms"
+    unit = stated or epoch or likely
+    doubts: tuple[str, ...] = () if stated or epoch else ("unit?",)
     rate_hz = rate_of(np.unique(stamps - stamps[0]) * SECONDS[unit])
-    if not LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
+    if not _LIKELY_HZ[0] <= rate_hz <= _LIKELY_HZ[1]:
         if not named:
             return None
         doubts = (f"{rate_hz:.4g} Hz are unusual: is the unit {unit}?",)
     if back:
         k = int(np.argmax(steps < 0.0)) + 1
         doubts += (f"it goes back at sample {k}, from {stamps[k - 1]:.10g} to {stamps[k]:.10g}",)
-    return Clock(name, unit, rate_hz, int((steps == 0.0).sum()), doubts)
-
-
-def _is_even(stamps: np.ndarray, steps: np.ndarray) -> bool:
-    step = float(np.median(steps))
-    if (np.abs(steps - step) < 0.5 * step).mean() > 0.9:
-        return True
-    line = np.linspace(stamps[0], stamps[-1], len(stamps))
-    return bool(np.abs(stamps - line).max() < _OFF_LINE * (stamps[-1] - stamps[0]))
+    return Clock(unit, rate_hz, int((steps == 0.0).sum()), doubts)
 
 
 def _epoch(stamps: np.ndarray) -> str | None:
-    """Return the unit of stamps that count from 1970, by their magnitude."""
+    """Return the unit of stamps that count from 1970, by their magnitude; days of Excel, MATLAB."""
     first, step = float(stamps[0]), float(np.diff(stamps).mean())
     for unit, begin in _EPOCHS.items():
-        if begin <= first <= 5.0 * begin and step * SECONDS[unit] <= 1.0 / LIKELY_HZ[0]:
+        if begin <= first <= 5.0 * begin and step * SECONDS[unit] <= 1.0 / _LIKELY_HZ[0]:
             return unit
     of_excel, of_matlab = 30000.0 < first < 60000.0, 700000.0 < first < 800000.0
     return "d" if (of_excel or of_matlab) and step * SECONDS["d"] <= 1.0 else None
-
-
-def _by_step(step: float, whole: bool) -> str:
-    """Return the unit that a step suggests: whole numbers above 1 are no seconds."""
-    if whole:
-        return "s" if step <= 1.0 else "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
-    return "s" if step < 2.0 else "ms"
 
 
 def own_clock(name: str, table: Table, clocks: dict[str, Clock]) -> str | None:
@@ -151,13 +135,8 @@ def own_clock(name: str, table: Table, clocks: dict[str, Clock]) -> str | None:
     in_turn = not any(place + 1 in places for place in places)
 
     def nearness(clock: str) -> tuple[int, int]:
-        parts = enumerate(zip(_path(clock), [*_path(name), ""], strict=False))
-        shared = next((k for k, (a, b) in parts if a != b), 0)
+        shared = len(commonprefix([re.split("[./]", clock), re.split("[./]", name)]))
         distance = order.index(name) - order.index(clock)
         return shared, -distance if in_turn and distance > 0 else -len(order)
 
     return max(same, key=nearness, default=None)
-
-
-def _path(name: str) -> list[str]:
-    return name.replace("/", ".").split(".")

@@ -1,66 +1,22 @@
 """The map of an import: which column of a foreign file is which channel, in which unit."""
 
-import difflib
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Field,
-    ValidationError,
-    create_model,
-    model_validator,
-)
+from pydantic import Field, ValidationError, field_validator, model_validator
 
-from fprc.channels import CHANNELS, TARGETS, Channel
+from fprc.channels import TARGETS, unit_of
 from fprc.config.problems import explained
 from fprc.config.section import Section
 from fprc.errors import ConfigError
+from fprc.logs.quality import other_quantity
 from fprc.recordings.names import SECONDS, factor_of, likely_channel
 from fprc.yaml_file import read_yaml
 
-
-def _as_text(value: Any) -> Any:
-    return str(value) if isinstance(value, int | float) else value
-
-
 #: Text that YAML may have parsed as a number, as in ``unit: 1`` and ``column: 3``.
-_AS_TEXT = BeforeValidator(_as_text)
-Text = Annotated[str, _AS_TEXT]
-
-
-def _not_zero(value: float) -> float:
-    if value == 0.0:
-        raise ValueError("0 would replace the whole column by the offset")
-    return value
-
-
-class Column(Section):
-    """Where a channel comes from; its values are scale * column + offset, in ``unit``."""
-
-    column: Text = Field(
-        min_length=1,
-        pattern="[^?]",  # ? stands in a draft for what it did not find
-        description="name as `--draft` prints it",
-    )
-    scale: Annotated[float, AfterValidator(_not_zero)] = Field(
-        1.0, description="factor on the numbers of the file"
-    )
-    offset: float = Field(0.0, description="added after the factor, in `unit`")
-    note: str = Field("", description="remark for readers of the log")
-    time: Text | None = Field(None, description="column of its own clock, if it has one")
-    unit: Text
-
-    @model_validator(mode="after")
-    def _names_another_quantity(self) -> Self:
-        if self.unit == "1" and not self.note:
-            raise ValueError("unit 1 stands for another quantity; name it and its unit in `note`")
-        return self
-
-
+Text = Annotated[str, Field(coerce_numbers_to_str=True)]
 #: Usual units by the unit of a channel, for messages and drafts; any other that pint knows will do.
 USUAL = {
     "kPa": ("kPa", "Pa", "bar", "mbar", "psi", "MPa", "mmHg"),
@@ -69,55 +25,68 @@ USUAL = {
 }
 
 
-def _column(channel: Channel) -> tuple[Any, Any]:
-    """Return the type and the default of a channel's key; only what every import needs has none."""
+class Column(Section):
+    """Where a channel comes from; its values are scale * column + offset, in ``unit``."""
 
-    def of_its_quantity(unit: str) -> str:
-        if factor_of(unit, channel.name) is None:
-            usual = USUAL[channel.unit]
-            near = difflib.get_close_matches(unit.lower(), [name.lower() for name in usual], 1, 0.5)
-            meant = [f"did you mean {name}?" for name in usual if [name.lower()] == near]
-            raise ValueError(
-                f"{unit} is no unit of it; must be {', '.join(usual)}, another of its quantity, or "
-                f"1 for another quantity; {''.join(meant)}".rstrip("; ")
-            )
-        return unit
+    column: Text = Field(min_length=1, pattern="[^?]")  # ? stands in a draft for what it lacks
+    unit: Text
+    scale: float = 1.0
+    offset: float = 0.0  #: in ``unit``
+    note: str = ""  #: remark for readers of the log
+    time: Text | None = None  #: column of its own clock, if it has one
 
-    unit = Annotated[str, _AS_TEXT, AfterValidator(of_its_quantity)]
-    column = create_model("Column", __base__=Column, __module__=__name__, unit=(unit, ...))
-    return (column, ...) if "import" in channel.needed else (column | None, None)
+    @field_validator("scale")
+    @classmethod
+    def _not_zero(cls, value: float) -> float:
+        if value == 0.0:
+            raise ValueError("0 would replace the whole column by the offset")
+        return value
 
-
-_FIELDS: dict[str, Any] = {
-    channel.name: _column(channel)
-    for channel in CHANNELS
-    if channel.kind in ("command", "sensor", "valve")
-}
-
-
-class _WithTarget(Section):
     @model_validator(mode="after")
-    def _has_a_target(self) -> Self:
-        if all(getattr(self, name) is None for name in TARGETS.values()):
-            raise ValueError("p_exp_kpa or p_exp_command_kpa is missing; the models predict it")
+    def _names_another_quantity(self) -> Self:
+        if self.unit == "1" and not self.note:
+            raise ValueError("unit 1 stands for another quantity; name it and its unit in `note`")
         return self
 
 
-#: Channels of a raw log, see data/raw/README.md; omitted channels are not in the log.
-Channels = create_model("Channels", __base__=_WithTarget, __module__=__name__, **_FIELDS)
+class Channels(Section):
+    """Channels of a raw log, see data/raw/README.md; omitted channels are not in the log."""
+
+    p_exp_command_kpa: Column | None = None
+    p_exp_kpa: Column | None = None
+    theta_deg: Column
+    p_i_command_kpa: Column | None = None
+    p_i_kpa: Column | None = None
+    p_o_kpa: Column | None = None
+    phi_deg: Column | None = None
+    valve_main_v: Column | None = None
+    valve_reservoir_v: Column | None = None
+
+    @field_validator("*")
+    @classmethod
+    def _converts(cls, value: Column | None, info: Any) -> Column | None:
+        quantity = unit_of(info.field_name)
+        if value is not None and factor_of(value.unit, quantity) is None:
+            raise ValueError(
+                f"unit {value.unit} is none of its quantity; must be {', '.join(USUAL[quantity])}, "
+                "another of its quantity, or 1 for another quantity"
+            )
+        return value
+
+    @model_validator(mode="after")
+    def _has_a_target(self) -> Self:
+        if self.p_exp_kpa is None and self.p_exp_command_kpa is None:
+            raise ValueError("p_exp_kpa or p_exp_command_kpa is missing; the models predict it")
+        return self
 
 
 class Time(Section):
     """Times of the samples: a column and its unit, or a rate."""
 
-    column: Text | None = Field(None, description="column that holds the times")
-    unit: Literal[*SECONDS] = Field(  # type: ignore[valid-type]
-        "s", description="unit of the column"
-    )
-    repeated: Literal["first", "mean"] | None = Field(
-        None, description="what to take of samples that repeat a time stamp"
-    )
-    rate_hz: float | None = Field(None, gt=0, le=1e6, description="rate instead of a column")
+    column: Text | None = None
+    unit: Literal[*SECONDS] = "s"  # type: ignore[valid-type]
+    repeated: Literal["first", "mean"] | None = None  #: of samples that repeat a time stamp
+    rate_hz: float | None = Field(None, gt=0, le=1e6)
 
     @model_validator(mode="after")
     def _one_clock(self) -> Self:
@@ -131,42 +100,27 @@ class Time(Section):
 class Csv(Section):
     """Format of a text file; give only keys whose automatic detection is wrong."""
 
-    separator: str | None = Field(None, pattern=r'^[^"\r\n]$', description="one character")
+    separator: str | None = Field(None, pattern=r'^[^"\r\n]$')
     decimal: Literal[".", ","] | None = None
-    header_line: int | None = Field(None, ge=1, description="line of the names, from 1")
-    data_line: int | None = Field(None, ge=2, description="line of the first sample, from 1")
+    header_line: int | None = Field(None, ge=1)  #: line of the names, from 1
+    data_line: int | None = Field(None, ge=2)  #: line of the first sample, from 1
 
 
 class ImportMap(Section):
-    """How one file becomes one raw log, or two: a training part and a test part."""
+    """How one file becomes one raw log, or, for `fprc readout`, two; times count from its begin."""
 
     experiment: Literal["sweep", "complex"] | None = None
-    test_from_s: float | None = Field(
-        None, gt=0, description="end of training and begin of test, s after the first sample"
-    )
-    sample_rate_hz: float | None = Field(
-        None,
-        ge=1,
-        le=1e5,
-        description="rate of the raw log; by default 200, or for `fprc readout` the recording's "
-        "own, at most 200",
-    )
+    test_from_s: float | None = Field(None, gt=0)  #: where `fprc readout` divides its two logs
+    sample_rate_hz: float | None = Field(None, ge=1, le=1e5)
     time: Time
-    start_s: float = Field(0.0, ge=0, description="first time kept, s after the first sample")
-    end_s: float | None = Field(None, gt=0, description="last time kept, s after the first sample")
-    skip_unusable: bool = Field(
-        False, description="leave out lines that are no samples, and samples with missing values"
-    )
+    start_s: float = Field(0.0, ge=0)
+    end_s: float | None = Field(None, gt=0)
+    skip_unusable: bool = False  #: leave out lines that are no samples, and missing values
     channels: Channels
     csv: Csv = Csv()
 
     @model_validator(mode="after")
     def _parts_are_not_empty(self) -> Self:
-        if (self.experiment is None) == (self.test_from_s is None):
-            raise ValueError(
-                "give either experiment, for the one log that `fprc import` writes, or "
-                "test_from_s, for the two parts of `fprc readout`"
-            )
         end_s = math.inf if self.end_s is None else self.end_s
         if end_s <= self.start_s:
             raise ValueError(f"end_s = {end_s:g}; must be above start_s = {self.start_s:g}")
@@ -178,22 +132,26 @@ class ImportMap(Section):
         return self
 
     @property
-    def rate_hz(self) -> float:
-        """Sample rate of the raw log, Hz."""
-        return self.sample_rate_hz or 200.0
+    def columns(self) -> dict[str, dict[str, Any]]:
+        """Entries of the channels that the map has, by channel."""
+        return self.channels.model_dump(exclude_none=True)
 
-    def part(self, experiment: str) -> "ImportMap":
-        """Return the map of one of the two parts that ``test_from_s`` separates."""
-        border_s = self.test_from_s or 0.0
-        # the sample at the border belongs to the test
-        ends = {"sweep": {"end_s": border_s - 0.5 / self.rate_hz}, "complex": {"start_s": border_s}}
-        alone = {"experiment": experiment, "test_from_s": None}
-        return self.model_copy(update=alone | ends[experiment])
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each channel; empty where it holds another quantity."""
+        return {name: unit_of(name) * (spec["unit"] != "1") for name, spec in self.columns.items()}
 
-    def of_whole(self, experiment: str) -> "ImportMap":
-        """Return the map of a whole recording with the same columns."""
-        whole = {"experiment": experiment, "test_from_s": None, "start_s": 0.0, "end_s": None}
-        return self.model_copy(update=whole)
+    @property
+    def notes(self) -> dict[str, str]:
+        """Notes on channels, as a raw log has them: whether one holds another quantity."""
+        begins = {name: "" if unit else other_quantity(name) for name, unit in self.units.items()}
+        notes = {name: begins[name] + spec["note"] for name, spec in self.columns.items()}
+        return {name: note for name, note in notes.items() if note}
+
+    def target(self, wanted: str) -> str:
+        """Return ``command`` or ``measured``: the P_exp that is wanted, or else the other."""
+        names = [name for name, channel in TARGETS.items() if channel in self.columns]
+        return wanted if wanted in names else names[0]
 
 
 def read_map(path: Path | str) -> ImportMap:
@@ -206,24 +164,19 @@ def read_map(path: Path | str) -> ImportMap:
         nearest valid one, every missing key, every wrong value, and, of sections without these,
         every contradiction.
     """
-    try:
-        return ImportMap.model_validate(read_yaml(path))
-    except ValidationError as error:
-        raise ConfigError.listing([*map(_explained, error.errors())], "map", file=path) from error
+    return _valid(ImportMap, read_yaml(path), path)
 
 
 def read_csv(path: Path | str) -> Csv:
-    """Read the section ``csv`` of a map, whose other sections may be missing or wrong.
+    """Read the section ``csv`` of a map, whose other sections may be missing or wrong."""
+    return _valid(Csv, read_yaml(path).get("csv", {}), path, "csv")
 
-    Raises
-    ------
-    ConfigError
-        The file is not YAML with keys and values, or the section is wrong.
-    """
+
+def _valid(section: Any, content: Any, path: Path | str, *above: str) -> Any:
     try:
-        return Csv.model_validate(read_yaml(path).get("csv", {}))
+        return section.model_validate(content)
     except ValidationError as error:
-        items = ({**item, "loc": ("csv", *item["loc"])} for item in error.errors())
+        items = [{**item, "loc": (*above, *item["loc"])} for item in error.errors()]
         raise ConfigError.listing([*map(_explained, items)], "map", file=path) from error
 
 

@@ -5,7 +5,7 @@ import unicodedata
 from functools import cache
 from typing import Any, NamedTuple
 
-from fprc.channels import CHANNELS, unit_of
+from fprc.channels import CHANNELS
 
 #: Units of time in s, coarsest first, and the words for them.
 SECONDS = {"d": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -257,11 +257,14 @@ def reference_of(name: str) -> str | None:
     return None
 
 
-def factor_of(unit: str, channel: str) -> float | None:
+def factor_of(unit: str, quantity: str) -> float | None:
     """Return the factor from a unit to that of a channel; None if it is of another quantity."""
+    found = parse_unit(unit)
     if unit == "1":
         return 1.0
-    found = parse_unit(unit)
-    if found is None or found.quantity != unit_of(channel):
-        return None
-    return found.factor * found.multiple
+    return found.factor * found.multiple if found and found.quantity == quantity else None
+
+
+def stated_unit(name: str, label: str, unit: str) -> Unit | None:
+    """Return the unit that a file states for a column, beside its name or in it."""
+    return parse_unit(unit) or unit_in(label) or unit_in(name)

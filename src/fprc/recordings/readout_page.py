@@ -2,52 +2,55 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from fprc.artifacts import read_json
 from fprc.config import from_files
+from fprc.evaluation.rates import settings_at
 from fprc.evaluation.sides import SHIFTS
 from fprc.paper import SOURCES
-from fprc.provenance import sha256
 from fprc.recordings.answer import MARGIN, family_title
-from fprc.recordings.importing import ImportMap
+from fprc.recordings.gather import Recording
+from fprc.recordings.judge import Judgement
 from fprc.recordings.memory import memory_in_words
 from fprc.recordings.paper_models import sentences
 from fprc.registry import title_of
-from fprc.stages.tabulate import failed_checks
 from fprc.tables.text import three_digits, write_table
 
-#: File and map of each raw log: those that train, ``sweep``, ``sweep_2``, ..., and ``complex``.
-Parts = Mapping[str, tuple[str, ImportMap]]
 _TARGETS = {"command": "commanded", "measured": "measured"}
 
 
+class Recorded(NamedTuple):
+    """A recording, and what was found in it."""
+
+    recording: Recording
+    found: Judgement
+
+
 def report_page(
-    parts: Parts,
+    recorded: Mapping[str, Recorded],
     map_file: str,
     settings: Mapping[str, Any],
     folder: Path,
     report: Mapping[str, Any],
     rates: str,
-    doubts: Sequence[str],
 ) -> str:
-    """Return the report as Markdown, with links to the pictures of the recording."""
-    source, found = parts["complex"][0], report["answer"]
-    further = list(dict.fromkeys(path for path, _ in parts.values() if path != source))
+    """Return the report as Markdown, with links to the pictures of each recording, by file."""
+    found = report["answer"]
     default = from_files([]).model_dump(mode="json")["models"]
     verdict, _, rest = found["words"].partition(":")
+    doubts = [line for one in recorded.values() for line in one.found.doubts]
+    names = ", ".join(f"`{Path(path).name}`" for path in recorded)
     lines = [
-        f"# Is P_o worth a second sensor in `{Path(source).name}`?",
+        f"# Is P_o worth a second sensor in {names}?",
         "",
         f"**{verdict}**:{rest}",
         *(f"\n- Doubtful: {line}" for line in doubts),
         "",
-        f"Recording: {_with_hash(source)}; map: `{map_file}`.",
-        *([f"Further recordings: {', '.join(map(_with_hash, further))}."] if further else []),
-        f"Data: {SOURCES[report['source']]}. Predicted is the {_TARGETS[report['target']]} P_exp.",
+        f"Map: `{map_file}`. Data: {SOURCES[report['source']]}. Predicted is the "
+        f"{_TARGETS[report['target']]} P_exp.",
         "",
         "## What the answer rests on",
         "",
@@ -73,16 +76,13 @@ def report_page(
         "",
         _read(folder / "readout/paper.md"),
         "Every number: [readout/answer.json](readout/answer.json).",
-        "",
-        "## The recording",
     ]
-    for log, (path, _) in parts.items():
-        part = "last part" if log == "complex" else "first part"
-        if path != source or len(parts) - len(further) == 1:
-            part = f"`{Path(path).name}`"
-        words = read_json(folder / f"raw/{log}.diagnosis.json")["words"]
-        lines += ["", f"### {part[0].upper()}{part[1:]}", "", *(f"- {word}" for word in words)]
-        lines += ["", f"![{part}](raw/{log}.diagnosis.png)"]
+    for number, ((path, one), digest) in enumerate(
+        zip(recorded.items(), report["recordings"], strict=True), 1
+    ):
+        words = (*one.found.words, *one.recording.notes)
+        lines += ["", f"## `{path}`", "", f"SHA-256 `{digest[:16]}`.", ""]
+        lines += [*(f"- {word}" for word in words), "", f"![it](raw/recording_{number}.png)"]
     return "\n".join(lines) + "\n"
 
 
@@ -165,24 +165,13 @@ def write_tables(report: Mapping[str, Any], folder: Path) -> None:
     write_table(paper, page, note, str(folder / "paper.csv"), str(folder / "paper.md"))
 
 
-def _with_hash(path: str) -> str:
-    return f"`{path}`, SHA-256 `{sha256(path)[:16]}`"
-
-
 def rates_in_words(
-    recorded_hz: Sequence[float],
-    rate_hz: float,
-    given: Mapping[str, Any],
-    scaled: Mapping[str, Any],
+    recorded_hz: Sequence[float], rate_hz: float, settings: Mapping[str, Any]
 ) -> str:
-    """Return the rates of the recordings, the rate that the models use, and what was scaled.
-
-    ``given`` is the configuration, ``scaled`` that for the rate of the models.
-    """
+    """Return the rates of the recordings, the rate that the models use, and what was scaled."""
     recorded = ", ".join(f"{hz:g}" for hz in dict.fromkeys(recorded_hz))
     line = f"Sample rates: recorded at {recorded} Hz; the models use {rate_hz:g} Hz."
-    before, after = given["models"], scaled["models"]
-    reference_hz = given["control"]["sample_rate_hz"]
+    before, after = settings["models"], settings_at(settings, rate_hz)["models"]
     if before == after:
         return f"{line} Settings in samples are for that rate: none was scaled."
     changes = [
@@ -190,13 +179,6 @@ def rates_in_words(
         for section, key in (("fprc", "epsilon"), ("esn", "gamma"), ("esn", "washout"))
     ]
     return (
-        f"{line} Settings in samples were scaled from {reference_hz:g} Hz to the same time: "
-        f"{', '.join(changes)}; the other low-passes and NVAR's spacing alike. "
-        f"Taps keep their number (n_y = {after['n_y']}, n_u = {after['fprc']['n_u']}), so "
-        f"they span {reference_hz / rate_hz:.3g} times the time."
+        f"{line} Settings in samples were scaled to the same time: {', '.join(changes)}; taps keep "
+        "their number."
     )
-
-
-def cautions(folder: Path) -> list[str]:
-    """Return what makes the answer doubtful: checks of the recording that failed."""
-    return failed_checks([str(folder / f"quality/{part}.json") for part in ("sweep", "complex")])

@@ -5,7 +5,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fprc.errors import LogError
 from fprc.recordings.clock import rate_of
+
+#: Most samples per channel that resampling may process.
+MOST_POINTS = 5_000_000
 
 #: Edges of pass band and stop band, as shares of the new Nyquist frequency.
 PASS, STOP = 0.8, 1.0
@@ -46,12 +50,27 @@ def resample(
     return time_s[0] + np.arange(samples) / rate_hz, resampled
 
 
-def points_of(time_s: np.ndarray, rate_hz: float) -> float:
-    """Return how many samples per channel ``resample`` would process."""
-    if not rate_of(time_s) < 1e9 * rate_hz:  # the time stamps are nearly equal
-        return math.inf
-    factor, _ = _refinement(time_s, rate_hz)
-    return factor * float((time_s[-1] - time_s[0]) * rate_hz + 2.0 * _HALF_TAPS)
+def refuse_length(path: object, time_s: np.ndarray, rate_hz: float) -> None:
+    """Check, before resampling, that a recording is neither too short nor too long.
+
+    Raises
+    ------
+    LogError
+        It is; the message says where its clock has the longest step.
+    """
+    points = 0.0
+    with np.errstate(all="ignore"):
+        samples = time_s[-1] * rate_hz
+        if rate_of(time_s) < 1e9 * rate_hz:  # else the time stamps are nearly equal
+            points = _refinement(time_s, rate_hz)[0] * (samples + 2.0 * _HALF_TAPS)
+    k = int(np.argmax(np.diff(time_s)))
+    if not (samples >= 1.0 and 0.0 < points <= MOST_POINTS):
+        raise LogError(
+            f"{path}: {time_s[-1]:.4g} s at sample_rate_hz = {rate_hz:g} are {samples:.4g} "
+            f"samples, {points:.2g} while resampled; must be from 1 to {MOST_POINTS:.2g}: check "
+            "time.unit, start_s and end_s, and the clock, whose longest step is from "
+            f"{time_s[k]:.10g} to {time_s[k + 1]:.10g} s"
+        )
 
 
 def _refinement(time_s: np.ndarray, rate_hz: float) -> tuple[int, bool]:

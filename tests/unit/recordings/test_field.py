@@ -9,7 +9,7 @@ import yaml
 
 from fprc.recordings.clock import rate_of
 from fprc.recordings.draft import draft_map
-from fprc.recordings.import_recording import read_recording
+from fprc.recordings.gather import gather
 from fprc.recordings.importing import read_map
 from fprc.recordings.table import read_table
 
@@ -45,7 +45,7 @@ def test_draft_of_a_file_leads_to_the_motion_that_was_recorded(name, tmp_path):
         section, _, key = place.rpartition(".")
         (mapping[section] if section else mapping)[key] = value
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
-    _, recording = read_recording(read_map(tmp_path / "map.yaml"), path)
+    recording = gather(read_table(path), read_map(tmp_path / "map.yaml"))
     assert rate_of(recording.time_s) == pytest.approx(case.rate_hz, rel=1e-3)
     assert recording.time_s == pytest.approx(case.time_s, abs=6e-4)
     expected = (field.ANGLE, field.PRESSURE, field.P_O)

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from fprc.channels import unit_of
 from fprc.recordings.clock import guess_clock
 from fprc.recordings.names import factor_of, likely_channel, parse_unit, reference_of, unit_in
 from fprc.recordings.table import Column
@@ -56,16 +57,16 @@ def test_name_of_a_column_tells_its_unit_and_channel(name, factor, channel):
     unit, guess = unit_in(name), likely_channel(name)
     assert (guess.channel if guess else None) == channel
     assert (unit.factor if unit else None) == (factor and pytest.approx(factor, rel=1e-6))
-    assert channel is None or unit is None or factor_of(unit.text, channel) == unit.factor
+    assert channel is None or unit is None or factor_of(unit.text, unit_of(channel)) == unit.factor
 
 
 def test_factor_beside_a_unit_is_told_apart():
     for text in ("0.1 bar", "10^-1 bar", "x0.1 bar", "1e-1 bar"):
         unit = parse_unit(text)
         assert (unit.text, unit.multiple) == ("bar", pytest.approx(0.1))
-    assert factor_of("0.1 bar", "p_o_kpa") == pytest.approx(10.0)
-    assert factor_of("rad", "p_o_kpa") is None
-    assert factor_of("1", "p_o_kpa") == 1.0
+    assert factor_of("0.1 bar", "kPa") == pytest.approx(10.0)
+    assert factor_of("rad", "kPa") is None
+    assert factor_of("1", "kPa") == 1.0
 
 
 @pytest.mark.parametrize(

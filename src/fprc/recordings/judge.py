@@ -1,0 +1,209 @@
+"""What is doubtful in a recording, and what stops `fprc readout`: the one judge of it.
+
+The limits below were written down before they were run on any recording.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from fprc.channels import TARGETS, unit_of
+from fprc.config.settings import Quality
+from fprc.escape import in_words
+from fprc.logs import assess
+from fprc.logs.columns import Columns
+from fprc.logs.quality import runs
+from fprc.recordings.clock import rate_of
+from fprc.recordings.gather import Recording
+from fprc.recordings.importing import USUAL, ImportMap
+from fprc.recordings.names import factor_of, stated_unit
+from fprc.recordings.table import Table
+
+#: Range of plausible sample rates, Hz.
+LIKELY_HZ = (1.0, 50000.0)
+#: Plausible largest magnitude of a channel, by its unit: outside, another unit may be meant.
+PLAUSIBLE = {"kPa": (5.0, 1500.0), "deg": (3.3, 400.0)}
+#: Smallest span that is possible in the unit of the channel: less is another unit.
+LEAST_SPAN = {"kPa": 5.0, "deg": 2.0}
+#: Largest share of samples outside the possible range of their channel.
+MOST_OUTSIDE = 0.01
+#: A channel that does not change for this share of the recording is stuck.
+STUCK = 0.5
+#: A channel is a copy of another one if a straight line of it, up to half a second late or early,
+#: explains more than this share of the variance. A sealed chamber explains less of P_exp; the
+#: actuator's own pressure follows its command to 0.999.
+COPIES = {("theta", "P_exp"): 0.9999, ("theta", "P_o"): 0.9999, ("P_o", "P_exp"): 0.99}
+COPY_LAG_S = 0.5
+#: theta explains next to nothing of P_exp: less than this share, with the best of a constant,
+#: theta, its square, low-passes and plays.
+NEXT_TO_NOTHING = 0.05
+#: Rate at which copies and what theta explains are looked for, Hz, at most that of the recording.
+_RATE_HZ = 50.0
+
+
+class Judgement(NamedTuple):
+    """What was found in a recording, in words."""
+
+    words: list[str]  #: rate and ranges
+    doubts: list[str]  #: what a person should look at
+    stops: list[str]  #: why no answer from it can be right
+
+
+def judge(
+    recording: Recording, mapping: ImportMap, table: Table, limits: Quality, target: str
+) -> Judgement:
+    """Judge a recording before it is resampled.
+
+    Parameters
+    ----------
+    target : {"command", "measured"}
+        P_exp that the models would learn.
+    """
+    time_s, units = recording.time_s, mapping.units
+    rate_hz, steps = rate_of(time_s), np.diff(time_s)
+    words = [
+        f"{len(time_s)} samples over {time_s[-1]:.6g} s at {rate_hz:.6g} Hz, 98 % of the steps "
+        "from {:.4g} to {:.4g} ms".format(*np.percentile(1e3 * steps, (1, 99)))
+    ]
+    words += [
+        f"{name} from {mapping.columns[name]['column']}: {values.min():.4g} to "
+        f"{values.max():.4g} {units[name]}".rstrip()
+        for name, values in recording.channels.items()
+    ]
+    log = Columns(
+        table.path,
+        {"time_s": time_s, **recording.channels},
+        {"experiment": mapping.experiment, "source": "import", "notes": mapping.notes},
+    )
+    limits = limits.changed(stuck_s=max(limits.stuck_s, 20.0 / rate_hz))  # slow logs repeat values
+    checks = assess(log, limits, rate_hz)["checks"]
+    # gaps are in the notes of the recording
+    failed = [name for name, check in checks.items() if not check["passed"] and name != "gaps"]
+    doubts = [f"{name}: {checks[name]['finding']}" for name in failed]
+    unlike = contradictions(mapping, table)
+    for name, spec in mapping.columns.items():
+        values = recording.channels[name] / (factor_of(spec["unit"], unit_of(name)) or 1.0)
+        others = other_units(name, spec["unit"], values)
+        if others and name not in unlike and spec["scale"] == 1.0:
+            doubts.append(
+                f"{name}: its size is unusual; is {spec['column']} in {in_words(others, 'or')}?"
+            )
+    stops = [f"{line}: correct unit, or say in note why it is right" for line in unlike.values()]
+    if mapping.sample_rate_hz is None and not LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
+        stops.append(
+            f"time: {rate_hz:.4g} Hz are unusual: check time.unit = {mapping.time.unit}; if it is "
+            "right, give sample_rate_hz"
+        )
+    outside = {
+        name: count
+        for name, count in checks["range"]["samples"].items()
+        if count > MOST_OUTSIDE * len(time_s)
+    }
+    stops += [
+        f"{name}: {count} samples are outside its possible range: correct unit, scale or offset in "
+        "the map"
+        for name, count in outside.items()
+    ]
+    channels = {
+        word: (recording.channels[name], units[name])
+        for word, name in (("theta", "theta_deg"), ("P_exp", TARGETS[target]), ("P_o", "p_o_kpa"))
+        if name in recording.channels
+    }
+    return Judgement(words, doubts, [*stops, *_unfit(time_s, rate_hz, channels)])
+
+
+def contradictions(mapping: ImportMap, table: Table) -> dict[str, str]:
+    """Say by channel which units of a map are not those that the file states.
+
+    A scale, or a note, says that the map is meant as it is.
+    """
+    found = {}
+    for name, spec in mapping.columns.items():
+        column = table.pick(spec["column"])
+        stated = stated_unit(spec["column"], column.label, column.unit)
+        asked = (unit_of(name), factor_of(spec["unit"], unit_of(name)))
+        meant = spec["scale"] != 1.0 or spec["note"] or spec["unit"] == "1"
+        if stated and not meant and (stated.quantity, stated.factor) != asked:
+            unlike = f"the file says {stated.text} of {spec['column']}, the map {spec['unit']}"
+            found[name] = f"channels.{name}: {unlike}"
+    return found
+
+
+def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:
+    """Return units in which the values are plausible; none if they are in the one given."""
+    target = unit_of(channel)
+    factor, top = factor_of(unit, target), float(np.nanmax(np.abs(values), initial=0.0))
+    if target not in PLAUSIBLE or unit == "1" or factor is None or not 0.0 < top < np.inf:
+        return []
+    low, high = PLAUSIBLE[target]
+    fit = [name for name in USUAL[target] if low <= top * (factor_of(name, target) or 1.0) <= high]
+    return [] if low <= top * factor <= high else fit
+
+
+def _unfit(
+    time_s: np.ndarray, rate_hz: float, channels: Mapping[str, tuple[np.ndarray, str]]
+) -> Iterator[str]:
+    """Yield why no answer can be right: a channel stands still, is too small, or is a copy."""
+    still = False
+    for name, (values, unit) in channels.items():
+        begins, lengths = runs(values)
+        longest = int(lengths.argmax())
+        span, least = float(np.ptp(values)), LEAST_SPAN.get(unit, 0.0) * (name != "P_o")
+        if lengths[longest] >= STUCK * len(values):
+            still = True
+            yield (
+                f"{name} stays at {values[begins[longest]]:.4g} for "
+                f"{100.0 * lengths[longest] / len(values):.0f} % of the recording: check the "
+                "sensor, or select the rest by start_s and end_s"
+            )
+        elif span < least:
+            yield (
+                f"{name} spans {span:.3g} {unit}, less than {least:g}: is it in another "
+                "unit? Correct unit or scale in the map; unit: 1 with a note takes any quantity"
+            )
+    if still:
+        return
+    hz = min(rate_hz, _RATE_HZ)
+    grid_s = np.arange(0.0, time_s[-1], 1.0 / hz)
+    even = {name: np.interp(grid_s, time_s, values) for name, (values, _) in channels.items()}
+    lag = int(COPY_LAG_S * hz)
+    copies = False
+    for (one, other), most in COPIES.items():
+        if one in even and other in even and _alike(even[one], even[other], lag) > most:
+            copies = True
+            yield (
+                f"a straight line of {one} explains more than {100.0 * most:g} % of {other}: they "
+                "are one signal; give the columns of the angle, of the pressure and of the sealed "
+                "chamber"
+            )
+    explained = 0.0 if copies else explained_by(even["theta"], even["P_exp"], hz)
+    if not copies and explained < NEXT_TO_NOTHING:
+        yield (
+            f"theta explains {100.0 * max(explained, 0.0):.1f} % of P_exp, next to nothing: check "
+            "the columns and the clock"
+        )
+
+
+def _alike(one: np.ndarray, other: np.ndarray, lag: int) -> float:
+    """Return the largest share of variance that a straight line explains, up to a lag."""
+    one, other = one - one.mean(), other - other.mean()
+    middle = one[lag : len(one) - lag]
+    shares = [0.0]
+    for shift in range(2 * lag + 1) if middle.size else ():
+        late = other[shift : shift + len(middle)]
+        power = float((middle @ middle) * (late @ late))
+        shares.append(float(middle @ late) ** 2 / power if power else 0.0)
+    return max(shares)
+
+
+def explained_by(theta: np.ndarray, target: np.ndarray, rate_hz: float) -> float:
+    """Return the share of the target's variance that theta and its past explain, fitted."""
+    from fprc.models import LowpassBank, PlayOperators  # slow to import, and a draft needs none
+
+    X = theta[:, None]
+    epsilons = [1.0 - np.exp(-1.0 / (s * rate_hz)) for s in (0.15, 0.5, 1.7)]
+    past = [part.fit(X).map_log(X) for part in (LowpassBank(epsilons), PlayOperators())]
+    rows = np.hstack([np.ones_like(X), X, X**2, *past])
+    left = target - rows @ np.linalg.lstsq(rows, target)[0]
+    return 1.0 - float(np.var(left) / np.var(target))
