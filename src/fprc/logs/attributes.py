@@ -11,32 +11,16 @@ import numpy as np
 
 from fprc.artifacts import parse_object
 
-#: Type of each known attribute; ``dict``: a JSON object.
-KINDS = {
-    "experiment": str,
-    "source": str,
-    "sample_rate_hz": float,
-    "seed": int,
-    "software": str,
-    "rig": dict,
-    "controller": str,
-    "model": str,
-    "model_file": str,
-    "model_sha256": str,
-    "reference": str,
-    "settle_s": float,
+#: Type of each known attribute; ``dict``: a JSON object. ``units`` belongs to a channel, all others
+#: to the file.
+KINDS: dict[str, type] = {
+    **dict.fromkeys(("experiment", "source", "software", "started", "units"), str),
+    **dict.fromkeys(("controller", "reference", "model", "model_file", "model_sha256"), str),
+    **dict.fromkeys(("incomplete_reason", "imported_from", "imported_sha256"), str),
+    **dict.fromkeys(("sample_rate_hz", "settle_s", "imported_start_s"), float),
+    **dict.fromkeys(("seed", "lost_samples"), int),
+    **dict.fromkeys(("rig", "statistics", "notes", "recordings", "map"), dict),
     "complete": bool,
-    "incomplete_reason": str,
-    "lost_samples": int,
-    "started": str,
-    "statistics": dict,
-    "notes": dict,
-    "recordings": dict,
-    "map": dict,
-    "imported_from": str,
-    "imported_sha256": str,
-    "imported_start_s": float,
-    "units": str,  # of a channel; all others belong to the file
 }
 _WORDS = {
     str: "text",
@@ -69,34 +53,23 @@ def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], list
 
 
 def _value(name: str, stored: Any) -> Any:
-    """Return the value of an attribute.
-
-    Raises
-    ------
-    ValueError, TypeError
-        Its type is wrong, or it is neither a finite number nor text.
-    """
     value = np.asarray(stored).item()  # of an array of several values, an error
     if isinstance(value, str | bytes):  # of other programs also in other encodings
         value = (value if isinstance(value, bytes) else os.fsencode(value)).decode("utf-8")
     kind = KINDS.get(name, type(value))
     if kind is dict:
-        return _object(name, value)
+        content = parse_object(value)
+        # refuses NaN and lone surrogates, as \udce9
+        json.dumps(content, ensure_ascii=False, allow_nan=False).encode("utf-8")
+        if name == "notes" and not all(isinstance(note, str) for note in content.values()):
+            raise ValueError("each channel has a text")
+        return content
     # not isinstance, for which a bool is an int
     if type(value) not in ((float, int) if kind is float else (kind,)) or kind not in _WORDS:
         raise TypeError(f"is of type {type(value).__name__}")
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError("is not finite")
     return value
-
-
-def _object(name: str, text: str) -> dict[str, Any]:
-    content = parse_object(text)
-    # refuses NaN and lone surrogates, as \udce9
-    json.dumps(content, ensure_ascii=False, allow_nan=False).encode("utf-8")
-    if name == "notes" and not all(isinstance(note, str) for note in content.values()):
-        raise ValueError("each channel has a text")
-    return content
 
 
 def as_written(value: Any) -> Any:

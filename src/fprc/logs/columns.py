@@ -16,10 +16,8 @@ from fprc.errors import LogError
 from fprc.given import open_given
 from fprc.logs.attributes import as_written, read_attributes
 
-#: The first bytes of an HDF5 file.
-_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-#: First bytes of a model file, which is an HDF5 file behind a block.
-_MODEL = b"fprc model"
+#: The first bytes of an HDF5 file, and of a model file, which is an HDF5 file behind a block.
+_SIGNATURE, _MODEL = b"\x89HDF\r\n\x1a\n", b"fprc model"
 #: Largest magnitude of a sample, in any unit; its square does not overflow.
 LARGEST = 1e10
 
@@ -90,13 +88,7 @@ def read_columns(
 
 
 def read_each(read: Callable[..., Any], paths: Sequence[Path | str], **keywords: Any) -> list[Any]:
-    """Read several files by a function of a path.
-
-    Raises
-    ------
-    LogError
-        Lists the errors of all files.
-    """
+    """Read several files by a function of a path; LogError lists the errors of all files."""
     results, problems = [], []
     for path in paths:
         try:
@@ -126,10 +118,9 @@ def gather_columns(
     LogError
         The file cannot be opened, or is cut short.
     """
-    path = Path(path)
     channels: dict[str, np.ndarray] = {}
     problems = []
-    with _opened(path) as file:
+    with _opened(Path(path)) as file:
         present = frozenset(file)  # `name in file` would follow a link
         for name in (*names, *(name for name in optional if name in present)):
             try:
@@ -137,22 +128,42 @@ def gather_columns(
             except LogError as error:
                 wrong = [str(error)]
             problems += [f"channel {name}: {problem}" for problem in wrong]
-        problems += _wrong_lengths(channels)
+        lengths = {name: len(values) for name, values in channels.items()}
+        if len(set(lengths.values())) > 1:
+            shortest = min(lengths, key=lengths.__getitem__)
+            problems.append(
+                f"channel {shortest}: {lengths[shortest]} samples, but others have up to "
+                f"{max(lengths.values())}; record the log again"
+            )
+        elif 0 in lengths.values():
+            problems.append("no samples; record the log again")
         values, wrong = read_attributes(file.attrs)
-        problems += wrong
-        problems += [
-            f"attribute {name}: missing; see data/raw/README.md"
-            for name in attributes
-            if name not in file.attrs
-        ]
+        missing = [name for name in attributes if name not in file.attrs]
+        wrong += [f"attribute {name}: missing; see data/raw/README.md" for name in missing]
         unchecked = tuple(name for name in channels if not file[name].fletcher32)
-    columns = Columns(path, channels, values, unchecked, present)
-    return columns, [f"{path}: {problem}" for problem in problems]
+    found = [f"{path}: {problem}" for problem in problems + wrong]
+    return Columns(Path(path), channels, values, unchecked, present), found
 
 
 def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:
-    """Return the samples of a channel, and what is wrong with them."""
-    dataset = _channel_of(file, name)
+    """Return the samples of a channel, and what is wrong with them.
+
+    Raises
+    ------
+    LogError
+        It has none that can be read. The message names neither file nor channel.
+    """
+    dataset = file.get(name)
+    if not isinstance(dataset, h5py.Dataset):
+        every = [os.fsdecode(name) for name in file]  # bytes: the name is not UTF-8
+        more = f" and {len(every) - 12} more" if len(every) > 12 else ""
+        raise LogError(f"missing; the file has {', '.join(every[:12]) or 'none'}{more}")
+    if dataset.is_virtual or dataset.external:  # which read as zeros where that file is gone
+        raise LogError("its samples are in another file; copy them into this one")
+    if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
+        raise LogError(
+            f"is {dataset.dtype} of shape {dataset.shape}; must be one number per sample"
+        )
     refuse_never_written(dataset)
     attributes, wrong = read_attributes(dataset.attrs)
     problems = [problem for problem in wrong if problem.startswith("attribute units")]
@@ -168,28 +179,13 @@ def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:
             f"cannot be read, its numbers have changed on the disk ({error}); restore the file, "
             "or, if it is of a real rig, `fprc log repair` reads the journal beside it"
         ) from error
-    return values, problems + _unusable(values)
-
-
-def _unusable(values: np.ndarray) -> list[str]:
     bad = np.flatnonzero(~(np.abs(values) <= LARGEST))  # NaN is neither
-    if not bad.size:
-        return []
-    return [
-        f"sample {bad[0]} is {values[bad[0]]:g}; not finite or beyond {LARGEST:g} in all: "
-        f"{bad.size}; cut them out or record again"
-    ]
-
-
-def _wrong_lengths(channels: Mapping[str, np.ndarray]) -> list[str]:
-    lengths = {name: len(values) for name, values in channels.items()}
-    if len(set(lengths.values())) > 1:
-        shortest = min(lengths, key=lengths.__getitem__)
-        return [
-            f"channel {shortest}: {lengths[shortest]} samples, but others have up to "
-            f"{max(lengths.values())}; record the log again"
-        ]
-    return ["no samples; record the log again"] if 0 in lengths.values() else []
+    if bad.size:
+        problems.append(
+            f"sample {bad[0]} is {values[bad[0]]:g}; not finite or beyond {LARGEST:g} in all: "
+            f"{bad.size}; cut them out or record again"
+        )
+    return values, problems
 
 
 def open_hdf5(path: Path) -> h5py.File:
@@ -221,13 +217,7 @@ def open_hdf5(path: Path) -> h5py.File:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[h5py.File]:
-    """Open a file for reading; turn the library's exceptions into ``LogError``.
-
-    Raises
-    ------
-    LogError
-        The file cannot be opened, is no HDF5, is cut short or damaged.
-    """
+    """Open a file for reading; turn the library's exceptions into ``LogError``."""
     try:
         with open_given(path, error=LogError) as given:
             head = given.read(len(_MODEL))
@@ -249,29 +239,6 @@ def _opened(path: Path) -> Iterator[h5py.File]:
         ) from error
 
 
-def _channel_of(file: h5py.File, name: str) -> h5py.Dataset:
-    """Return the dataset of a channel.
-
-    Raises
-    ------
-    LogError
-        It is missing, does not hold one number per sample, or is stored in another file. The
-        message names neither file nor channel.
-    """
-    dataset = file.get(name)
-    if not isinstance(dataset, h5py.Dataset):
-        every = [os.fsdecode(name) for name in file]  # bytes: the name is not UTF-8
-        more = f" and {len(every) - 12} more" if len(every) > 12 else ""
-        raise LogError(f"missing; the file has {', '.join(every[:12]) or 'none'}{more}")
-    if dataset.is_virtual or dataset.external:  # which read as zeros where that file is gone
-        raise LogError("its samples are in another file; copy them into this one")
-    if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
-        raise LogError(
-            f"is {dataset.dtype} of shape {dataset.shape}; must be one number per sample"
-        )
-    return dataset
-
-
 def refuse_never_written(dataset: h5py.Dataset) -> None:
     """Check that every number of a dataset was written.
 
@@ -285,8 +252,7 @@ def refuse_never_written(dataset: h5py.Dataset) -> None:
     """
     status = dataset.id.get_space_status()
     if dataset.size and status != h5py.h5d.SPACE_STATUS_ALLOCATED:
-        part = status == h5py.h5d.SPACE_STATUS_PART_ALLOCATED
         raise LogError(
-            f"declares {dataset.size:,} numbers, but {'not all were' if part else 'none was'} ever "
-            "written; record the file again"
+            f"declares {dataset.size:,} numbers, of which some or all were never written; record "
+            "the file again"
         )

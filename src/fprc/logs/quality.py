@@ -1,7 +1,7 @@
 """Quality record of a raw log: completeness, gaps, ranges, stuck sensors, leak."""
 
 import re
-from collections.abc import Container, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,8 +23,12 @@ def assess(log: Columns, limits: "Quality", sample_rate_hz: float) -> dict[str, 
     rig's control loop, ``no_checksum`` the channels in which damage would go unnoticed.
     """
     outside = _outside(log, limits)
-    plausible = [name for name, count in outside["samples"].items() if not count]
-    record = {
+    more = {
+        "loop": log.attributes.get("statistics"),
+        "notes": log.attributes.get("notes"),
+        "no_checksum": list(log.unchecked),
+    }
+    return {
         "log": log.path.name,
         "experiment": log.attributes["experiment"],
         "source": log.attributes["source"],
@@ -32,24 +36,27 @@ def assess(log: Columns, limits: "Quality", sample_rate_hz: float) -> dict[str, 
         "sample_rate_hz": sample_rate_hz,
         "checks": {
             "complete": _complete(log),
-            "gaps": _gaps(log, limits.gap_periods / sample_rate_hz),
+            "gaps": _gaps(log.channels["time_s"], limits.gap_periods / sample_rate_hz),
             "range": outside,
             "stuck": _stuck(log, limits.stuck_s * sample_rate_hz),
-            "leak": _leak(log, limits.leak_kpa_per_min, plausible),
+            "leak": _leak(log, limits.leak_kpa_per_min, outside["samples"]),
         },
-    }
-    more = {
-        "loop": log.attributes.get("statistics"),
-        "notes": log.attributes.get("notes"),
-        "no_checksum": list(log.unchecked),
-    }
-    return record | {name: content for name, content in more.items() if content}
+    } | {name: content for name, content in more.items() if content}
 
 
 def warnings_of_run(log: Columns, limits: "Quality") -> list[str]:
     """Return a line if a closed-loop log is incomplete, and one on values out of range."""
     checks = {"complete": _complete(log), "range": _outside(log, limits)}
     return warnings({"log": log.path.name, "checks": checks})
+
+
+def warnings(record: Mapping[str, Any]) -> list[str]:
+    """Return one line for each failed check of a quality record."""
+    return [
+        f"{record['log']}: {name}: {check['finding']}"
+        for name, check in record["checks"].items()
+        if not check["passed"]
+    ]
 
 
 def other_quantity(name: str) -> str:
@@ -60,10 +67,7 @@ def other_quantity(name: str) -> str:
 def substitute(name: str, attributes: Mapping[str, Any]) -> str | None:
     """Return the quantity that a channel holds instead of the one in its name, or None.
 
-    Parameters
-    ----------
-    attributes : Mapping
-        Those of the log; an import's have ``notes``, by channel.
+    An import's attributes have ``notes``, by channel.
     """
     begins, note = other_quantity(name), attributes.get("notes", {}).get(name, "")
     return note.removeprefix(begins) if note.startswith(begins) else None
@@ -81,15 +85,6 @@ def noted_unit(name: str, attributes: Mapping[str, Any]) -> str:
     return unit[1] if unit else "1"
 
 
-def warnings(record: Mapping[str, Any]) -> list[str]:
-    """Return one line for each failed check of a quality record."""
-    return [
-        f"{record['log']}: {name}: {check['finding']}"
-        for name, check in record["checks"].items()
-        if not check["passed"]
-    ]
-
-
 def _complete(log: Columns) -> dict[str, Any]:
     complete, lost = log.attributes.get("complete", True), log.attributes.get("lost_samples", 0)
     reason = None if complete else log.attributes.get("incomplete_reason", "unknown")
@@ -102,16 +97,15 @@ def _complete(log: Columns) -> dict[str, Any]:
     }
 
 
-def _gaps(log: Columns, limit_s: float) -> dict[str, Any]:
-    time_s = log.channels["time_s"]
-    gaps = gaps_of(time_s, limit_s)
-    longest_s = float(np.diff(time_s).max(initial=0.0))
-    begin = f"{gaps.size} gaps, the first before sample {gaps[0] + 1}; " if gaps.size else ""
+def _gaps(time_s: np.ndarray, limit_s: float) -> dict[str, Any]:
+    steps_s = np.diff(time_s)
+    gaps, longest_s = np.flatnonzero(steps_s > limit_s) + 1, float(steps_s.max(initial=0.0))
+    begin = f"{gaps.size} gaps, the first before sample {gaps[0]}; " if gaps.size else ""
     return {
         "passed": gaps.size == 0,
         "finding": f"{begin}longest step {longest_s:.4g} s, limit {limit_s:.4g} s",
         "count": int(gaps.size),
-        "first_sample": int(gaps[0]) + 1 if gaps.size else None,
+        "first_sample": int(gaps[0]) if gaps.size else None,
         "longest_s": longest_s,
         "limit_s": limit_s,
     }
@@ -150,27 +144,21 @@ def _stuck(log: Columns, limit: float) -> dict[str, Any]:
     }
 
 
-def gaps_of(time_s: np.ndarray, limit_s: float) -> np.ndarray:
-    """Return the last sample before each step of the clock that is longer than a limit."""
-    return np.flatnonzero(np.diff(time_s) > limit_s)
-
-
 def runs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the first sample and the length of every run of equal values."""
     begins = np.append(0, np.flatnonzero(values[1:] != values[:-1]) + 1)
     return begins, np.diff(np.append(begins, len(values)))
 
 
-def _leak(log: Columns, limit: float, plausible: Container[str]) -> dict[str, Any]:
-    sealed = None
-    if "p_i_kpa" not in log.channels or "p_o_kpa" not in plausible:
+def _leak(log: Columns, limit: float, outside: Mapping[str, int]) -> dict[str, Any]:
+    time_s, slope = log.channels["time_s"], None
+    if "p_i_kpa" not in log.channels or outside.get("p_o_kpa", 1):
         why = "needs p_i_kpa, and p_o_kpa within its range"
-    elif np.ptp(log.channels["time_s"]) < SHORT_S:
+    elif np.ptp(time_s) < SHORT_S:
         why = f"the log is shorter than {SHORT_S:g} s, in which hysteresis looks like a leak"
     else:
         why = "P_o does not follow P_i"
-        sealed = fit_sealed(log.channels["time_s"], log.channels)
-    slope = sealed["slope_kpa_per_min"] if sealed else None
+        slope = (fit_sealed(time_s, log.channels) or {}).get("slope_kpa_per_min")
     if slope is None:
         return {"passed": True, "finding": f"not checked, {why}", "kpa_per_min": None}
     return {

@@ -1,7 +1,7 @@
 """Raw logs of experiments, as recorded."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -51,10 +51,6 @@ def write_raw(path: Path | str, channels: Mapping[str, np.ndarray], /, **attribu
     write_columns(path, measured, described)
 
 
-def _is_run(attributes: Mapping[str, Any]) -> bool:
-    return str(attributes.get("experiment")).startswith(RUN_PREFIX)
-
-
 def read_raw(
     path: Path | str, *, experiment: str | None, sample_rate_hz: float | None, rate_tolerance: float
 ) -> Columns:
@@ -75,18 +71,18 @@ def read_raw(
         log of the real rig all channels but ``phi_deg``; a closed-loop run also
         ``TRACKING_CHANNELS`` and ``RUN_ATTRIBUTES``.
     """
-    log, problems = _gather(path)
-    attributes = log.attributes
+    attributes = gather_columns(path, ())[0].attributes
     if "p_target_unit" in attributes:
         raise LogError(
             f"{path}: is preprocessed; give the raw log of the same name, which `fprc readout` and "
             "the workflow keep in the folder raw"
         )
-    if experiment is not None and attributes.get("experiment", experiment) != experiment:
-        problems.append(
-            f"{path}: attribute experiment = {attributes['experiment']}; must be {experiment}, "
-            "or the file has the wrong name"
-        )
+    source, is_run = attributes.get("source"), _is_run(attributes)
+    needed = needed_by(source if source in SOURCES else "sim", tracking=is_run)
+    optional = tuple(name for name in RAW_CHANNELS if name not in needed)
+    required = RAW_ATTRIBUTES + (RUN_ATTRIBUTES if is_run else ())
+    log, problems = gather_columns(path, needed, optional, required)
+    problems += [f"{path}: {problem}" for problem in _impossible(log, experiment)]
     # the rate of a log with other problems means nothing
     if problem := "\n".join(problems) or _wrong_rate(log, sample_rate_hz, rate_tolerance):
         raise LogError(problem)
@@ -110,54 +106,42 @@ def read_run(path: Path | str) -> Columns:
     return log
 
 
-def _gather(path: Path | str) -> tuple[Columns, list[str]]:
-    """Read a raw log with the channels and attributes that its kind requires."""
-    attributes = gather_columns(path, ())[0].attributes
-    source = attributes.get("source")
-    needed = needed_by(source if source in SOURCES else "sim", tracking=_is_run(attributes))
-    required = RUN_ATTRIBUTES if _is_run(attributes) else ()
-    log, problems = gather_columns(
-        path,
-        needed,
-        tuple(name for name in RAW_CHANNELS if name not in needed),
-        (*RAW_ATTRIBUTES, *required),
-    )
+def _is_run(attributes: Mapping[str, Any]) -> bool:
+    return str(attributes.get("experiment")).startswith(RUN_PREFIX)
+
+
+def _impossible(log: Columns, experiment: str | None) -> Iterator[str]:
+    """Yield what is impossible about attributes and clock."""
+    attributes, rate_hz = log.attributes, log.attributes.get("sample_rate_hz", 1.0)
+    found, source = attributes.get("experiment", experiment), attributes.get("source", "sim")
+    if experiment not in (None, found):
+        yield (
+            f"attribute experiment = {found}; must be {experiment}, or the file has the wrong name"
+        )
+    if source not in SOURCES:
+        yield f"attribute source = {source}; must be {', '.join(SOURCES)}"
     if source == "import" and log.channels.keys().isdisjoint(TARGETS.values()):
-        targets = in_words(TARGETS.values(), "or")
-        problems.append(f"{path}: channel {targets}: missing; import one of them")
-    more = _impossible(attributes)
-    time_s = log.channels.get("time_s", np.empty(0))
-    if time_s.size and (np.abs(time_s) <= LARGEST).all():
-        more += _wrong_times(time_s, attributes.get("settle_s"))
-    return log, problems + [f"{path}: {problem}" for problem in more]
-
-
-def _impossible(attributes: Mapping[str, Any]) -> list[str]:
-    """Return an error text for each attribute whose value is impossible."""
-    problems = []
-    source = attributes.get("source")
-    rate_hz = attributes.get("sample_rate_hz", 1.0)
-    if source is not None and source not in SOURCES:
-        problems.append(f"attribute source = {source}; must be {', '.join(SOURCES)}")
+        yield f"channel {in_words(TARGETS.values(), 'or')}: missing; import one of them"
     if not rate_hz > 0.0:
-        problems.append(f"attribute sample_rate_hz = {rate_hz}; must be above 0")
-    return problems
-
-
-def _wrong_times(time_s: np.ndarray, settle_s: float | None) -> list[str]:
+        yield f"attribute sample_rate_hz = {rate_hz}; must be above 0"
+    time_s, settle_s = (
+        log.channels.get("time_s", np.empty(0)),
+        attributes.get("settle_s", -math.inf),
+    )
+    if not time_s.size or not (np.abs(time_s) <= LARGEST).all():
+        return
     back = np.flatnonzero(time_s[1:] <= time_s[:-1])
     if back.size:
         k = int(back[0]) + 1
-        return [
+        yield (
             f"channel time_s: sample {k} at {time_s[k]:.6f} s does not come after "
             f"{time_s[k - 1]:.6f} s; sort or cut the log"
-        ]
-    if settle_s is not None and settle_s > time_s[-1]:
-        return [
+        )
+    elif settle_s > time_s[-1]:
+        yield (
             f"attribute settle_s = {settle_s:g}; must be at most {time_s[-1]:g}, the end of the "
             "log, or nothing is left to evaluate"
-        ]
-    return []
+        )
 
 
 def _wrong_rate(log: Columns, expected_hz: float | None, tolerance: float) -> str:

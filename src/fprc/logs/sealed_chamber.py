@@ -36,11 +36,11 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
         trend) that it explains; ``slope_kpa_per_min``, None if that share is too small. None if
         ``p_o_kpa`` is missing or constant, or the recording is shorter than 10 s without its gaps.
     """
-    p_o = channels.get("p_o_kpa")
-    if p_o is None or np.ptp(p_o) == 0.0 or time_s[-1] - time_s[0] < 10.0:
+    p_o, span_s = channels.get("p_o_kpa"), time_s[-1] - time_s[0]
+    if p_o is None or np.ptp(p_o) == 0.0 or span_s < 10.0:
         return None
     by = next(name for name in _SQUEEZES if name in channels)
-    hz = min(_SEALED_HZ, _MOST / (time_s[-1] - time_s[0]))
+    hz = min(_SEALED_HZ, _MOST / span_s)
     grid_s = np.arange(time_s[0], time_s[-1], 1.0 / hz)
     p_o, drive = (np.interp(grid_s, time_s, values) for values in (p_o, channels[by]))
     minutes = (grid_s - grid_s.mean()) / 60.0

@@ -5,9 +5,9 @@ import pytest
 from fprc.channels import needed_by
 from fprc.errors import LogError
 from fprc.logs import read_raw, read_run, write_raw
+from fprc.logs.raw import RAW_ATTRIBUTES
 
 RATE = {"experiment": None, "sample_rate_hz": 200.0, "rate_tolerance": 0.01}
-ATTRIBUTES = ("experiment", "source", "sample_rate_hz", "seed", "software", "rig")
 
 
 def problem(path, **limits):
@@ -16,30 +16,13 @@ def problem(path, **limits):
     return str(caught.value)
 
 
-@pytest.fixture
-def with_attributes(write_log):
-    """Small raw log with attributes set, or deleted where the value is None."""
-
-    def edit(**attributes):
-        path = write_log()
-        with h5py.File(path, "r+") as file:
-            for name, value in attributes.items():
-                file.attrs.pop(name, None)
-                if value is not None:
-                    file.attrs[name] = value
-        return path
-
-    return edit
-
-
 def test_raw_log_comes_back_as_it_was_written(write_log, channels):
-    log = read_raw(write_log(experiment="complex", seed=5), **RATE)
+    log = read_raw(write_log(experiment="complex", seed=5), **RATE | {"experiment": "complex"})
     assert tuple(log.channels) == needed_by("sim")
     for name in needed_by("sim"):
         assert log.channels[name].tobytes() == channels[name].tobytes()
-    assert log.attributes["experiment"] == "complex"
-    assert log.attributes["seed"] == 5
-    assert log.attributes["rig"] == {"valve": {"leak": 0.0}}
+    found = [log.attributes[name] for name in ("experiment", "seed", "rig")]
+    assert found == ["complex", 5, {"valve": {"leak": 0.0}}]
 
 
 def test_sensor_that_the_rig_does_not_have_is_left_out_of_the_log(write_log):
@@ -53,22 +36,33 @@ def test_raw_log_without_an_attribute_that_it_needs_is_not_written(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [*({name: None} for name in ATTRIBUTES), {"sample_rate_hz": 0.0}, {"source": "dream"}],
-    ids=str,
-)
-@pytest.mark.parametrize("expected", [200.0, None])
-def test_missing_or_wrong_attribute_is_the_only_complaint(with_attributes, wrong, expected):
-    path = with_attributes(**wrong)
-    (line,) = problem(path, sample_rate_hz=expected).splitlines()
-    assert line.startswith(f"{path}: attribute {next(iter(wrong))}")
+def set_to(name, value):
+    return lambda file: file.attrs.__setitem__(name, value)
 
 
-@pytest.mark.parametrize(("sample", "time_s"), [(50, 0.1), (120, 0.595)])
-def test_time_that_does_not_increase_is_named_with_its_sample(write_log, changed, sample, time_s):
-    path = write_log(changed=changed("time_s", sample, time_s))
-    assert f"{path}: channel time_s: sample {sample} at {time_s:.6f} s does not" in problem(path)
+def without(name):
+    return lambda file: file.attrs.pop(name)
+
+
+#: What is wrong with a log, and how the only complaint begins.
+WRONG = [
+    *((without(name), f"attribute {name}: missing") for name in RAW_ATTRIBUTES),
+    (set_to("sample_rate_hz", 0.0), "attribute sample_rate_hz = 0"),
+    (set_to("source", "dream"), "attribute source = dream"),
+    (set_to("experiment", "complex"), "attribute experiment = complex; must be sweep"),
+    (lambda file: file["time_s"].__setitem__(50, 0.1), "channel time_s: sample 50 at 0.100000 s"),
+    (lambda file: file["time_s"].__setitem__(120, 0.595), "channel time_s: sample 120 at 0.595"),
+]
+
+
+@pytest.mark.parametrize(("change", "about"), WRONG)
+@pytest.mark.parametrize("expected_hz", [200.0, None])
+def test_what_is_wrong_with_a_log_is_the_only_complaint(write_log, change, about, expected_hz):
+    path = write_log()
+    with h5py.File(path, "r+") as file:
+        change(file)
+    (line,) = problem(path, sample_rate_hz=expected_hz, experiment="sweep").splitlines()
+    assert line.startswith(f"{path}: {about}")
 
 
 #: Steps of the clock, first time stamp, declared and expected rate, and what is wrong.
@@ -96,33 +90,21 @@ def test_rate_of_the_samples_and_the_declared_one_are_that_of_the_experiment(
         assert log.channels["time_s"].tolist() == time_s["time_s"].tolist()
 
 
-def test_log_of_another_experiment_is_refused(write_log):
-    path = write_log(experiment="complex")
-    assert read_raw(path, **RATE | {"experiment": "complex"})
-    message = problem(path, experiment="sweep")
-    assert f"{path}: attribute experiment = complex; must be sweep" in message
-
-
-def test_run_has_reference_feedforward_and_feedback(write_run):
-    path = write_run()
-    assert tuple(read_raw(path, **RATE).channels) == needed_by("sim", tracking=True)
-    assert tuple(read_run(path).channels) == needed_by("sim", tracking=True)
-
-
 @pytest.mark.parametrize(
     ("change", "about"),
     [
         (lambda file: file.pop("p_ff_kpa"), "channel p_ff_kpa"),
         (lambda file: file.pop("valve_main_v"), "channel valve_main_v"),
         (lambda file: file["p_fb_kpa"].__setitem__(11, np.nan), "channel p_fb_kpa: sample 11"),
-        (lambda file: file.attrs.pop("controller"), "attribute controller"),
-        (lambda file: file.attrs.pop("settle_s"), "attribute settle_s"),
-        (lambda file: file.attrs.update(settle_s=2.0), "attribute settle_s = 2"),
-        (lambda file: file.attrs.update(source="dream"), "attribute source = dream"),
+        (without("controller"), "attribute controller"),
+        (without("settle_s"), "attribute settle_s"),
+        (set_to("settle_s", 2.0), "attribute settle_s = 2"),
+        (set_to("source", "dream"), "attribute source = dream"),
     ],
 )
 def test_run_that_is_not_whole_is_refused_by_check_and_workflow(write_run, change, about):
     path = write_run()
+    assert tuple(read_raw(path, **RATE).channels) == needed_by("sim", tracking=True)
     with h5py.File(path, "r+") as file:
         change(file)
     assert problem(path).startswith(f"{path}: {about}")
@@ -145,9 +127,10 @@ def test_imported_run_may_lack_the_optional_channels_of_an_import(write_run, abs
     assert set(read_run(path).channels) == {*needed_by("sim", tracking=True)} - {absent}
 
 
-def test_problems_of_channels_time_and_attributes_are_reported_together(with_attributes):
-    path = with_attributes(seed=None)
+def test_problems_of_channels_time_and_attributes_are_reported_together(write_log):
+    path = write_log()
     with h5py.File(path, "r+") as file:
+        del file.attrs["seed"]
         file["theta_deg"][3] = np.nan
         file["theta_deg"].attrs["units"] = "rad"
         file["time_s"][7] = 0.0
