@@ -109,12 +109,11 @@ def test_output_of_any_kind_is_no_reason_for_a_traceback(
     assert len(done.stderr.splitlines()) <= 1
 
 
-def say():
-    logging.getLogger("fprc.some.module").info("ours")
-    logging.getLogger("matplotlib").info("of another library")
-
-
 def test_messages_go_to_the_standard_error_of_each_command(monkeypatch, capsys):
+    def say():
+        logging.getLogger("fprc.some.module").info("ours")
+        logging.getLogger("matplotlib").info("of another library")
+
     monkeypatch.setattr(configuration, "published", say)
     for _ in range(2):
         assert main(["config", "published"]) == 0

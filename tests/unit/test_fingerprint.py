@@ -35,10 +35,11 @@ def changed(tmp_path, monkeypatch):
             **{name: code_that_computes(name) for name in MODELS},
         }
 
-    def edit(name, text):
+    def edit(name, text, *replaced):
         before = digests()
         path = tmp_path / "fprc" / name
-        path.write_text(f"{path.read_text(encoding='utf-8')}\n{text}\n", encoding="utf-8")
+        old = path.read_text(encoding="utf-8")
+        path.write_text(old.replace(*replaced) if replaced else f"{old}\n{text}\n", "utf-8")
         return {name for name, digest in digests().items() if digest != before[name]}
 
     yield edit
@@ -57,20 +58,9 @@ COMPUTING = {"shared", "studies", *MODELS}
      ("studies/beyond/tables.py", {"shows"}), ("commands/logs.py", set())],
 )  # fmt: skip
 def test_edit_of_a_module_changes_what_runs_it(changed, name, expected):
-    assert changed(name, "EDITED = 1") == expected
-
-
-def test_comments_and_docstrings_are_no_code(changed):
-    assert changed("models/esn.py", "# a comment") == set()
-    path = Path(fprc.__path__[0], "models/esn.py")
-    documented = code_that_computes("esn")
-    text = path.read_text(encoding="utf-8")
-    assert "Echo state network with a ridge readout." in text
-    path.write_text(
-        text.replace("Echo state network with a ridge readout.", "Readout."), encoding="utf-8"
-    )
-    forget()
-    assert code_that_computes("esn") == documented
+    assert changed(name, "# a comment, and\ndef documented():\n    pass") == expected
+    assert changed(name, "# another one") == set()
+    assert changed(name, "", "    pass", '    """Docstring."""\n    pass') == set()
 
 
 def test_model_from_outside_counts_by_the_file_of_its_class(tmp_path, monkeypatch):
