@@ -76,35 +76,26 @@ class Readings(NamedTuple):
     phi_deg: float = math.nan
 
 
+def _names(*kinds: str) -> tuple[str, ...]:
+    return tuple(channel.name for channel in CHANNELS if channel.kind in kinds)
+
+
 #: Names of the channels of raw logs: setpoints, measurements, valve voltages.
-RAW_CHANNELS = tuple(
-    channel.name for channel in CHANNELS if channel.kind not in ("tracking", "learning")
-)
+RAW_CHANNELS = _names("time", "command", "sensor", "valve")
 
 #: Names of the further channels of a closed-loop run, and of one whose model learns.
-TRACKING_CHANNELS = tuple(channel.name for channel in CHANNELS if channel.kind == "tracking")
-LEARNING_CHANNELS = tuple(channel.name for channel in CHANNELS if channel.kind == "learning")
+TRACKING_CHANNELS, LEARNING_CHANNELS = _names("tracking"), _names("learning")
 
 #: Channel that the models learn as P_exp, by ``evaluation.target``. An import needs one of them.
 TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 
 #: Names of all sensors, and of those that every real rig has.
-SENSORS = tuple(channel.name for channel in CHANNELS if channel.kind == "sensor")
-NEEDED_SENSORS = tuple(
-    channel.name for channel in CHANNELS if channel.kind == "sensor" and "rig" in channel.needed
-)
+SENSORS = _names("sensor")
+NEEDED_SENSORS = tuple(name for name in SENSORS if name != "phi_deg")
 
 
 def needed_by(source: str, *, tracking: bool = False) -> tuple[str, ...]:
-    """Return the names of the channels that a log of a source needs.
-
-    Parameters
-    ----------
-    source : str
-        ``sim``, ``rig`` or ``import``.
-    tracking : bool, default=False
-        Whether the log is of a closed-loop run.
-    """
+    """Return the channels that a log needs: of ``sim``, ``rig`` or ``import``, or such a run."""
     return tuple(
         channel.name
         for channel in CHANNELS

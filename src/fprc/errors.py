@@ -1,8 +1,4 @@
-"""Exceptions with messages for users.
-
-Each message says what is wrong, where, and what to do about it. The command
-line and the workflow print it without a traceback.
-"""
+"""Exceptions whose messages say what is wrong, where, and what to do; printed without traceback."""
 
 from collections.abc import Collection
 from typing import Self

@@ -31,11 +31,11 @@ class Limit(NamedTuple):
 
     def __str__(self) -> str:  # noqa: D105
         number = "a whole number" if self.kind is Integral else "a number"
-        return f"{number} in {self.interval()}{' or None' if self.or_none else ''}"
+        return f"{number} in {self.interval()}{' or None' * self.or_none}"
 
     def interval(self) -> str:
         """Return the range as text."""
-        left, right = "(" if self.low_open else "[", ")" if self.high_open else "]"
+        left, right = "[("[self.low_open], "])"[self.high_open]
         return f"{left}{self.low:.10g}, {self.high:.10g}{right}"
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:

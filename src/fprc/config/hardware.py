@@ -10,6 +10,7 @@ from fprc.config.section import Rising, Section, quantity
 _NULL = BeforeValidator(lambda value: None if value == "null" else value)
 
 
+# fmt: off
 class Boards(Section):
     """Contec analog boards and the wiring of their channels."""
 
@@ -75,43 +76,33 @@ class Valves(Section):
 
     neutral_v: float = quantity(5, (4.5, 5.5), "closes the valve", "data sheet")
     # the pressure loops fill a chamber with more voltage; 2 V below neutral opens the valve by 40 %
-    vent_v: float = quantity(
-        0, (0, 2.5), "opens the chamber to the atmosphere, at 0 V fully", "data sheet"
-    )
-    vented_kpa: float = quantity(
-        15, (1, 25), "largest reading of a vented chamber", "twice the sensor's 0.7 %"
-    )
+    vent_v: float = quantity(0, (0, 2.5), "opens the chamber to the atmosphere, at 0 V fully",
+        "data sheet")
+    vented_kpa: float = quantity(15, (1, 25), "largest reading of a vented chamber",
+        "twice the sensor's 0.7 %")
     vent_s: float = quantity(5, (0.1, 60), "longest time for a chamber to vent")
 
 
 class Limits(Section):
     """Limits that end a run: both valves go to neutral, then both chambers are vented."""
 
-    p_exp_kpa: Rising[float] = quantity(
-        (-20, 480), (-100, 1000), "allowed pressure readings of the actuator"
-    )
-    p_i_kpa: Rising[float] = quantity(
-        (-20, 480), (-100, 1000), "allowed pressure readings of PAM A"
-    )
-    p_o_kpa: Rising[float] = quantity(
-        (20, 400), (-100, 1000), "allowed pressure readings of PAM B, sealed at 100 kPa"
-    )
-    theta_deg: Rising[float] = quantity(
-        (-20, 100), (-360, 360), "allowed readings of the actuator's angle"
-    )
-    phi_deg: Rising[float] = quantity(
-        (-120, 120), (-360, 360), "allowed readings of the reservoir's angle"
-    )
-    pressure_step_kpa: float = quantity(
-        60, (1, 1000), "largest change of a pressure between two samples"
-    )
-    angle_step_deg: float = quantity(
-        15, (0.1, 360), "largest change of an angle between two samples"
-    )
+    p_exp_kpa: Rising[float] = quantity((-20, 480), (-100, 1000),
+        "allowed pressure readings of the actuator")
+    p_i_kpa: Rising[float] = quantity((-20, 480), (-100, 1000),
+        "allowed pressure readings of PAM A")
+    p_o_kpa: Rising[float] = quantity((20, 400), (-100, 1000),
+        "allowed pressure readings of PAM B, sealed at 100 kPa")
+    theta_deg: Rising[float] = quantity((-20, 100), (-360, 360),
+        "allowed readings of the actuator's angle")
+    phi_deg: Rising[float] = quantity((-120, 120), (-360, 360),
+        "allowed readings of the reservoir's angle")
+    pressure_step_kpa: float = quantity(60, (1, 1000),
+        "largest change of a pressure between two samples")
+    angle_step_deg: float = quantity(15, (0.1, 360),
+        "largest change of an angle between two samples")
     stale_s: float = quantity(0.25, (0.01, 10), "longest time without a new value from a sensor")
-    overruns_in_a_row: int = quantity(
-        5, (0, 1000), "missed ticks allowed with none on time between them", unit="ticks"
-    )
+    overruns_in_a_row: int = quantity(5, (0, 1000),
+        "missed ticks allowed with none on time between them", unit="ticks")
 
     @field_validator("p_exp_kpa", "p_i_kpa")
     @classmethod
@@ -126,21 +117,21 @@ class Limits(Section):
 class Loop(Section):
     """Real-time settings of the control loop."""
 
-    spin_s: float = quantity(
-        2e-4, (0, 5e-3), "busy waiting before each deadline, which reduces jitter"
-    )
+    spin_s: float = quantity(2e-4, (0, 5e-3),
+        "busy waiting before each deadline, which reduces jitter")
     stalled_s: float = quantity(
         0.5, (0.2, 10),
         "if the control loop is silent for longer, the guardian process kills it and vents; if the "
         "guardian is silent for longer, the loop vents and ends",
-    )  # fmt: skip
+    )
     opening_s: float = quantity(
         10, (1, 120),
         "if the control loop has not opened boards and sensors after this time, the guardian kills "
         "it and vents",
-    )  # fmt: skip
+    )
 
 
+# fmt: on
 class Hardware(Section):
     """The real rig."""
 

@@ -96,7 +96,7 @@ class Evaluation(Section):
     split: Literal["shuffled", "blocked"] = Field(
         "shuffled", description="rows of a fold: random, as the printed spread implies, or "
         "contiguous, so that neighbours in time do not validate each other"
-    )  # fmt: skip
+    )
     purge_s: float = quantity(2.0, (0, 60),
         "time on each side of a contiguous fold that is left out of training")
     target: Literal["command", "measured"] = Field(

@@ -14,15 +14,14 @@ from fprc.config.section import Rising, Section, quantity
 from fprc.config.tracking import Sines, Tracking
 
 
+# fmt: off
 class Signal(Sines):
     """Pressure command of a hysteresis experiment, Fig. 4."""
 
-    amplitude_kpa: float = quantity(
-        35, (0, 225), "amplitude of each sine", "printed for complex; the sweep has its span"
-    )
-    offset_kpa: float = quantity(
-        175, (0, 450), "mean", "printed for complex; the sweep has the same"
-    )
+    amplitude_kpa: float = quantity(35, (0, 225), "amplitude of each sine",
+        "printed for complex; the sweep has its span")
+    offset_kpa: float = quantity(175, (0, 450), "mean",
+        "printed for complex; the sweep has the same")
     duration_s: float = quantity(80, (1, 3600), "length", "paper, Fig. 4")
 
 
@@ -54,32 +53,26 @@ class Feedforward(Section):
     adapt: bool = Field(
         False, description="whether the model learns from the tracking error while it runs"
     )
-    p_o_shift_kpa: float = quantity(
-        0.0, (-50, 50),
-        "added to P_o, to re-zero it: P_o at rest before the training, minus P_o at rest now",
-    )  # fmt: skip
+    p_o_shift_kpa: float = quantity(0.0, (-50, 50),
+        "added to P_o, to re-zero it: P_o at rest before the training, minus P_o at rest now")
     prior_s: float = quantity(15, (0.1, 3600), "new data that weigh as much as the training")
-    memory_s: float = quantity(
-        60, (1, 36000), "time constant with which the weight of the training returns"
-    )
+    memory_s: float = quantity(60, (1, 36000),
+        "time constant with which the weight of the training returns")
     delay_s: float = quantity(0.02, (0, 1), "time from a command to the angle it causes")
     kpa_per_deg: float = quantity(2.0, (0, 100), "correction for a degree of error")
     limit_kpa: float = quantity(150, (0, 500), "most that learning adds to P_ff or takes")
-    stop_deg: float = quantity(
-        0.5, (0, 20), "angle up to which the actuator lies at its stop: nothing is learned"
-    )
+    stop_deg: float = quantity(0.5, (0, 20),
+        "angle up to which the actuator lies at its stop: nothing is learned")
 
 
 class Control(Section):
     """Controllers that run on the computer at every sample."""
 
     sample_rate_hz: float = quantity(200, (50, 1000), "refresh rate", "paper, Sec. II-B")
-    k_in_kpa_per_deg: float = quantity(
-        7.0, (0.1, 20), "K_in, reservoir pressure per degree", "paper, Sec. II-B"
-    )
-    reservoir_limit_kpa: float = quantity(
-        450, (100, 500), "largest pressure command to the reservoir", "paper, Sec. II-B"
-    )
+    k_in_kpa_per_deg: float = quantity(7.0, (0.1, 20), "K_in, reservoir pressure per degree",
+        "paper, Sec. II-B")
+    reservoir_limit_kpa: float = quantity(450, (100, 500),
+        "largest pressure command to the reservoir", "paper, Sec. II-B")
     main_loop: PressureLoop = PressureLoop()
     reservoir_loop: PressureLoop = PressureLoop(kp_v_per_kpa=0.05)
     feedback: Literal["incremental", "positional"] = Field(
@@ -97,17 +90,15 @@ class Quality(Section):
     rate_tolerance: float = quantity(0.01, (0, 0.2), "relative error of the mean sample rate")
     gap_periods: float = quantity(1.5, (1.01, 100), "a longer step is a gap", unit="periods")
     stuck_s: float = quantity(2.0, (0.05, 60), "a channel is stuck if unchanged for longer")
-    pressure_range_kpa: Rising[float] = quantity(
-        (-20, 995), (-100, 1000), "commands and readings outside are implausible"
-    )
-    angle_range_deg: Rising[float] = quantity(
-        (-45, 120), (-360, 360), "theta and theta_d outside are implausible"
-    )
-    leak_kpa_per_min: float = quantity(
-        5.0, (0, 100), "fastest fall of P_o at equal P_i that is no leak"
-    )
+    pressure_range_kpa: Rising[float] = quantity((-20, 995), (-100, 1000),
+        "commands and readings outside are implausible")
+    angle_range_deg: Rising[float] = quantity((-45, 120), (-360, 360),
+        "theta and theta_d outside are implausible")
+    leak_kpa_per_min: float = quantity(5.0, (0, 100),
+        "fastest fall of P_o at equal P_i that is no leak")
 
 
+# fmt: on
 class Settings(Section):
     """The whole configuration."""
 

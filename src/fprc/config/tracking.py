@@ -7,15 +7,15 @@ from pydantic import Field, model_validator
 from fprc.config.section import NotEmpty, Rising, Section, quantity
 
 
+# fmt: off
 class Sines(Section):
     """Signal that starts at its lowest value."""
 
     form: Literal["multisine", "chirp"] = Field(
         "multisine", description="sum of equal sines, or linear frequency sweep"
     )
-    f_hz: NotEmpty[float] = quantity(
-        (0.2,), (0.001, 10), "frequencies of the sum, or first and last of the sweep"
-    )
+    f_hz: NotEmpty[float] = quantity((0.2,), (0.001, 10),
+        "frequencies of the sum, or first and last of the sweep")
 
     @model_validator(mode="after")
     def _sweep_has_two_ends(self) -> Self:
@@ -27,14 +27,12 @@ class Sines(Section):
 class Reference(Sines):
     """Reference of the bending angle, which starts at its lowest value."""
 
-    amplitude_deg: float = quantity(
-        27.5, (0, 40), "amplitude of each sine", "printed for sweep and complex"
-    )
+    amplitude_deg: float = quantity(27.5, (0, 40), "amplitude of each sine",
+        "printed for sweep and complex")
     offset_deg: float = quantity(32.5, (0, 80), "mean", "printed for sweep and complex")
     duration_s: float = quantity(40, (1, 3600), "length", "printed for sweep and complex")
-    settle_s: float = quantity(
-        5, (0, 60), "time at the first value before; recorded, not evaluated", "assumed"
-    )
+    settle_s: float = quantity(5, (0, 60),
+        "time at the first value before; recorded, not evaluated", "assumed")
 
 
 class References(Section):
@@ -57,6 +55,7 @@ class Pushes(Section):
     sigma_kpa: float = quantity(150, (0, 500), "standard deviation of a push", "assumed")
 
 
+# fmt: on
 class Tracking(Section):
     """The closed-loop runs of Sec. IV."""
 
