@@ -53,7 +53,7 @@ site: .venv/.ready  ## the documentation, into docs/_build/html, with its exampl
 docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
 	$(STUDIES) readme beyond_page drift_page
 
-check: .venv/.ready  ## compare verdicts and pictures with what is declared
+check: .venv/.ready  ## compare verdicts and README.md with what was built
 	$(STUDIES) check
 
 benchmark: .venv/.ready  ## compare speed with other libraries, for docs/repeat.md: some minutes

@@ -15,7 +15,7 @@ import yaml
 from fprc.artifacts import read_json, write_text
 from fprc.cli import main
 from fprc.recordings.answer import family_title
-from fprc.studies.blocks import replace_block
+from fprc.studies.pages import replace_block
 from fprc.tables.text import three_digits
 
 ROOT = Path(__file__).parents[1]

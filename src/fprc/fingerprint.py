@@ -19,9 +19,8 @@ from fprc.registry import COMPETITORS, class_module
 SHOWS = (
     "claims", "escape", "figures", "provenance", "stages.claims", "stages.draw",
     "stages.report", "stages.tabulate", "studies.beyond.claims", "studies.beyond.tables",
-    "studies.beyond.verdicts", "studies.blocks", "studies.stages.beyond",
-    "studies.stages.check", "studies.stages.documents", "studies.stages.families",
-    "studies.stages.online", "tables",
+    "studies.families.tables", "studies.online.pages", "studies.pages", "studies.verdicts",
+    "tables",
 )  # fmt: skip
 #: Those of what no rule of the paper runs, or what only passes on files and settings.
 ELSEWHERE = (

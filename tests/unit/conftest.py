@@ -229,32 +229,25 @@ OFFSETS = (-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0)
 def make_family():
     """Return what makes a family of ``snakemake beyond`` with known ratios.
 
-    Numbers of a repeat are those of RATIOS, or of ``ratios``, with a factor common to its models
-    and a factor of their own; ``spread`` is the standard deviation of both logarithms.
+    Numbers of a unit are those of RATIOS with a factor common to its models and a factor of their
+    own; ``spread`` is the standard deviation of both logarithms.
     """
     return _family
 
 
-def _family(name="dry", units=12, repeats=1, spread=0.03, ratios=None, seed=1, models=None, **more):
+def _family(name="dry", units=12, spread=0.03, seed=1, models=None, **more):
     random = np.random.default_rng(seed)
-    ratios = RATIOS | (ratios or {})
     cells = []
     for unit in range(units):
         common = np.exp(spread * random.standard_normal())
-        for repeat in range(repeats):
-            errors = {
-                model: 12.0 * ratio * common * np.exp(spread * random.standard_normal())
-                for model, ratio in ratios.items()
-                if models is None or model in models
-            }
-            cells.append(
-                {
-                    "unit": unit,
-                    "seed": 601 + repeats * unit + repeat,
-                    "models": {model: _model(model, error) for model, error in errors.items()}
-                    | ({} if models else _memory(random)),
-                }
-            )
+        errors = {
+            model: 12.0 * ratio * common * np.exp(spread * random.standard_normal())
+            for model, ratio in RATIOS.items()
+            if models is None or model in models
+        }
+        judged = {model: _model(model, error) for model, error in errors.items()}
+        judged |= {} if models else _memory(random)
+        cells.append({"unit": unit, "seed": 601 + unit, "models": judged})
     return {"name": name, "fitted": ["tables", "orders", "open_loop"], "cells": cells} | more
 
 

@@ -117,7 +117,7 @@ def test_python_of_a_page_is_run_by_a_test_or_listed(page):
         assert Path(page).name in (ROOT / test).read_text("utf-8")
 
 
-BEYOND = "beyond.md", "beyond-details.md"
+BEYOND = "beyond.md", "beyond-details.md", "benchmark.md"
 
 
 def rows_of(block):

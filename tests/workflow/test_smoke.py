@@ -83,14 +83,14 @@ def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(
     folder = studied[0].folder / "results/smoke/beyond"
     claims = pd.read_csv(folder / "claims.csv")
     families = ["paper", "bouc_wen", "dry", "viscous", "ensemble"]
-    ids = claims.groupby("world", sort=False)["id"].unique().map(list).to_dict()
+    ids = claims.groupby("family", sort=False)["id"].unique().map(list).to_dict()
     every = ["W1", "W2", "W3", "W4", "B1", "B4", "B7", "B8"]
     assert ids == dict.fromkeys(families, every)
     # two seeds decide nothing
     assert set(claims["verdict"]) <= {"undecided", "not judged"}
     models = pd.read_csv(folder / "models.csv").dropna(axis="columns", how="all")
     forward = models[models["measure"] == "forward"]
-    assert forward.groupby("world")["model"].nunique().to_dict() == {
+    assert forward.groupby("family")["model"].nunique().to_dict() == {
         "paper": 19, "bouc_wen": 14, "dry": 14, "viscous": 14, "ensemble": 14,
     }  # fmt: skip
     assert (forward["units"] == 2).sum() == len(forward) - 3  # the slow models have one seed

@@ -24,7 +24,7 @@ def test_studies_are_no_rules_of_the_paper(project):
     )
     assert paper < every
     assert {"studies", "families", "check", "drift_page"} <= every - paper
-    assert len(every - paper) > 15
+    assert len(every - paper) > 10
 
 
 def test_profile_of_the_smoke_run_is_the_default_one_with_a_configuration(project):

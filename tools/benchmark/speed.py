@@ -28,7 +28,7 @@ from fprc.datasets import load_hysteresis
 from fprc.evaluation.timing import machine
 from fprc.models import FPRC, EchoStates
 from fprc.models.fcm import fuzzy_c_means
-from fprc.studies.blocks import replace_block
+from fprc.studies.pages import replace_block
 from fprc.tables.text import three_digits, within
 from tools.benchmark.peers import PEERS, Peer, limit
 

@@ -1,20 +1,51 @@
 # Names that several rules of the studies share.
 
 BEYOND = SETTINGS["beyond"]
-#: Rigs that fit print, which `fprc calibrate --ensemble` found.
-ENSEMBLE = file_of_workflow("../../config/rigs/ensemble.json")
-# an unrelated folder may have docs/images too
-IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(
-    os.path.join(RULES, "../.."), os.curdir
-)
-#: Files of each target; the Snakefile has their rules.
-STUDY_TARGETS = {}
+CONFIGURED = SETTINGS["fitted"]["name"]
+#: Rigs that can be named, beside that of the configuration.
+OTHER_RIGS = {name: path for name, path in rig_files().items() if name != CONFIGURED}
 
 
 @cache
 def named_rig(name):
     """Return the sections ``rig`` and ``fitted`` of a rig's file."""
     return from_files([OTHER_RIGS[name]]).model_dump(mode="json", include={"rig", "fitted"})
+
+
+#: Those of them that were fitted.
+FITTED_RIGS = [name for name in OTHER_RIGS if named_rig(name)["fitted"]["to"]]
+FAMILIES = [CONFIGURED, *OTHER_RIGS, "ensemble"]
+#: Rigs that fit print, which `fprc calibrate --ensemble` found.
+ENSEMBLE = file_of_workflow("../../config/rigs/ensemble.json")
+#: What judges a unit of a family, below fprc.studies, with its arguments, and what differs from the
+#: families of the configuration, by the folder of the results.
+STUDIES = {
+    "families": {
+        "judge": "families.family.judge_tables",
+        "how": {
+            "tracking": SETTINGS["tracking"],
+            "validation": validation(SETTINGS, without="seed", models=paper_models(SETTINGS)),
+        },
+    },
+    "beyond": {
+        "judge": "beyond.contest.judge_models",
+        "how": {
+            # with their own number of starts of a clustering
+            "models": paper_models(SETTINGS)
+            | {"fprc": SETTINGS["models"]["fprc"] | pick(BEYOND, "restarts")},
+            "tracking": SETTINGS["tracking"],
+            **pick(BEYOND, "shifts_kpa", "slow"),
+        },
+    },
+    "online": {
+        "judge": "online.judge.judge_online",
+        "how": {"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
+        "first_seed": 1001,  # no other study has seen it
+        "units": min(BEYOND["units"], 10),  # fewer than eight decide nothing
+    },
+}
+#: Tables of the models beyond the paper's in Markdown; the first three are CSV too.
+PAGES_BEYOND = "claims models offsets best memory worth details".split()
 
 
 def on_rigs(part):
@@ -25,34 +56,15 @@ def on_rigs(part):
     ]
 
 
-def family_named(name):
+def family_of(wildcards):
     """Return a family: its rigs, their seeds, and the settings of their simulation."""
+    name, several = wildcards.family, wildcards.family == "ensemble"
     file = named_rig(name) if name in OTHER_RIGS else pick(SETTINGS, "rig", "fitted")
     return {
         "name": name,
-        "rigs": name if name in SETS else "one",
-        "every_model": name == CONFIGURED_FAMILY,
-        "first_seed": BEYOND["first_seed"],
-        "fitted": SETS.get(name, file["fitted"]["to"]),
+        "rigs": "ensemble" if several else "one",
+        "every_model": name == CONFIGURED,
+        "first_seed": STUDIES[wildcards.study].get("first_seed", BEYOND["first_seed"]),
+        "fitted": SETTINGS["calibration"]["fit"] if several else file["fitted"]["to"],
         "on_rig": on_rig(SETTINGS) | {"rig": file["rig"]},
     }
-
-
-def memory_of(wildcards, threads):
-    """Return the MB of a pool of processes: each holds the logs and one model."""
-    return 1000 * (1 + threads)
-
-
-def studies_with(*models):
-    """Return the digest of the code that computes a study with models."""
-    return code_that_computes(*models, also=["studies"])
-
-
-def checkpoint_of(name):
-    """Return the file in which a job keeps what it has finished."""
-    return with_prefix(PATHS.below(f"{name}.partial.jsonl"))
-
-
-def by_block(folder, tables):
-    """Return tables in a folder by their blocks in the documentation, which are named after both."""
-    return {f"{folder}_{table}": PATHS.below(f"{folder}/{table}.md") for table in tables}

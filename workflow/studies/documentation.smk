@@ -1,23 +1,23 @@
-# Pages of the documentation that show results; the check of verdicts, pictures and README.
+# Pages of the documentation that show results; the check of verdicts and README.
 # Both look at the paper and at its studies.
 
-#: Pictures of the documentation, with the figures that they are copies of.
-PICTURES = {
-    "docs/images/beyond_pairs.png": PATHS.below("beyond/figure_pairs.png"),
-    "docs/images/drift.png": PATHS.below("online/figure.png"),
-}
+# an unrelated folder may have docs/images too
+IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(
+    os.path.join(RULES, "../.."), os.curdir
+)
 
 
 rule beyond_page:
     input:
-        **by_block("beyond", PAGES_BEYOND),
-        figures=[PICTURES["docs/images/beyond_pairs.png"]],
+        # each table by its block in the documentation
+        **{f"beyond_{name}": PATHS.below(f"beyond/{name}.md") for name in PAGES_BEYOND},
+        figures=[PATHS.below("beyond/figure_pairs.png")],
         made_from=STUDY_TARGETS["beyond"],
     log:
         PATHS.messages("beyond_page"),
     localrule: True
     params:
-        stage="studies.stages.documents.update_pages",
+        stage="studies.pages.update_pages",
         code=SHOWS,
         pages=["README.md", "docs/beyond.md", "docs/benchmark.md", "docs/beyond-details.md"],
         pictures=["docs/images/beyond_pairs.png"],
@@ -29,8 +29,9 @@ rule beyond_page:
 
 use rule beyond_page as drift_page with:
     input:
-        **by_block("online", ("verdicts", "errors")),
-        figures=[PICTURES["docs/images/drift.png"]],
+        online_verdicts=PATHS.below("online/verdicts.md"),
+        online_errors=PATHS.below("online/errors.md"),
+        figures=[PATHS.below("online/figure.png")],
         made_from=STUDY_TARGETS["online"],
     log:
         PATHS.messages("drift_page"),
@@ -62,17 +63,16 @@ if PLAN.on_simulated_rig:
     rule check:
         input:
             ledger=PATHS.below("claims.json"),
-            # the documentation shows the results of the paper's settings, in the checkout
+            # README shows the results of the paper's settings, in the checkout
             pages=list(SHOWN_IN_README.values()) if IN_CHECKOUT and RESULTS == "results" else [],
             verdicts=str(VERDICTS),
         log:
             PATHS.messages("check"),
         localrule: True
         params:
-            stage="studies.stages.check.check_results",
+            stage="studies.pages.check_results",
             code=SHOWS,
-            pictures=PICTURES if IN_CHECKOUT and RESULTS == "results" else {},
         message:
-            "Check of the declared verdicts, of pictures in docs, of README.md"
+            "Check of the declared verdicts and of README.md"
         script:
             "../scripts/stage.py"

@@ -1,14 +1,5 @@
-# Families of simulated rigs side by side: named rigs with several seeds, and the ensemble.
-
-#: Rigs that can be named, beside that of the configuration.
-OTHER_RIGS = {
-    name: path for name, path in rig_files().items() if name != SETTINGS["fitted"]["name"]
-}
-#: Those of them that were fitted.
-FITTED_RIGS = [name for name in OTHER_RIGS if named_rig(name)["fitted"]["to"]]
-#: Families of many rigs, and the terms that they were fitted to.
-SETS = {"ensemble": SETTINGS["calibration"]["fit"]}
-FAMILY_TABLES = ("errors", "claims")
+# Families of simulated rigs, named ones with several seeds and the ensemble: the paper's tables and
+# claims on them, models beyond the paper's, and a model that learns while it runs.
 
 
 use rule replicate as replicate_on_rig with:
@@ -30,56 +21,54 @@ use rule replicate as replicate_on_rig with:
         "Rig {wildcards.rig}: tables, grids and closed loops with seed {wildcards.seed}"
 
 
-wildcard_constraints:
-    family="|".join(SETS),
-
-
 rule judge_family:
     input:
         ensemble=ENSEMBLE,
     output:
-        judged=PATHS.below("families/{family}.json"),
+        judged=PATHS.below("{study}/{family}.json"),
     log:
-        PATHS.messages("judge_family_{family}"),
+        PATHS.messages("judge_{study}_{family}"),
+    wildcard_constraints:
+        study="|".join(STUDIES),
+        family="|".join(FAMILIES),
     threads: workflow.cores
     resources:
-        mem_mb=memory_of,
+        # each process holds the logs and one model
+        mem_mb=lambda wildcards, threads: 1000 * (1 + threads),
         runtime=120,
     params:
-        stage="studies.stages.judge.judge_family",
-        version=studies_with(*MODELS),
-        judge="families.family.judge_tables",
-        family=lambda wildcards: family_named(wildcards.family),
-        units=list(range(BEYOND["units"])),
-        how={
-            "tracking": SETTINGS["tracking"],
-            "validation": validation(SETTINGS, without="seed", models=paper_models(SETTINGS)),
-        },
+        stage="studies.families.family.judge_family",
+        version=code_that_computes(*COMPETITORS, also=["studies"]),
+        judge=lambda wildcards: STUDIES[wildcards.study]["judge"],
+        how=lambda wildcards: STUDIES[wildcards.study]["how"],
+        family=family_of,
+        units=lambda wildcards: list(range(STUDIES[wildcards.study].get("units", BEYOND["units"]))),
         workers=lambda wildcards, threads: threads,
-        checkpoint=checkpoint_of("families/{family}"),
+        checkpoint=with_prefix(PATHS.below("{study}/{family}.partial.jsonl")),
     message:
-        "Family {wildcards.family}: the paper's tables on its rigs"
+        "Family {wildcards.family}: {wildcards.study}"
     script:
         "../scripts/stage.py"
 
 
 rule tabulate_families:
     input:
-        **{name: PATHS.below(f"families/{name}.json") for name in SETS},
+        ensemble=PATHS.below("families/ensemble.json"),
         published=PUBLISHED,
         models=on_rigs("models"),
         grids=on_rigs("grids"),
         controls=on_rigs("control"),
     output:
-        **{name: table(f"families/{name}")[:2] for name in FAMILY_TABLES},
+        errors=table("families/errors")[:2],
+        claims=table("families/claims")[:2],
         members=PATHS.below("families/members.json"),
     log:
         PATHS.messages("tabulate_families"),
     params:
-        stage="studies.stages.families.tabulate_families",
+        stage="studies.families.tables.tabulate_families",
         code=SHOWS,
         named=lambda wildcards: {
-            SETTINGS["fitted"]["name"]: SETTINGS["fitted"],
+            CONFIGURED: SETTINGS["fitted"],
             **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
         },
     message:
@@ -88,7 +77,47 @@ rule tabulate_families:
         "../scripts/stage.py"
 
 
-STUDY_TARGETS["families"] = [
-    *(PATHS.below(f"families/{name}.md") for name in FAMILY_TABLES),
-    *rules.tabulate_families.input,
-]
+rule tabulate_beyond:
+    input:
+        families=expand(PATHS.below("beyond/{family}.json"), family=FAMILIES),
+    output:
+        **{name: PATHS.below(f"beyond/{name}.csv") for name in PAGES_BEYOND[:3]},
+        pages=expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
+        figure=[PATHS.below("beyond/figure_pairs.pdf"), PATHS.below("beyond/figure_pairs.png")],
+    log:
+        PATHS.messages("tabulate_beyond"),
+    params:
+        stage="studies.beyond.tables.tabulate_beyond",
+        code=SHOWS,
+        family=CONFIGURED,
+    message:
+        "Claims, models and offsets beyond the paper"
+    script:
+        "../scripts/stage.py"
+
+
+rule tabulate_online:
+    input:
+        families=expand(PATHS.below("online/{family}.json"), family=FAMILIES),
+    output:
+        verdicts=table("online/verdicts")[:2],
+        errors=table("online/errors")[:2],
+        figure=[PATHS.below("online/figure.pdf"), PATHS.below("online/figure.png")],
+    log:
+        PATHS.messages("tabulate_online"),
+    params:
+        stage="studies.online.pages.tabulate_online",
+        code=SHOWS,
+        shown=FAMILIES[:3],
+    message:
+        "Verdicts and errors of learning while it runs"
+    script:
+        "../scripts/stage.py"
+
+
+#: Files of each target; the Snakefile has their rules.
+STUDY_TARGETS = {
+    "families": [*rules.tabulate_families.output, *rules.tabulate_families.input],
+    "beyond": [*rules.tabulate_beyond.output, *rules.tabulate_beyond.input],
+    "online": [*rules.tabulate_online.output, *rules.tabulate_online.input],
+}

@@ -1,7 +1,6 @@
 """Groups of settings that functions take together."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 from fprc.config.section import Section
 from fprc.config.settings import Control, Signal
@@ -36,11 +35,3 @@ class RigSettings(Section):
     control: Control
     signals: dict[str, Signal]  #: pressure signal of each experiment
     target: Literal["command", "measured"]  #: P_exp that the models learn
-
-
-class Unit(NamedTuple):
-    """A unit of a family of simulated rigs: a seed of its one rig, or one of its rigs."""
-
-    number: int  #: from 0
-    family: Mapping[str, Any]  #: see ``fprc.studies.families.family.unit_of``
-    rigs: "list[tuple[RigSettings, int]]"  #: the rig, once with each of its seeds

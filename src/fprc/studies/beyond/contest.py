@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -14,14 +14,15 @@ from fprc.evaluation.crossval import prepare
 from fprc.evaluation.sides import Recordings, block_errors
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import RigSettings, Unit
 from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
 from fprc.registry import COMPETITORS, SIDES, build, entry_of
 from fprc.signals import rms
-from fprc.studies.beyond.measurements import LOOPS
+from fprc.studies.families.family import Unit
 
+#: Whether there is feedback, by loop.
+_LOOPS = {"open_loop": False, "closed_loop": True}
 #: Models judged on every rig: those that a claim compares, the families of both sides among them.
 BRIEF = tuple(dict.fromkeys([*chain(*SIDES.values()), "fuzzy_linear", "ridge_p_o"]))
 #: Models that take long, so they are judged on fewer rigs or seeds.
@@ -31,81 +32,60 @@ SLOW = ("esn", "trees", "mlp")
 NONLINEAR, LEAST = 0.1, 1e-3
 
 
-class Contest(NamedTuple):
-    """How the models are built, and how P_o is shifted."""
-
-    models: Mapping[str, Any]  #: section ``models`` of the configuration
-    tracking: Mapping[str, Any]  #: section of the configuration
-    shifts_kpa: Sequence[float]  #: constant offsets of P_o
-
-
-def judge_models(unit: Unit, *, contest: Mapping[str, Any], slow: int) -> list[dict[str, Any]]:
-    """Judge all models, or those of ``BRIEF``, on every simulated rig of a unit.
+def judge_models(
+    unit: Unit,
+    *,
+    models: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+    shifts_kpa: Sequence[float],
+    slow: int,
+) -> dict[str, Any]:
+    """Judge all models, or those of ``BRIEF``, on the rig of a unit.
 
     Parameters
     ----------
-    contest : Mapping
-        Arguments of ``Contest``. The unit's family has ``every_model``.
+    models, tracking : Mapping
+        Sections of the configuration. The unit's family has ``every_model``.
+    shifts_kpa : sequence of float
+        Constant offsets of P_o.
     slow : int
         Number of the first units that also judge the slow models.
 
     Returns
     -------
-    list of dict
-        For each simulated rig: ``seed``, and ``models``, see ``judge_rig``, or ``failed``, the
-        message.
+    dict
+        ``models``: by model ``train`` (training RMSE of the forward direction, kPa), ``forward``
+        and ``reversed`` (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over
+        the four references, deg); with an offset of P_o, of a model that reads it ``forward/KPA``,
+        and of FPRC ``open_loop/KPA`` and ``closed_loop/KPA``. Of a model of ``SIDES`` ``blocks``,
+        its error on unseen blocks of both logs, kPa. A model that cannot be judged has ``failed``,
+        the message. Of ``p_o`` and ``theta``: ``memory_s`` and ``nonlinear``, capacity of degree 2
+        and above, on the sweep; of ``threshold``: ``nonlinear``.
     """
-    entered = Contest(**contest)
     names: Sequence[str] = BRIEF
     if unit.family["every_model"]:
         names = [name for name in COMPETITORS if name not in SLOW or unit.number < slow]
-    judged = []
-    for on_rig, seed in unit.rigs:
-        try:
-            report: dict[str, Any] = {"models": judge_rig(on_rig, seed, names, entered)}
-        except FprcError as error:
-            report = {"failed": in_one_line(error)}
-        judged.append({"seed": seed, **report})
-    return judged
-
-
-def judge_rig(
-    on_rig: RigSettings, seed: int, names: Sequence[str], contest: Contest
-) -> dict[str, dict[str, Any]]:
-    """Simulate both experiments on a rig, and judge models on them.
-
-    Returns
-    -------
-    dict of dict
-        By model: ``train`` (training RMSE of the forward direction, kPa), ``forward`` and
-        ``reversed`` (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over the
-        four references, deg); with an offset of P_o, of a model that reads it ``forward/KPA``, and
-        of FPRC ``open_loop/KPA`` and ``closed_loop/KPA``. Of a model of ``sides.SIDES``
-        ``blocks``, its error on unseen blocks of both logs, kPa. A model that cannot be judged has
-        ``failed``, the message. Of ``p_o`` and ``theta``: ``memory_s`` and ``nonlinear``, capacity
-        of degree 2 and above, on the sweep; of ``threshold``: ``nonlinear``.
-    """
-    logs = simulate(on_rig, seed)
+    logs, seed = simulate(unit.on_rig, unit.seed), unit.seed
     sweep, complex_ = logs["sweep"], logs["complex"]
-    bench = Track(Tracking(**contest.tracking), on_rig.control, on_rig.rig, seed)
+    bench = Track(Tracking(**tracking), unit.on_rig.control, unit.on_rig.rig, seed)
     followed = {name: bench.inputs(name) for name in REFERENCES}
     both = _recordings(sweep, complex_)
     blocks = {
         SIDES[family][side]: error
         for side in (False, True)
-        for family, error in block_errors(both, side, contest.models, seed).items()
+        for family, error in block_errors(both, side, models, seed).items()
     }
     judged: dict[str, dict[str, Any]] = {}
     for name in names:
         try:
-            model, train, forward = _trained(name, sweep, complex_, contest, seed)
+            model, train, forward = _trained(name, sweep, complex_, models, seed)
             report: dict[str, Any] = {"train": train, "forward": forward}
-            _, _, report["reversed"] = _trained(name, complex_, sweep, contest, seed)
+            _, _, report["reversed"] = _trained(name, complex_, sweep, models, seed)
             report |= _follow(bench, model, name, followed)
             if name in blocks:
                 report["blocks"] = blocks[name]
             if name == "fprc":
-                for shift in contest.shifts_kpa:
+                for shift in shifts_kpa:
                     inputs = {key: values + [0.0, shift] for key, values in followed.items()}
                     found = _follow(bench, model, name, inputs)
                     report |= {f"{loop}/{shift:g}": value for loop, value in found.items()}
@@ -113,12 +93,12 @@ def judge_rig(
                 X, expected, _ = complex_.samples(name)
                 report |= {
                     f"forward/{shift:g}": rmse(expected, model.predict(X + [0.0, shift]))
-                    for shift in contest.shifts_kpa
+                    for shift in shifts_kpa
                 }
             judged[name] = report
-        except (FprcError, ValueError, np.linalg.LinAlgError) as error:
+        except (FprcError, ValueError) as error:
             judged[name] = {"failed": in_one_line(error)}
-    return judged | _remembered(_recordings(sweep))
+    return {"models": judged | _remembered(_recordings(sweep))}
 
 
 def _recordings(*logs: Data) -> Recordings:
@@ -132,11 +112,11 @@ def _recordings(*logs: Data) -> Recordings:
 
 
 def _trained(
-    name: str, train: Data, test: Data, contest: Contest, seed: int
+    name: str, train: Data, test: Data, models: Mapping[str, Any], seed: int
 ) -> tuple[SequenceModel, float, float]:
     """Return a model with its training and its test error, kPa."""
     logs = {"train": train.samples(name), "test": test.samples(name)}
-    prepared = prepare(build(name, contest.models, seed), logs)
+    prepared = prepare(build(name, models, seed), logs)
     readout = prepared.readout("train")
     errors = prepared.error(readout, "train"), prepared.error(readout, "test")
     return prepared.fitted(readout), *errors
@@ -161,9 +141,18 @@ def _follow(
     bench: Track, model: SequenceModel, name: str, followed: Mapping[str, np.ndarray]
 ) -> dict[str, float]:
     """Return the error over the references, deg, with feedforward alone and with PD."""
-    errors: dict[str, list[float]] = {loop: [] for loop in LOOPS}
-    for reference, inputs in followed.items():
-        precomputed = bench.precompute(model, columns_for(name, inputs))
-        for loop, feedback in zip(LOOPS, (False, True), strict=True):
-            errors[loop].append(bench.error(reference, precomputed, feedback=feedback))
-    return {loop: rms(np.array(of_loop)) for loop, of_loop in errors.items()}
+    precomputed = {
+        reference: bench.precompute(model, columns_for(name, inputs))
+        for reference, inputs in followed.items()
+    }
+    return {
+        loop: rms(
+            np.array(
+                [
+                    bench.error(reference, found, feedback=feedback)
+                    for reference, found in precomputed.items()
+                ]
+            )
+        )
+        for loop, feedback in _LOOPS.items()
+    }

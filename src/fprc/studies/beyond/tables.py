@@ -1,15 +1,112 @@
-"""Tables of the families of the target ``beyond``: models, and what changes their errors."""
+"""Tables, pages and the figure of the models beyond the paper's."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, NullLocator
 
-from fprc.studies.beyond.measurements import LOOPS, MEASURES, measured, model_title
+from fprc import escape
+from fprc.artifacts import read_json, write_csv, write_text
+from fprc.evaluation.paired import EQUIVALENT_WITHIN
+from fprc.figures import style
+from fprc.paper import SOURCES
+from fprc.signals import interval_of_mean
+from fprc.studies.beyond.claims import (
+    BEST_MEASURES,
+    CLAIMS,
+    MEASURES,
+    best_of,
+    measured,
+    model_title,
+    numbers_of,
+)
+from fprc.studies.verdicts import claims_page, decide, details_page, family_title, wide
 from fprc.tables.models import means_of
-from fprc.tables.text import format_mean, three_digits
+from fprc.tables.text import format_mean, markdown, three_digits
 
 Families = Sequence[Mapping[str, Any]]
+
+#: Columns of the table of the claims.
+_CLAIMS = [
+    "family", "title", "id", "claim", "part", "mean", "low", "high", "verdict", "p",
+    "stable", "units", "dropped", "favours", "source",
+]  # fmt: skip
+
+#: What the ratios of the short table are, by claim; its parts in their order.
+_WORTH = {
+    "W1": ["unseen parts of the same motions"],
+    "W2": ["another motion", "another motion, reversed"],
+    "W3": ["tracking, open loop", "tracking, closed loop"],
+    "W4": ["FPRC over the best other model with P_o"],
+}
+
+#: Marker and colour of each family, in their order, safe for colour-blind readers (Tol). Colours
+#: are signals elsewhere, but no figure of families shows one.
+_FAMILIES = (
+    ("o", "#000000"), ("s", "#ee6677"), ("D", "#4477aa"),
+    ("^", "#228833"), ("v", "#aa3377"), ("P", "#ccbb44"),
+)  # fmt: skip
+#: A ratio beyond this, or beyond one over it, is not shown.
+_WIDEST = 5.0
+_UNDECIDED = ("undecided", "not judged")
+
+
+def tabulate_beyond(
+    families: Sequence[str],
+    pages: Sequence[str],
+    figure: Sequence[str],
+    *,
+    family: str,
+    **csv: str,
+) -> None:
+    """Judge the claims in every family; write the tables, and draw the ratios.
+
+    Parameters
+    ----------
+    families : sequence of str
+        Reports of the families.
+    pages : sequence of str
+        Tables in Markdown, which docs/beyond.md and others show; their names are those below.
+    figure : sequence of str
+        As PDF and as PNG.
+    family : str
+        Family whose models and offsets the pages show.
+    **csv : str
+        Tables by name: ``models``, ``claims``, ``offsets``.
+    """
+    found = [read_json(path) for path in families]
+    judged = [decide(of_family, CLAIMS, numbers_of(of_family)) for of_family in found]
+    verdicts = pd.concat(judged, ignore_index=True)
+    made = {"models": models(found), "claims": verdicts[_CLAIMS], "offsets": offsets(found)}
+    for name, path in csv.items():
+        write_csv(path, made[name])
+    of_models, of_offsets = (
+        made[name][made[name]["family"] == family] for name in ("models", "offsets")
+    )
+    shown = {
+        "claims": claims_page(verdicts),
+        "best": best_page(found),
+        "memory": memory_page(found),
+        "details": details_page(verdicts),
+        "worth": worth_page(verdicts),
+        "models": models_page(of_models),
+        "offsets": offsets_page(of_offsets),
+    }
+    note = f"Data: {SOURCES['sim']}."
+    half = float((of_offsets["high"] - of_offsets["low"]).max() / 2.0)
+    widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
+    notes = {"offsets": f"{note} Means{widest}."}
+    for path in pages:
+        name = Path(path).stem
+        write_text(path, markdown(shown[name], notes.get(name, note)))
+    fig, ax = style.figure(1, 1, style.PAGE_IN, 6.8)
+    plot_pairs(verdicts, ax)
+    style.share_legend(fig, ax)
+    style.save(fig, {"source": "sim", "seeds": []}, *figure)
 
 
 def models(families: Families) -> pd.DataFrame:
@@ -18,31 +115,25 @@ def models(families: Families) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``world``, ``model``, ``measure``, ``mean``, ``low``, ``high`` (95 % interval over units;
+        ``family``, ``model``, ``measure``, ``mean``, ``low``, ``high`` (95 % interval over units;
         empty for a single one), ``units``, ``source``.
     """
     table = measured(families)
     return _means(table[table["measure"].isin(list(MEASURES))], "model", "measure")
 
 
-def models_page(table: pd.DataFrame, *, intervals: bool = False) -> pd.DataFrame:
-    """Return the models of one family as a page, one row each."""
-    headings = {_heading(measure): measure for measure in MEASURES}
-    page = wide(table, ["model"], "measure", headings, intervals=intervals)
-    units = table.groupby("model")["units"]
-    words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
-    page["Units"] = words.reindex(page.index).fillna("-")
-    return named(page, Model=model_title)
-
-
-def leaderboard(table: pd.DataFrame) -> pd.DataFrame:
+def models_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the models of one family as a page, the lowest forward test RMSE first."""
-    forward = table[table["measure"] == "forward"]
-    order = forward.sort_values("mean", kind="stable")["model"].tolist()
-    ranked = table[table["model"].isin(order)]
-    ranked = ranked.sort_values("model", key=lambda names: names.map(order.index), kind="stable")
-    page = models_page(ranked, intervals=True)
-    return page[[name for name in page if not name.startswith("Closed loop")]]
+    forward = table[table["measure"] == "forward"].sort_values("mean", kind="stable")
+    places = {model: place for place, model in enumerate(forward["model"])}
+    ranked = table[table["model"].isin(list(places))]
+    ranked = ranked.sort_values("model", key=lambda names: names.map(places), kind="stable")
+    headings = {_heading(measure): measure for measure in MEASURES}
+    rows = {"model": ("Model", model_title)}
+    page = wide(ranked, rows, "measure", headings, intervals=True)
+    units = ranked.groupby("model", sort=False)["units"]
+    words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
+    return page.assign(Units=words.to_numpy())
 
 
 def offsets(families: Families) -> pd.DataFrame:
@@ -51,7 +142,7 @@ def offsets(families: Families) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``world``, ``model``, ``measure`` (forward, open_loop or closed_loop), ``offset_kpa``,
+        ``family``, ``model``, ``measure`` (forward, open_loop or closed_loop), ``offset_kpa``,
         ``mean``, ``low``, ``high``, ``units``, ``source``; and the errors of Fuzzy-linear, which
         has no P_o, at no offset.
     """
@@ -59,18 +150,61 @@ def offsets(families: Families) -> pd.DataFrame:
     parts = table["measure"].str.extract("^([a-z_]*)/?(.*)$")
     table["measure"] = parts[0]
     table["offset_kpa"] = pd.to_numeric(parts[1]).fillna(0.0)
-    without = parts[0].isin(["forward", *LOOPS]) & (table["model"] == "fuzzy_linear")
+    shifted = parts[0].isin(["forward", "open_loop", "closed_loop"])
+    without = shifted & (table["model"] == "fuzzy_linear")
     return _means(table[(parts[1] != "") | without], "model", "measure", "offset_kpa")
 
 
 def offsets_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return one row per model and measure of one family, one column per offset; means alone."""
-    offsets_kpa = sorted(table["offset_kpa"].unique())
-    headings = {f"{kpa:+g}" if kpa else "0": kpa for kpa in offsets_kpa}
+    headings = {f"{kpa:+g}" if kpa else "0": kpa for kpa in sorted(table["offset_kpa"].unique())}
     places = {measure: place for place, measure in enumerate(MEASURES)}
-    rows = table.sort_values("measure", key=lambda names: names.map(places), kind="stable")
-    page = wide(rows, ["model", "measure"], "offset_kpa", headings, intervals=False)
-    return named(page, Model=model_title, Error=_heading)
+    ordered = table.sort_values("measure", key=lambda names: names.map(places), kind="stable")
+    rows = {"model": ("Model", model_title), "measure": ("Error", _heading)}
+    return wide(ordered, rows, "offset_kpa", headings)
+
+
+def best_page(families: Families) -> pd.DataFrame:
+    """Return the best model of each side by rigs and measure, with its mean error."""
+    rows = []
+    for family in families:
+        table = measured([family])
+        for measure in BEST_MEASURES:
+            row = {"Rigs": family_title(family["name"]), "Error": MEASURES[measure]}
+            for side in ("without_p_o", "with_p_o"):
+                best, text = best_of(table, side, measure), "-"
+                if len(best):
+                    name = best["model"].value_counts().index[0]
+                    mean = best["value"].groupby(level="unit").mean().mean()
+                    text = f"{three_digits(mean)}, {model_title(name)}"
+                row[model_title(side)] = text
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def worth_page(verdicts: pd.DataFrame) -> pd.DataFrame:
+    """Return the ratios of W1 to W4 by rigs, one row each; undecided ones in brackets."""
+    page: dict[str, dict[str, str]] = {}
+    for (name, title), parts in verdicts.groupby(["id", "title"], sort=False):
+        for what, row in zip(_WORTH.get(name, []), parts.itertuples(), strict=False):
+            text = three_digits(row.mean) or "-"
+            undecided = row.low <= 1.0 <= row.high
+            page.setdefault(what, {})[title] = f"({text})" if undecided else text
+    return pd.DataFrame(page).T.reset_index(names="With P_o over without, best of each")
+
+
+def memory_page(families: Families) -> pd.DataFrame:
+    """Return memory and nonlinear capacity of P_o and of theta, mean and 95 % interval, by rigs."""
+    table = measured(families)
+    table = table[table["model"].isin(["p_o", "theta"])]
+    groups = table.groupby(["family", "model", "measure"], sort=False)["value"]
+    words = {"memory_s": "memory [s]", "nonlinear": "nonlinear capacity"}
+    page: dict[str, dict[str, str]] = {}
+    for (family, model, measure), values in groups:
+        ends = dict(zip(("mean", "low", "high"), interval_of_mean(values.to_numpy()), strict=True))
+        heading = f"{'P_o' if model == 'p_o' else 'theta'}: {words[measure]}"
+        page.setdefault(family_title(family), {})[heading] = format_mean(ends, "mean")
+    return pd.DataFrame(page).T.reset_index(names="Rigs")
 
 
 def _heading(measure: str) -> str:
@@ -80,32 +214,59 @@ def _heading(measure: str) -> str:
 
 def _means(table: pd.DataFrame, *keys: str) -> pd.DataFrame:
     """Return the mean over the units of each family, and its interval, for values of the keys."""
-    # simulations of one rig with several seeds are one unit
-    by_unit = table.groupby(["world", "unit", *keys], sort=False)["value"].mean().reset_index()
-    means = means_of(by_unit, "world", *keys, count="units")
+    means = means_of(table, "family", *keys, count="units")
     return means.drop(columns=["std", "min", "max"]).assign(source="sim")
 
 
-def wide(
-    table: pd.DataFrame,
-    rows: list[str],
-    columns: str | list[str],
-    headings: Mapping[str, Any],
-    *,
-    intervals: bool = True,
-) -> pd.DataFrame:
-    """Return means as text, a row for each value of ``rows`` and a column for each heading."""
-    texts = [
-        format_mean(row, "mean") if intervals and row["units"] > 1 else three_digits(row["mean"])
-        for row in table.to_dict("records")
-    ]
-    wide = table.assign(text=texts).pivot(index=rows, columns=columns, values="text")
-    wide = wide.reindex(index=table.set_index(rows).index.unique(), columns=list(headings.values()))
-    return wide.set_axis(list(headings), axis=1).astype(object).fillna("-")
+def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
+    """Draw the ratios of the claims, one row per pair and one marker per family.
+
+    The band holds what counts as equivalent. A hollow marker is a claim that is undecided.
+
+    Parameters
+    ----------
+    table : pd.DataFrame
+        From ``verdicts.decide``, families in their order.
+    """
+    table = table.dropna(subset="part")
+    parts = dict.fromkeys(zip(table["id"], table["part"], strict=True))
+    rows = {pair: row for row, pair in enumerate(parts)}
+    names = table["family"].unique()
+    shifts = dict(zip(names, np.linspace(-0.4, 0.4, len(names) + 2)[1:-1], strict=True))
+    ax.axvspan(1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN, color="0.92", linewidth=0)
+    ax.axvline(1.0, color="0.6", linewidth=0.6)
+    for name, (marker, colour) in zip(names, _FAMILIES, strict=False):
+        ax.plot([], [], marker, color=colour, markersize=4, label=escape.figure(family_title(name)))
+        for row in table[table["family"] == name].itertuples():
+            face = "white" if row.verdict in _UNDECIDED else colour
+            arms = [[row.mean - row.low], [row.high - row.mean]]
+            at = rows[row.id, row.part] + shifts[name]
+            ax.errorbar(row.mean, at, xerr=arms, fmt=marker, color=colour, markersize=4,
+                        linewidth=0.8, markerfacecolor=face)  # fmt: skip
+    ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
+    ax.set_xscale("log")
+    _decimal_ticks(ax, table["low"].min(), table["high"].max())
+    # what is measured is on a second line
+    pairs = [style.symbols(part).replace(" (", "\n", 1).removesuffix(")") for _, part in rows]
+    ax.set_yticks(range(len(rows)), pairs)
+    ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
+    ax.tick_params(axis="y", length=0)
+    for row in range(1, len(rows)):
+        ax.axhline(row - 0.5, color="0.85", linewidth=0.5)
+    ax.set_xlabel("Ratio of the errors; below 1 supports the claim")
 
 
-def named(page: pd.DataFrame, **names: Callable[[Any], str]) -> pd.DataFrame:
-    """Return a page whose first columns are the levels of its index, as readers see them."""
-    for level, (heading, name) in enumerate(names.items()):
-        page.insert(level, heading, [name(key) for key in page.index.get_level_values(level)])
-    return page.reset_index(drop=True)
+def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
+    """Set ticks of a logarithmic axis that read as ratios."""
+    low = np.nanmin([low, 1 / EQUIVALENT_WITHIN]) / 1.03
+    high = np.nanmax([high, EQUIVALENT_WITHIN]) * 1.03
+    low, high = max(low, 1 / _WIDEST), min(high, _WIDEST)  # three units can have any interval
+    ax.set_xlim(low, high)
+    ticks = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.5, 2, 2.5, 3, 4, 5]
+    kept = [1.0]
+    for tick in sorted((t for t in ticks if low <= t <= high), key=lambda tick: abs(np.log(tick))):
+        if min(abs(np.log(tick / other)) for other in kept) > 0.06 * np.log(high / low):
+            kept.append(tick)
+    ax.set_xticks(sorted(kept))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_locator(NullLocator())

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 
 from fprc.config.tracking import Tracking
-from fprc.errors import FprcError, in_one_line
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import Unit
 from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.registry import build
+from fprc.studies.families.family import Unit
 
 #: Constant offsets of P_o since the training, kPa.
 OFFSETS_KPA = (-5.0, -2.0, -1.0, 1.0, 2.0, 5.0)
@@ -55,32 +54,29 @@ def changed_rig(rig: Mapping[str, Any], condition: str) -> dict[str, Any]:
 
 def judge_online(
     unit: Unit, *, tracking: Mapping[str, Any], models: Mapping[str, Any]
-) -> list[dict[str, Any]]:
-    """Judge the rig of a unit, on the first of its seeds.
+) -> dict[str, Any]:
+    """Judge the rig of a unit.
 
     Returns
     -------
-    list of one dict
-        ``seed``, and ``rows``: each with ``model``, ``condition``, ``learns``, ``loop``,
-        ``reference`` and ``rmse_deg``; or ``failed``, where an error ended it.
+    dict
+        ``rows``: each with ``model``, ``condition``, ``learns``, ``loop``, ``reference`` and
+        ``rmse_deg``.
     """
-    on_rig, seed = unit.rigs[0]
-    try:
-        sweep = simulate(on_rig.changed(signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
-        fitted = {}
-        for name in MODELS:
-            X, y, _ = sweep.samples(name)
-            fitted[name] = build(name, models, seed).fit(X, y).remember(X)
-        rows = []
-        for condition in CONDITIONS:
-            rig = changed_rig(on_rig.rig, condition)
-            bench = Track(Tracking(**tracking), on_rig.control, rig, seed)
-            chosen = {"fprc": fitted["fprc"]} if condition in OF_P_O else fitted
-            rows += _followed(bench, condition, chosen)
-    except (FprcError, ValueError, np.linalg.LinAlgError) as error:
-        return [{"seed": seed, "failed": in_one_line(error)}]
+    on_rig, seed = unit.on_rig, unit.seed
+    sweep = simulate(on_rig.changed(signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
+    fitted = {}
+    for name in MODELS:
+        X, y, _ = sweep.samples(name)
+        fitted[name] = build(name, models, seed).fit(X, y).remember(X)
+    rows: list[tuple[Any, ...]] = []
+    for condition in CONDITIONS:
+        rig = changed_rig(on_rig.rig, condition)
+        bench = Track(Tracking(**tracking), on_rig.control, rig, seed)
+        chosen = {"fprc": fitted["fprc"]} if condition in OF_P_O else fitted
+        rows += _followed(bench, condition, chosen)
     keys = ("model", "condition", "learns", "loop", "reference", "rmse_deg")
-    return [{"seed": seed, "rows": [dict(zip(keys, row, strict=True)) for row in rows]}]
+    return {"rows": [dict(zip(keys, row, strict=True)) for row in rows]}
 
 
 def _followed(

@@ -2,17 +2,16 @@
 
 import math
 
-import numpy as np
 import pytest
 
-from fprc.studies.beyond.claims import best_of, best_page, memory_page, numbers_of
-from fprc.studies.beyond.measurements import measured
+from fprc.studies.beyond.claims import CLAIMS, best_of, measured, numbers_of
+from fprc.studies.beyond.tables import best_page, memory_page
+from fprc.studies.verdicts import decide
 
 
-@pytest.fixture
-def judged(judge_claims):
-    """Return what judges the claims in a family: the rows of their parts, by claim."""
-    return lambda family: dict(iter(judge_claims(family).groupby("id")))
+def judged(family):
+    """Judge the claims in a family; return the rows of their parts, by claim."""
+    return dict(iter(decide(family, CLAIMS, numbers_of(family)).groupby("id")))
 
 
 def first(rows, column):
@@ -20,7 +19,7 @@ def first(rows, column):
     return {name: of_claim[column].iloc[0] for name, of_claim in rows.items()}
 
 
-def test_every_claim_compares_what_it_says(make_family, judged):
+def test_every_claim_compares_what_it_says(make_family):
     rows = judged(make_family(spread=0.0))
     parts = {name: of_claim["mean"].round(6).tolist() for name, of_claim in rows.items()}
     # without P_o the best is the ridge on low-passes
@@ -44,32 +43,14 @@ def test_best_of_a_unit_is_chosen_on_the_others(make_family):
         # plays are far better on one unit, and a little worse on all others
         plays["forward"] = 1.0 if cell["unit"] == 3 else bank["forward"] + 0.1
     best = best_of(measured([family]), "without_p_o", "forward")["model"]
-    assert best.loc[3].item() == "bank"
-    assert best.drop(3, level="unit").eq("plays").all()
+    assert best.loc[3] == "bank"
+    assert best.drop(3).eq("plays").all()
     numbers = numbers_of(family)["without_p_o", "forward"]
     expected = family["cells"][3]["models"]["bank"]["forward"]
-    assert numbers.loc[3].item() == pytest.approx(expected)
+    assert numbers.loc[3] == pytest.approx(expected)
 
 
-def test_repeats_of_a_rig_are_averaged_first(make_family, judged):
-    family = make_family(units=9, repeats=3, spread=0.2)
-    family["cells"].pop()  # the last rig has two repeats
-    errors = {
-        (cell["unit"], cell["seed"]): [
-            cell["models"][name]["forward"] for name in ("fprc", "fprc_lowpass")
-        ]
-        for cell in family["cells"]
-    }
-    ratios = [
-        np.mean([math.log(a / b) for (unit, _), (a, b) in errors.items() if unit == rig])
-        for rig in range(9)
-    ]
-    row = judged(family)["B1"].iloc[0]
-    assert row["units"] == 9
-    assert row["mean"] == pytest.approx(math.exp(np.mean(ratios)))
-
-
-def test_missing_numbers_leave_their_pairs_only(make_family, judged):
+def test_missing_numbers_leave_their_pairs_only(make_family):
     family = make_family(units=12)
     cells = family["cells"]
     cells[0] = {"unit": 0, "seed": 601, "failed": "the reservoir is empty"}
@@ -85,21 +66,21 @@ def test_missing_numbers_leave_their_pairs_only(make_family, judged):
     assert lost["W1"] == lost["W3"] == (11, 1)
 
 
-def test_claim_without_its_model_is_not_judged(make_family, judged):
+def test_claim_without_its_model_is_not_judged(make_family):
     rows = judged(make_family(models=("fprc", "fuzzy_linear")))
     verdicts = first(rows, "verdict")
     assert {name for name in rows if verdicts[name] != "not judged"} == {"B7"}
     assert rows["W1"]["mean"].isna().tolist() == [True]
 
 
-def test_half_of_a_claim_is_not_judged(make_family, judged):
+def test_half_of_a_claim_is_not_judged(make_family):
     family = make_family()
     for cell in family["cells"]:
         del cell["models"]["fuzzy_linear"]["closed_loop"]
     assert judged(family)["B7"]["verdict"].tolist() == ["not judged"]
 
 
-def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_family, judged, monkeypatch):
+def test_verdict_that_few_subsets_share_is_shown_as_unstable(make_family, monkeypatch):
     monkeypatch.setattr("fprc.evaluation.paired._share_of_subsets", lambda *rest: 0.9)
     rows = judged(make_family(spread=0.0))
     assert set(first(rows, "verdict").values()) <= {"undecided", "not judged"}

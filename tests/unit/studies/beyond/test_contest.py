@@ -5,15 +5,15 @@ import pytest
 
 from fprc.config import Settings
 from fprc.config.tracking import Tracking
-from fprc.errors import EvaluationError
 from fprc.evaluation import rmse
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import RigSettings, Unit
+from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import Track, rms_of, tracking_errors
 from fprc.models import FPRC
 from fprc.registry import COMPETITORS
 from fprc.studies.beyond import contest as contests
-from fprc.studies.beyond.contest import BRIEF, SLOW, Contest, judge_models, judge_rig
+from fprc.studies.beyond.contest import BRIEF, SLOW, judge_models
+from fprc.studies.families.family import Unit
 
 SETTINGS = Settings().model_dump(mode="json")
 SEED = 3
@@ -29,19 +29,24 @@ def on_rig(signals):
 
 
 @pytest.fixture(scope="module")
-def contest():
+def tracking():
     references = {
         name: reference | {"duration_s": 8.0}
         for name, reference in SETTINGS["tracking"]["references"].items()
     }
-    tracking = SETTINGS["tracking"] | {"references": references}
-    return Contest(SETTINGS["models"], tracking, [-2.0, 0.0])
+    return SETTINGS["tracking"] | {"references": references}
 
 
 @pytest.fixture(scope="module")
-def how(contest):
-    """What the functions take that judge a unit."""
-    return contest._asdict()
+def judge(on_rig, tracking):
+    """Return what judges a unit, of a family with every model or not."""
+    how = {"models": SETTINGS["models"], "tracking": tracking, "shifts_kpa": [-2.0, 0.0]}
+
+    def call(every=False, number=0):
+        unit = Unit(number, {"every_model": every}, on_rig, SEED)
+        return judge_models(unit, **how, slow=2)["models"]
+
+    return call
 
 
 @pytest.fixture(scope="module")
@@ -50,9 +55,10 @@ def logs(on_rig):
 
 
 @pytest.fixture(scope="module")
-def judged(on_rig, contest):
-    names = ("fprc", "fuzzy_linear", "plays_p_o")
-    return judge_rig(on_rig, SEED, names, contest)
+def judged(judge):
+    with pytest.MonkeyPatch.context() as few:
+        few.setattr(contests, "BRIEF", ("fprc", "fuzzy_linear", "plays_p_o"))
+        return judge()
 
 
 @pytest.fixture(scope="module")
@@ -70,11 +76,11 @@ def test_errors_are_those_of_the_model_by_itself(judged, fprc, logs):
     assert judged["fprc"]["train"] == pytest.approx(rmse(y, fprc.predict(X)))
 
 
-def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, contest):
+def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, tracking):
     own = judged["fprc"]
     shifted = on_rig.control.feedforward.changed(p_o_shift_kpa=-2.0)
     control = on_rig.control.changed(feedforward=shifted)
-    bench = Track(Tracking(**contest.tracking), control, on_rig.rig, SEED)
+    bench = Track(Tracking(**tracking), control, on_rig.rig, SEED)
     expected = rms_of(tracking_errors(bench, fprc, {"open_loop": False, "closed_loop": True}))
     for loop, errors in expected.items():
         assert own[f"{loop}/0"] == own[loop]
@@ -103,24 +109,14 @@ def test_memory_of_p_o_is_beside_that_of_theta(judged):
 
 
 @pytest.mark.parametrize(("every", "number"), [(False, 0), (True, 0), (True, 2)])
-def test_slow_models_are_judged_on_the_first_units_only(monkeypatch, on_rig, how, every, number):
-    monkeypatch.setattr(contests, "judge_rig", lambda rig, seed, names, contest: list(names))
-    unit = Unit(number, {"every_model": every}, [(on_rig, 5), (on_rig, 6)])
-    judged = judge_models(unit, contest=how, slow=2)
+def test_slow_models_are_judged_on_the_first_units_only(monkeypatch, judge, every, number):
+    def refuse(name, *_):
+        raise ValueError("not\nnow")
+
+    monkeypatch.setattr(contests, "_trained", refuse)
     names = [*COMPETITORS] if every else [*BRIEF]
     if number == 2:
         names = [name for name in names if name not in SLOW]
-    assert judged == [{"seed": 5, "models": names}, {"seed": 6, "models": names}]
-
-
-def test_rig_that_cannot_be_simulated_is_the_only_one_lost(monkeypatch, on_rig, how):
-    def judge(rig, seed, names, contest):
-        if seed == 5:
-            raise EvaluationError("it\ndiverged")
-        return {}
-
-    monkeypatch.setattr(contests, "judge_rig", judge)
-    unit = Unit(0, {"every_model": False}, [(on_rig, 5), (on_rig, 6)])
-    assert judge_models(unit, contest=how, slow=0) == [
-        {"seed": 5, "failed": "it diverged"}, {"seed": 6, "models": {}}
-    ]  # fmt: skip
+    found = judge(every, number)
+    assert [name for name, report in found.items() if "failed" in report] == names
+    assert found["fprc"] == {"failed": "not now"}

@@ -7,15 +7,15 @@ from fprc.errors import FprcError, SimulationError
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
 from fprc.studies.families import family as families
-from fprc.studies.families.family import judge_tables, unit_of
+from fprc.studies.families.family import judge_family, judge_tables, unit_of
 
 SETTINGS = Settings().model_dump(mode="json")
 
 
 def test_each_unit_of_one_rig_is_a_seed(family):
-    units = [unit_of(number, family).rigs for number in (0, 1)]
-    assert [[seed for _, seed in recordings] for recordings in units] == [[601], [602]]
-    assert units[0][0][0].rig == SETTINGS["rig"]
+    units = [unit_of(number, family) for number in (0, 1)]
+    assert [unit.seed for unit in units] == [601, 602]
+    assert units[0].on_rig.rig == SETTINGS["rig"]
 
 
 def test_each_unit_of_the_ensemble_is_a_rig_with_its_own_values(family, tmp_path):
@@ -24,22 +24,19 @@ def test_each_unit_of_the_ensemble_is_a_rig_with_its_own_values(family, tmp_path
     path.write_text(json.dumps({"parameters": paths, "rigs": [[7.5, 0.4, 5.0], [2.5, 0.2, 6.0]]}))
     family["rigs"] = "ensemble"
     family["on_rig"]["rig"] = {"of": "the configuration, which plays no part"}
-    (first,), (second,) = (unit_of(number, family, str(path)).rigs for number in (0, 1))
-    bending = first[0].rig["bending"]
+    first, second = (unit_of(number, family, str(path)) for number in (0, 1))
+    bending = first.on_rig.rig["bending"]
     assert (bending["friction_kpa"], bending["relaxation_time_s"]) == (7.5, [0.25, 5.0])
     assert bending["slip_weight"] == pytest.approx([0.4, 0.3, 0.25, 0.05])  # they sum to 1
-    assert first[0].rig["valve"] == SETTINGS["rig"]["valve"]
-    assert second[0].rig["bending"]["friction_kpa"] == 2.5
-    assert (first[1], second[1]) == (601, 602)
+    assert first.on_rig.rig["valve"] == SETTINGS["rig"]["valve"]
+    assert second.on_rig.rig["bending"]["friction_kpa"] == 2.5
+    assert (first.seed, second.seed) == (601, 602)
     with pytest.raises(FprcError, match="2 rigs"):
         unit_of(2, family, str(path))
 
 
-@pytest.mark.parametrize("failure", [None, SimulationError("simulated rig: the angle diverged")])
-def test_all_parts_of_a_unit_are_of_one_rig_and_one_seed(family, monkeypatch, failure):
+def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(family, monkeypatch):
     def compare(data, how):
-        if failure:
-            raise failure
         return {"theta": float(data["sweep"].channels["theta_deg"].sum())}, {"fprc": how.seed}
 
     def measure(sweep, bench, models, controllers):
@@ -48,15 +45,32 @@ def test_all_parts_of_a_unit_are_of_one_rig_and_one_seed(family, monkeypatch, fa
     monkeypatch.setattr(families, "compare_models", compare)
     monkeypatch.setattr(families, "measure_control", measure)
     validation = {"models": SETTINGS["models"], "folds": 2, "split": "shuffled"}
-    (judged,) = judge_tables(
-        unit_of(4, family), tracking=SETTINGS["tracking"], validation=validation
-    )
-    assert judged["seed"] == 605
-    if failure:
-        assert judged == {"seed": 605, "failed": str(failure)}
-        return
+    judged = judge_tables(unit_of(4, family), tracking=SETTINGS["tracking"], validation=validation)
     theta = float(
         simulate(RigSettings(**family["on_rig"]), 605)["sweep"].channels["theta_deg"].sum()
     )
     assert judged["compared"] == {"theta": theta, "source": "sim"}
     assert judged["measured"] == {"theta": theta, "seed": 605, "fprc": 605, "source": "sim"}
+
+
+def test_every_unit_is_judged_and_one_that_fails_is_the_only_one_lost(
+    family, tmp_path, monkeypatch
+):
+    def judge(unit, factor):
+        if unit.number == 1:
+            raise SimulationError("it\ndiverged")
+        return {"found": factor * unit.number}
+
+    monkeypatch.setattr("fprc.studies.online.judge.judge_online", judge)
+    out = tmp_path / "judged.json"
+    judge_family(
+        str(out), judge="online.judge.judge_online", family=family, units=[0, 1, 2],
+        how={"factor": 3}, workers=1, version="1", checkpoint=str(tmp_path / "partial.jsonl"),
+    )  # fmt: skip
+    report = json.loads(out.read_text())
+    assert (report["name"], report["fitted"]) == ("dry", ["tables"])
+    assert report["cells"] == [
+        {"unit": 0, "seed": 601, "found": 0},
+        {"unit": 1, "seed": 602, "failed": "it diverged"},
+        {"unit": 2, "seed": 603, "found": 6},
+    ]

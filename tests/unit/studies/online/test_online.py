@@ -13,6 +13,7 @@ from fprc.models import FPRC
 from fprc.paper import REFERENCES
 from fprc.plan.arguments import on_rig
 from fprc.studies.families.family import unit_of
+from fprc.studies.online import pages
 from fprc.studies.online.judge import (
     CONDITIONS,
     OF_P_O,
@@ -21,7 +22,6 @@ from fprc.studies.online.judge import (
     disturbed,
     judge_online,
 )
-from fprc.studies.stages import online as stage
 
 SETTINGS = Settings().model_dump(mode="json")
 
@@ -40,8 +40,7 @@ def judged():
     signals = {name: spec | {"duration_s": 10.0} for name, spec in SETTINGS["experiments"].items()}
     rig = on_rig(SETTINGS) | {"signals": signals}
     family = {"rigs": "one", "first_seed": 5, "on_rig": rig}
-    (found,) = judge_online(unit_of(0, family), tracking=shortened(3.0), models=SETTINGS["models"])
-    assert "failed" not in found
+    found = judge_online(unit_of(0, family), tracking=shortened(3.0), models=SETTINGS["models"])
     return pd.DataFrame(found["rows"])
 
 
@@ -102,8 +101,8 @@ def family(units=12, seed=1, **ratios):
     """Return a family of known errors: 1 deg, times the factor of a model or a condition."""
     rng, cells = np.random.default_rng(seed), []
     runs = [("fprc", c, learns, loop) for c in CONDITIONS
-            for learns in (False, True) for loop in stage.LOOPS]  # fmt: skip
-    runs += [("fprc_lowpass", "none", True, loop) for loop in stage.LOOPS]
+            for learns in (False, True) for loop in pages.LOOPS]  # fmt: skip
+    runs += [("fprc_lowpass", "none", True, loop) for loop in pages.LOOPS]
     runs += [("pd", "none", False, "closed")]
     for unit in range(units):
         rows = [
@@ -118,20 +117,6 @@ def family(units=12, seed=1, **ratios):
     return {"source": "sim", "name": "dry", "fitted": [], "cells": cells}
 
 
-@pytest.fixture
-def tabulated(tmp_path):
-    """Write a table of a family, and return its files."""
-
-    def tabulate(table, report):
-        write_json(tmp_path / "dry.json", report)
-        files = {kind: str(tmp_path / f"table.{kind}") for kind in ("csv", "md")}
-        table([str(tmp_path / "dry.json")], **files)
-        assert "nan" not in Path(files["md"]).read_text(encoding="utf-8")
-        return files
-
-    return tabulate
-
-
 @pytest.mark.parametrize(
     ("ratios", "verdicts"),
     [
@@ -142,26 +127,31 @@ def tabulated(tmp_path):
         ({"fprc": 1.3}, ["holds", "inferior", "inferior"]),
     ],
 )  # fmt: skip
-def test_verdict_is_that_of_known_errors(ratios, verdicts, tabulated):
-    table = pd.read_csv(tabulated(stage.tabulate_verdicts, family(**ratios))["csv"])
-    found = table.groupby("id", sort=False)["verdict"].first()
-    assert found.to_dict() == dict(zip(stage.CLAIMS, verdicts, strict=True))
-    assert not table.isna().any().any()
+def test_verdict_is_that_of_known_errors(ratios, verdicts):
+    of = family(**ratios)
+    found = pages._decided(of).groupby("id", sort=False)["words"].first()
+    assert found.to_dict() == dict(zip(pages.CLAIMS, verdicts, strict=True))
 
 
 @pytest.mark.slow
-def test_errors_are_tabulated_and_drawn(tmp_path, tabulated):
-    cells = family()["cells"]
-    path = tabulated(stage.tabulate_errors, family())["csv"]
-    errors = pd.read_csv(path)
-    chosen = errors[(errors["model"] == "fprc") & errors["learns"] & (errors["loop"] == "open")]
+def test_verdicts_and_errors_are_tabulated_and_drawn(tmp_path):
+    report = family()
+    write_json(tmp_path / "dry.json", report)
+    verdicts, errors, figure = (
+        [str(tmp_path / f"{name}.{kind}") for kind in kinds]
+        for name, kinds in (("v", ("csv", "md")), ("e", ("csv", "md")), ("f", ("pdf", "png")))
+    )
+    path = str(tmp_path / "dry.json")
+    pages.tabulate_online([path], verdicts, errors, figure, shown=["dry", "dry"])
+    for written in (*verdicts, *errors):
+        assert "nan" not in Path(written).read_text(encoding="utf-8")
+    assert Path(figure[1]).stat().st_size > 1000
+    table = pd.read_csv(errors[0])
+    chosen = table[(table["model"] == "fprc") & table["learns"] & (table["loop"] == "open")]
     keys = {"model": "fprc", "condition": "+2 kPa", "learns": True, "loop": "open"}
     overall = [
         np.sqrt(np.mean([x["rmse_deg"] ** 2 for x in cell["rows"] if keys.items() <= x.items()]))
-        for cell in cells
+        for cell in report["cells"]
     ]
     found = chosen.set_index("condition").loc["P_o +2 kPa", "mean_deg"]
     assert found == pytest.approx(np.mean(overall))
-    pdf, png = (str(tmp_path / f"a.{kind}") for kind in ("pdf", "png"))
-    stage.draw_online(path, pdf, png, names=["dry", "dry"])
-    assert (tmp_path / "a.png").stat().st_size > 1000

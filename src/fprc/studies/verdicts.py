@@ -1,7 +1,7 @@
 """Judge claims on pairs of models in families of rigs, and show the verdicts."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,8 +9,7 @@ import pandas as pd
 
 from fprc.escape import in_words
 from fprc.evaluation.paired import NOT_JUDGED, Part, decide_together
-from fprc.studies.beyond.measurements import family_title
-from fprc.tables.text import three_digits
+from fprc.tables.text import format_mean, three_digits
 
 #: Symbol after a verdict, by the model or signal that the fit of its rigs favours.
 SYMBOLS = {"FPRC": "†", "P_o": "‡"}
@@ -19,7 +18,6 @@ _DETAILS = {
     "id": "Id", "title": "Rigs", "words": "Verdict", "mean": "Mean", "interval": "Interval",
     "p": "p", "stable": "Subsets that agree", "units": "Units", "dropped": "Units lost",
 }  # fmt: skip
-
 
 #: Numbers of a family, one per simulated rig; one level of the index is the ``unit``.
 Numbers = Mapping[tuple[Any, ...], pd.Series]
@@ -39,8 +37,12 @@ class Claim(NamedTuple):
 
     text: str
     parts: Sequence[Pair]
-    #: By term of the calibration's objective: what its fit favours, and what was fitted.
-    favours: Mapping[str, tuple[str, str]] = {}
+    favours: Mapping[str, str] = {}  #: by term of the calibration's objective: FPRC or P_o
+
+
+def family_title(name: str) -> str:
+    """Return a family's name for readers."""
+    return "Bouc-Wen" if name == "bouc_wen" else name.replace("_", "-")
 
 
 _NONE = pd.Series(index=pd.Index([], name="unit"), dtype=float)
@@ -49,24 +51,21 @@ _NONE = pd.Series(index=pd.Index([], name="unit"), dtype=float)
 def part_of(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
     """Return a pair as it was measured in a family."""
     ours, theirs = (np.log(numbers.get(key, _NONE)) for key in (pair.ours, pair.theirs))
-    values = ours - theirs - math.log(pair.limit)
-    # simulations of one rig with several seeds are one unit
-    by_unit = values.dropna().groupby(level="unit").mean().to_dict()
+    values = (ours - theirs - math.log(pair.limit)).dropna()
+    by_unit = values.groupby(level="unit").mean().to_dict()
     dropped = len({cell["unit"] for cell in family["cells"]}) - len(by_unit)
     return Part(pair.text, by_unit, pair.limit, dropped)
 
 
-def judge_family(
-    family: Mapping[str, Any],
-    claims: Mapping[str, Claim],
-    numbers: Numbers,
+def decide(
+    family: Mapping[str, Any], claims: Mapping[str, Claim], numbers: Numbers
 ) -> pd.DataFrame:
     """Judge claims in one family.
 
     Parameters
     ----------
     family : Mapping
-        See ``fprc.studies.beyond.measurements``; ``fitted``: the terms its rigs were fitted to.
+        See ``fprc.studies.families.family.judge_family``.
     claims : Mapping
         By their ids.
 
@@ -74,10 +73,9 @@ def judge_family(
     -------
     DataFrame
         Tidy, with the columns of ``decide_together``: one row for each part of a claim, one for a
-        claim that is not judged. Also ``world`` and ``title``; ``fits``, those that bear on the
-        claim, pairs of what each favours and what was fitted; the same as text, ``favours`` and
-        ``fitted``; and ``source``. In ``words`` a symbol says what the fits favour. A ratio below 1
-        supports the claim.
+        claim that is not judged. Also ``family`` and ``title``; ``favours``, whom the fits of its
+        rigs favour, which in ``words`` a symbol says; and ``source``. A ratio below 1 supports the
+        claim.
     """
     rows = []
     parts = {
@@ -85,19 +83,16 @@ def judge_family(
         for name, claim in claims.items()
     }
     for row in decide_together(parts):
-        favours = claims[row["id"]].favours
-        fits = [*dict.fromkeys(favours[term] for term in favours if term in family["fitted"])]
-        favoured = list(dict.fromkeys(whom for whom, _ in fits))
+        terms = claims[row["id"]].favours
+        favoured = list(dict.fromkeys(terms[term] for term in terms if term in family["fitted"]))
         marks = [SYMBOLS[whom] for whom in favoured if row["verdict"] != NOT_JUDGED]
         rows.append(
             {
                 **row,
-                "world": family["name"],
+                "family": family["name"],
                 "title": family_title(family["name"]),
                 "words": "".join([row["words"], *marks]),
-                "fits": fits,
                 "favours": in_words(favoured) or "nobody",
-                "fitted": "; ".join(what for _, what in fits),
                 "source": "sim",
             }
         )
@@ -108,15 +103,7 @@ def judge_family(
 def by_claim(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Return a row for each claim and family, claim by claim.
 
-    Parameters
-    ----------
-    verdicts : DataFrame
-        One row for each part of a claim, see ``judge_family``; of all families.
-
-    Returns
-    -------
-    DataFrame
-        Its columns; ``mean`` and ``interval`` are the numbers of all parts as text.
+    ``mean`` and ``interval`` are the numbers of all parts of the claim, see ``decide``, as text.
     """
     ends = zip(verdicts["low"], verdicts["high"], strict=True)
     table = verdicts.assign(
@@ -136,25 +123,6 @@ def claims_page(verdicts: pd.DataFrame) -> pd.DataFrame:
     return page[verdicts["title"].unique()].reset_index(names=["Id", "Claim"])
 
 
-def fitted_page(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """Return whom the fit of rigs favours, what was fitted, the claims and families concerned."""
-    why = ["In favour of", "What was fitted"]
-    rows = by_claim(verdicts[verdicts["verdict"] != NOT_JUDGED])
-    found = pd.DataFrame(
-        (
-            (f"{whom} {SYMBOLS[whom]}", what, row.id, row.title)
-            for row in rows.itertuples()
-            for whom, what in row.fits
-        ),
-        columns=[*why, "Claims", "Rigs"],
-    )
-    # claims of the same families share a row
-    for key, joined in (("Claims", "Rigs"), ("Rigs", "Claims")):
-        groups = found.groupby([*why, key], sort=False)[joined]
-        found = groups.agg(", ".join).reset_index()
-    return found[[*why, "Claims", "Rigs"]]
-
-
 def details_page(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Return what each verdict rests on: intervals, p, agreeing subsets, units."""
     rows = by_claim(verdicts[verdicts["verdict"] != NOT_JUDGED])
@@ -165,3 +133,30 @@ def details_page(verdicts: pd.DataFrame) -> pd.DataFrame:
         "dropped": rows["dropped"].astype(str),
     }
     return rows.assign(**texts)[list(_DETAILS)].rename(columns=_DETAILS)
+
+
+def wide(
+    table: pd.DataFrame,
+    rows: Mapping[str, tuple[str, Callable[[str], str]]],
+    columns: str | list[str],
+    headings: Mapping[str, Any],
+    *,
+    intervals: bool = False,
+) -> pd.DataFrame:
+    """Return means as text, a row for each value of ``rows`` and a column for each heading.
+
+    Parameters
+    ----------
+    rows : Mapping
+        By column of the table: its heading, and what gives the names that readers see.
+    """
+    texts = [
+        format_mean(row, "mean") if intervals and row["units"] > 1 else three_digits(row["mean"])
+        for row in table.to_dict("records")
+    ]
+    page = table.assign(text=texts).pivot(index=list(rows), columns=columns, values="text")
+    order = table.set_index(list(rows)).index.unique()
+    page = page.reindex(index=order, columns=list(headings.values()))
+    page = page.set_axis(list(headings), axis=1).astype(object).fillna("-").reset_index()
+    named = {key: page[key].map(name) for key, (_, name) in rows.items()}
+    return page.assign(**named).rename(columns={key: head for key, (head, _) in rows.items()})

@@ -1,4 +1,4 @@
-"""Judge the claims on families of rigs, and show the families side by side."""
+"""The paper's tables and claims on families of rigs, side by side."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,7 +14,7 @@ from fprc.claims.paper import CLAIMS
 from fprc.errors import FprcError
 from fprc.paper import ERRORS, REFERENCE_NAMES, SOURCES
 from fprc.registry import controller_title, title_of
-from fprc.studies.beyond.measurements import family_title
+from fprc.studies.verdicts import family_title
 from fprc.tables.models import over_seeds
 from fprc.tables.text import format_mean, spread, write_table
 from fprc.tables.tracking import tracking_over_seeds
@@ -23,8 +23,6 @@ from fprc.yaml_file import read_yaml
 #: Claims that Tables II to IV, weights and loops decide; the others need grids or counts, or are
 #: assumed.
 JUDGED_BY_RIG = [claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != ASSUMED]
-
-_ENDS = ("middle", "low", "high")
 
 _ERRORS_NOTE = (
     "Families of rigs: errors, and their deviation from print. Of one rig: mean and its 95 % "
@@ -114,38 +112,26 @@ def tabulate_families(
 
 
 def family_errors(rigs: Sequence[Results], printed: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the errors of Tables II to IV that the paper prints, and sums of their deviations.
+    """Return the errors of ``rig_errors``, of the seeds of one rig or over many rigs.
 
-    Columns are ``number``; ``published``, empty for a sum; ``middle``, ``low`` and ``high``, of the
-    seeds of one rig or over many rigs; and for readers ``paper`` and ``text``.
+    Also ``paper`` and ``text``, for readers.
     """
     units = [rig_errors(rig.replicates, rig.controls, printed) for rig in rigs]
-    if rigs[0].grids:
-        table = units[0][["number", "published", "mean", "low", "high"]]
-        table = table.rename(columns={"mean": "middle"})
-    else:
-        table = units[0][["number", "published"]]
-        table = table.assign(**_quantiles([unit["mean"] for unit in units]))
+    table = units[0]
+    if not rigs[0].grids:
+        found = np.quantile([unit["middle"] for unit in units], (0.5, 0.025, 0.975), axis=0)
+        table = table.assign(**dict(zip(("middle", "low", "high"), found, strict=True)))
     off = 100 * (table["middle"] / table["published"] - 1.0)
     texts = [
-        f"{format_mean(row, 'middle')}, {deviation:+.0f} %"
-        for row, deviation in zip(table.to_dict("records"), off, strict=True)
+        _percent(row) if pd.isna(away) else f"{format_mean(row, 'middle')}, {away:+.0f} %"
+        for row, away in zip(table.to_dict("records"), off, strict=True)
     ]
-    table = table.assign(paper=[spread(value, None) for value in table["published"]], text=texts)
-    deviations = pd.DataFrame([sums_of(unit) for unit in units])
-    sums = pd.DataFrame({"number": list(deviations), "paper": "", **_quantiles(deviations)})
-    shares = zip(*(sums[end].map(lambda share: f"{100 * share:.0f}") for end in _ENDS), strict=True)
-    sums["text"] = [
-        f"{middle} %" if low == high else f"{middle} % ({low} to {high})"
-        for middle, low, high in shares
-    ]
-    return pd.concat([table, sums])
+    return table.assign(paper=[spread(value, None) for value in table["published"]], text=texts)
 
 
-def _quantiles(units: Any) -> dict[str, np.ndarray]:
-    """Return the median and the ends of 95 % of the units."""
-    found = np.quantile(np.asarray(units, dtype=float), (0.5, 0.025, 0.975), axis=0)
-    return dict(zip(_ENDS, found, strict=True))
+def _percent(row: Mapping[str, float]) -> str:
+    middle, low, high = (f"{100 * row[end]:.0f}" for end in ("middle", "low", "high"))
+    return f"{middle} %" if low == high else f"{middle} % ({low} to {high})"
 
 
 def rig_errors(
@@ -153,10 +139,10 @@ def rig_errors(
     controls: Sequence[Mapping[str, Any]],
     published: Mapping[str, Any],
 ) -> pd.DataFrame:
-    """Return the errors of Tables II to IV on one rig that the paper prints, tidy.
+    """Return the errors of Tables II to IV on one rig that the paper prints.
 
-    Among the columns are ``number``, ``table``, ``controller``, ``published``, ``mean``, ``low``,
-    ``high``, and ``deviation``, which is ours / print - 1.
+    Columns ``number``, ``published``, ``middle``, ``low`` and ``high``; in the last rows, without
+    ``published``, absolute deviations from print as shares.
     """
     tables = []
     for number, log in (("II", "sweep"), ("III", "complex")):
@@ -168,30 +154,20 @@ def rig_errors(
     )
     of_loops = loops["controller"].map(controller_title), loops["reference"].map(REFERENCE_NAMES)
     tables.append(loops.assign(table="IV", unit="deg", what=of_loops[0] + ", " + of_loops[1]))
-    table = pd.concat(tables).dropna(subset="published").reset_index(drop=True)
-    return table.assign(
-        number="Table " + table["table"] + ", " + table["what"] + " [" + table["unit"] + "]",
-        deviation=table["mean"] / table["published"] - 1.0,
-    )
-
-
-def sums_of(errors: pd.DataFrame) -> dict[str, float]:
-    """Return the deviations from print in a few numbers, absolute, as shares.
-
-    Parameters
-    ----------
-    errors : DataFrame
-        Result of ``rig_errors``.
-    """
-    off, table, controller = errors["deviation"].abs(), errors["table"], errors["controller"]
-    tables, closed_loop = off[table != "IV"], off[controller == "fprc_pd"]
-    return {
-        "Tables II and III, median deviation": tables.median(),
-        "Tables II and III, largest deviation": tables.max(),
-        "Table IV, open loop, largest deviation": off[controller == "fprc"].max(),
-        "Table IV, closed loop, median deviation": closed_loop.median(),
-        "Table IV, closed loop, largest deviation": closed_loop.max(),
+    table = pd.concat(tables).dropna(subset="published").rename(columns={"mean": "middle"})
+    off, loop = (table["middle"] / table["published"] - 1.0).abs(), table["controller"]
+    sums = {
+        "Tables II and III, median deviation": off[table["table"] != "IV"].median(),
+        "Tables II and III, largest deviation": off[table["table"] != "IV"].max(),
+        "Table IV, open loop, largest deviation": off[loop == "fprc"].max(),
+        "Table IV, closed loop, median deviation": off[loop == "fprc_pd"].median(),
+        "Table IV, closed loop, largest deviation": off[loop == "fprc_pd"].max(),
     }
+    table["number"] = "Table " + table["table"] + ", " + table["what"] + " [" + table["unit"] + "]"
+    last = [{"number": what, **dict.fromkeys(("middle", "low", "high"), value)}
+            for what, value in sums.items()]  # fmt: skip
+    columns = ["number", "published", "middle", "low", "high"]
+    return pd.concat([table[columns], pd.DataFrame(last)], ignore_index=True)
 
 
 def family_claims(rigs: Sequence[Results], fitted: Fit, printed: Mapping[str, Any]) -> pd.DataFrame:

@@ -1,6 +1,6 @@
 """Verdicts on D1 to D3, tables and the figure of a model that learns while it runs."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -11,9 +11,7 @@ from fprc.artifacts import read_json
 from fprc.figures import style
 from fprc.paper import REFERENCES, SOURCES
 from fprc.signals import rms
-from fprc.studies.beyond.measurements import family_title
-from fprc.studies.beyond.tables import named, wide
-from fprc.studies.beyond.verdicts import Claim, Pair, claims_page, judge_family
+from fprc.studies.verdicts import Claim, Pair, claims_page, decide, family_title, wide
 from fprc.tables.text import write_table
 
 #: Loops, as readers see them.
@@ -76,6 +74,10 @@ CLAIMS = {
 }
 
 _RUN = ["model", "condition", "learns", "loop"]
+_VERDICTS_NOTE = (
+    "Learning while it runs: verdicts on D1 to D3, with the means of the ratios. D1: at -5 and +5 "
+    "kPa, in open and in closed loop; D2: open and closed loop; D3: at 0.5 Hz and in the sweep."
+)
 #: Last line of the notes.
 _DATA = f"Data: {SOURCES['sim']}."
 
@@ -95,43 +97,60 @@ def rmse_of(family: Mapping[str, Any]) -> pd.DataFrame:
     return pd.concat([rows, overall.assign(reference="all")])
 
 
-def tabulate_verdicts(families: Sequence[str], **files: str) -> None:
-    """Judge D1 to D3 in every family, and write the verdicts."""
-    judged = []
-    for family in map(read_json, families):
-        by_run = rmse_of(family).set_index("unit").groupby([*_RUN, "reference"])["rmse_deg"]
-        judged.append(judge_family(family, CLAIMS, dict(iter(by_run))))
-    table = pd.concat(judged, ignore_index=True)
-    tidy = table.assign(family=table["world"], verdict=table["words"])
-    kept = ["family", "id", "claim", "part", "verdict", "mean", "low", "high", "units", "source"]
-    note = (
-        "Learning while it runs: verdicts on D1 to D3, with the means of "
-        "the ratios. D1: at -5 and +5 kPa, in open and in closed loop; D2: open and closed loop; "
-        "D3: at 0.5 Hz and in the sweep."
-    )
-    write_table(tidy[kept], claims_page(table), f"{note}\n{_DATA}", **files)
+def tabulate_online(
+    families: Sequence[str],
+    verdicts: Sequence[str],
+    errors: Sequence[str],
+    figure: Sequence[str],
+    *,
+    shown: Sequence[str],
+) -> None:
+    """Judge D1 to D3 in every family; write verdicts and errors, and draw the errors.
 
-
-def tabulate_errors(families: Sequence[str], **files: str) -> None:
-    """Write the tracking errors under every condition; the page has those of the first family."""
+    Parameters
+    ----------
+    families : sequence of str
+        Reports of the families; the page of errors has those of the first.
+    verdicts, errors : sequence of str
+        The tables to write, as CSV and as Markdown.
+    figure : sequence of str
+        As PDF and as PNG: the families ``shown``.
+    """
     found = [read_json(path) for path in families]
-    errors = pd.concat(rmse_of(family).assign(family=family["name"]) for family in found)
-    overall = errors[errors["reference"] == "all"].groupby(["family", *_RUN], sort=False)
-    numbers = {"mean_deg": "mean", "low_deg": "min", "high_deg": "max", "units": "count"}
-    table = overall["rmse_deg"].agg(**numbers).reset_index().assign(source="sim")
-    table["condition"] = table["condition"].map(_words)
+    judged = pd.concat(map(_decided, found), ignore_index=True)
+    kept = ["family", "id", "claim", "part", "verdict", "mean", "low", "high", "units", "source"]
+    tidy = judged.assign(verdict=judged["words"])[kept]
+    write_table(tidy, claims_page(judged), f"{_VERDICTS_NOTE}\n{_DATA}", *verdicts)
+    table = errors_of(found)
     first = table[table["family"] == found[0]["name"]].rename(columns={"mean_deg": "mean"})
-    page = wide(first, ["model", "condition"], ["loop", "learns"], _HEADINGS, intervals=False)
-    titles: dict[str, Callable[[Any], str]] = {
-        "Model": _TITLES.__getitem__,
-        "Changed since the training": str,
-    }
+    of_page = first[(first["model"] == "fprc") | (first["condition"] == _words("none"))]
+    page = wide(
+        of_page,
+        {"model": ("Model", _TITLES.__getitem__), "condition": ("Changed since the training", str)},
+        ["loop", "learns"],
+        _HEADINGS,
+    )
     note = (
         f"Tracking error on the rig {family_title(found[0]['name'])}, root mean square over the "
         f"four references of Table IV, mean over {int(first['units'].max())} seeds [deg]. "
         "Re-zeroed, an FPRC with a constant offset of P_o is one without."
     )
-    write_table(table, named(page, **titles), f"{note}\n{_DATA}", **files)
+    write_table(table, page, f"{note}\n{_DATA}", *errors)
+    draw_errors(table, figure, shown)
+
+
+def _decided(family: Mapping[str, Any]) -> pd.DataFrame:
+    by_run = rmse_of(family).set_index("unit").groupby([*_RUN, "reference"])["rmse_deg"]
+    return decide(family, CLAIMS, dict(iter(by_run)))
+
+
+def errors_of(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return the tracking errors under every condition, mean and range over units, tidy."""
+    rmse = pd.concat(rmse_of(family).assign(family=family["name"]) for family in families)
+    overall = rmse[rmse["reference"] == "all"].groupby(["family", *_RUN], sort=False)
+    numbers = {"mean_deg": "mean", "low_deg": "min", "high_deg": "max", "units": "count"}
+    table = overall["rmse_deg"].agg(**numbers).reset_index().assign(source="sim")
+    return table.assign(condition=table["condition"].map(_words))
 
 
 def _words(condition: str) -> str:
@@ -167,9 +186,8 @@ def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
     ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", yscale="log")
 
 
-def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> None:
-    """Draw the tracking error over the offset of P_o, with and without learning."""
-    table = pd.read_csv(errors)
+def draw_errors(table: pd.DataFrame, figure: Sequence[str], names: Sequence[str]) -> None:
+    """Draw the tracking error of families over the offset of P_o, with and without learning."""
     fig, axes = style.figure(2, len(names), style.PAGE_IN, 3.6, sharex=True, sharey=True)
     for column, name in enumerate(names):
         for row, loop in enumerate(LOOPS):
@@ -181,4 +199,4 @@ def draw_online(errors: str, pdf: str, png: str, *, names: Sequence[str]) -> Non
     axes[0][0].yaxis.set_major_formatter("{x:g}")
     axes[0][0].yaxis.set_minor_locator(NullLocator())
     style.share_legend(fig, axes[0][0])
-    style.save(fig, {"source": "sim", "seeds": []}, pdf, png)
+    style.save(fig, {"source": "sim", "seeds": []}, *figure)
