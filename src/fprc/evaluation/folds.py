@@ -24,8 +24,7 @@ def split_rows(samples: int, folds: int, split: str, seed: int, purge: int = 0) 
         Random rows, or contiguous blocks. The paper does not say
         which; shuffled rows have the validation spread that it prints, 0.05-0.15 kPa.
     purge : int
-        Rows on each side of a contiguous block that do not train, because they resemble
-        those that validate.
+        Rows on each side of a block that do not train: they resemble those that validate.
 
     Raises
     ------
@@ -49,22 +48,8 @@ def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int)
 
     If there are ``blocks`` recordings or more, every recording is one block. Otherwise recordings
     are cut into equal blocks, at least ``blocks`` in all unless these would be shorter than
-    ``shortest``; a recording that is shorter itself is one block, or two if it is the only
-    recording.
-
-    Parameters
-    ----------
-    lengths : sequence of int
-        Samples of each recording.
-    shortest : int
-        Samples of the shortest block that a recording is cut into, 1 or more.
-    purge : int
-        Rows of the same recording on each side of a block that do not train.
-
-    Raises
-    ------
-    EvaluationError
-        The purge leaves a block no rows to train.
+    ``shortest`` samples; a recording that is shorter itself is one block, or two if it is the only
+    recording. On each side of a block ``purge`` rows of the same recording do not train.
     """
     total, fewest = sum(lengths), 1 if len(lengths) > 1 else 2
     folds = []

@@ -7,18 +7,8 @@ def multiplications(model: SequenceModel, phase: str, samples: int) -> int | Non
     """Return how many multiplications a log takes in training or test, by the equations.
 
     Divisions and exponentials count too. Fuzzy c-means counts with the iterations that it took.
-    Drawing the ESN's weights does not count.
-
-    Parameters
-    ----------
-    model : SequenceModel
-        Fitted.
-    phase : {"train", "test"}
-
-    Returns
-    -------
-    int or None
-        None for other features or another readout than those of the paper's models.
+    Drawing the ESN's weights does not count. Other features or another readout than those of the
+    paper's models give None.
     """
     features, readout = model.features_, model.readout_
     inputs, size = features.n_features_in_, readout.n_features_in_

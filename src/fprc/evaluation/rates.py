@@ -8,17 +8,11 @@ PAPER_HZ = 200.0
 
 
 def scaled(parameters: Mapping[str, Any], ratio: float) -> dict[str, Any]:
-    """Return those parameters that count samples, for another sample rate.
+    """Return those of a model's parameters that count samples, for another sample rate.
 
     Low-pass factors, leak rates, the washout and the spacing of taps then mean the same time. The
-    number of taps is not among them: fewer than one tap there cannot be.
-
-    Parameters
-    ----------
-    parameters : Mapping
-        Parameters of a model.
-    ratio : float
-        The new sample rate over the one that the parameters are for.
+    number of taps is not among them: fewer than one tap there cannot be. ``ratio`` is the new rate
+    over the one that the parameters are for.
     """
     if ratio == 1.0:  # powers would change the last digits
         return {}
@@ -32,10 +26,7 @@ def scaled(parameters: Mapping[str, Any], ratio: float) -> dict[str, Any]:
 
 
 def settings_at(settings: Mapping[str, Any], rate_hz: float) -> dict[str, Any]:
-    """Return the configuration with models for recordings at another sample rate.
-
-    The settings count samples at ``control.sample_rate_hz``.
-    """
+    """Return the configuration with models for another rate than ``control.sample_rate_hz``."""
     ratio = rate_hz / settings["control"]["sample_rate_hz"]
     models = {
         name: section | scaled(section, ratio)
@@ -46,7 +37,7 @@ def settings_at(settings: Mapping[str, Any], rate_hz: float) -> dict[str, Any]:
 
 
 def _lowpass_factor(epsilon: float, ratio: float) -> float:
-    """Return the factor whose step response is the same at the times of both rates."""
+    # whose step response is the same at the times of both rates
     return 1.0 - (1.0 - epsilon) ** (1.0 / ratio)
 
 

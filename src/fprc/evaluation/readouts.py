@@ -43,14 +43,9 @@ class BlockReadouts:
     """
 
     def __init__(
-        self,
-        model: SequenceModel,
-        X: np.ndarray,
-        y: np.ndarray,
-        lengths: Sequence[int],
-        folds: Sequence[Fold],
-        alphas: Sequence[float] | None = None,
-    ):
+        self, model: SequenceModel, X: np.ndarray, y: np.ndarray, lengths: Sequence[int],
+        folds: Sequence[Fold], alphas: Sequence[float] | None = None,
+    ):  # fmt: skip
         with refusals_of(model):
             features = model.make_features().fit(X).map_log(X, lengths)
         readout: Any = model.make_readout()
@@ -59,13 +54,9 @@ class BlockReadouts:
         self._y, self._spread = y, float(y.std()) or 1.0
         self._fit = self._blend = np.ones((len(y), 1))
         if isinstance(readout, TakagiSugenoReadout):
+            how = {"random_state": readout.random_state, "restarts": readout.restarts}
             with refusals_of(model):
-                clusters = fuzzy_c_means(
-                    features,
-                    readout.n_c,
-                    random_state=readout.random_state,
-                    restarts=readout.restarts,
-                )
+                clusters = fuzzy_c_means(features, readout.n_c, **how)
             self._fit = clusters.memberships**2
             self._blend = gaussian_memberships(features, clusters.centers, readout.sigma)
         if alphas is not None:
@@ -94,11 +85,8 @@ class BlockReadouts:
     def predictions(self, block: int, without: Sequence[int] = ()) -> np.ndarray:
         """Return the outputs on a block for each alpha, fitted without it and further blocks.
 
-        The samples that are purged around all these blocks do not train either.
-
-        Returns
-        -------
-        ndarray of shape (n_alphas, samples of the block)
+        The shape is (n_alphas, samples of the block). The samples that are purged around all these
+        blocks do not train either.
         """
         gone = self._without[[block, *without]].any(axis=0)
         moments = self._all - self._moments[gone].sum(axis=0)

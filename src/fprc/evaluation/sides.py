@@ -82,11 +82,8 @@ class Recordings(NamedTuple):
         """Return training rows and rows of each block; the first seconds are in none of them."""
         purge, warm = (round(seconds * self.rate_hz) for seconds in (PURGE_S, WARM_UP_S))
         shortest = math.ceil((1.0 - _ROUNDING) * PURGES * purge)
-        begins = np.cumsum(self.lengths) - self.lengths
-        kept = [
-            np.arange(begin + min(warm, length // 2), begin + length)
-            for begin, length in zip(begins, self.lengths, strict=True)
-        ]
+        parts = np.split(np.arange(sum(self.lengths)), np.cumsum(self.lengths)[:-1])
+        kept = [part[min(warm, len(part) // 2) :] for part in parts]
         rows = np.concatenate(kept)
         folds = split_blocks(list(map(len, kept)), BLOCKS, shortest, purge)
         return [(rows[train], rows[block]) for train, block in folds]
@@ -120,17 +117,10 @@ def best_of_side(
 ) -> Side:
     """Choose the best family inside, and judge it on every block.
 
-    For each block, every family and setting is judged on the other blocks, each predicted without
+    For each block, every family and setting is tried on the other blocks, each predicted without
     itself and without the block, by the mean logarithm of the errors. Of those within ``EQUAL`` of
     the lowest, the plainest family with its largest ridge is chosen: what hardly differs should not
-    differ between the sides by chance.
-
-    Parameters
-    ----------
-    models : Mapping
-        Section ``models`` of the configuration.
-    step : callable
-        Gets a line after each family.
+    differ between the sides by chance. ``step`` gets a line after each family.
     """
     outer, inner = {}, {}
     for family in SIDES:
@@ -245,8 +235,8 @@ def p_o_repeats(recordings: Recordings, period_s: float) -> bool:
 def distances(signal: np.ndarray) -> np.ndarray:
     """Return how far a signal is from itself some samples later, for lags up to half its length.
 
-    It is the mean square distance over twice the variance of the samples that have a partner: 0 for
-    a signal that repeats, about 1 for one that does not.
+    0 is a signal that repeats, about 1 one that does not; the variance is that of the samples that
+    have a partner.
     """
     size, lags = len(signal), np.arange(len(signal) // 2 + 1)
     centred = signal - signal.mean()

@@ -20,7 +20,6 @@ from fprc.registry import build, entries
 
 log = logging.getLogger(__name__)
 
-
 #: A model cross-validated on one log, its errors, and its output for the test log.
 Validated = tuple[CrossValidated, dict[str, Any], np.ndarray]
 
@@ -60,10 +59,7 @@ def cross_validate_both(
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
         judged = prepared.cross_validated(train, validation.split_rows(logs[train]))
         for fold, errors in enumerate(zip(judged.train_rmse, judged.validation_rmse, strict=True)):
-            log.info(
-                "%s: fold %d of %d: training %.2f, validation %.2f kPa",
-                label, fold + 1, validation.folds, *errors,
-            )  # fmt: skip
+            log.info("%s: fold %d: training %.2f, validation %.2f kPa", label, fold + 1, *errors)
         trained_on(judged.model, logs[train], name, validation.models)
         tested, expected = judged.model.readout_.predict(prepared.rows[test]), prepared.y[test]
         test_rmse = rmse(expected, tested)
@@ -112,13 +108,8 @@ def errors_over_starts(
 ) -> tuple[dict[str, dict[str, list[float]]], list[SequenceModel]]:
     """Return RMSEs of FPRC whose fuzzy c-means begins at several random places, kPa.
 
-    Each start trains on the same rows, those of the first fold, and clusters once.
-
-    Returns
-    -------
-    dict of dict, list of SequenceModel
-        Errors by the log that trained, and by phase, ``train`` or ``test``; and the models that
-        the sweep trained.
+    Each start trains on the same rows, those of the first fold, and clusters once. The errors are
+    by the log that trained and by phase; the models are those that the sweep trained.
     """
     samples = {key: data.samples("fprc", validation.models) for key, data in logs.items()}
     prepared = prepare(build("fprc", validation.models, validation.seed), samples)

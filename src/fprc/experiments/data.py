@@ -1,7 +1,7 @@
 """Preprocessed logs, the input of the models."""
 
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,13 +52,7 @@ class Data(NamedTuple):
     def samples(
         self, model: str, models: Mapping[str, Any] | None = None
     ) -> tuple[np.ndarray, np.ndarray, list[int]]:
-        """Return the inputs of a model, P_exp, and the samples of each recording.
-
-        Raises
-        ------
-        LogError
-            The log has no channel that the model needs.
-        """
+        """Return the inputs of a model, P_exp, and the samples of each recording."""
         inputs = entry_of(model, models).inputs
         missing = [name for name in inputs if name not in self.channels]
         if missing:
@@ -81,14 +75,8 @@ def select_channels(
 ) -> Data:
     """Return the channels and attributes of a raw log that the models need.
 
-    An imported log may have only one P_exp, commanded or measured; then that one is used.
-
-    Parameters
-    ----------
-    target : {"command", "measured"}
-        P_exp that the models learn.
-    inputs : sequence of str
-        Channels that are read: only of these it is warned if they hold another quantity.
+    The target is the P_exp that the models learn, ``command`` or ``measured``. An imported log may
+    have only one; then that one is used. Of ``inputs`` it is warned if they hold another quantity.
     """
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], source.path)
@@ -117,47 +105,37 @@ def select_channels(
 def join(logs: Mapping[str, Data], period_s: float) -> Data:
     """Return several recordings as one log; its attribute ``recordings`` has their lengths.
 
-    Each begins one period after the end of the one before it.
-
-    Parameters
-    ----------
-    logs : Mapping
-        Recordings by name.
-
-    Raises
-    ------
-    LogError
-        They differ in source, target, units or channels; lists all differences.
+    Each begins one period after the end of the one before it. They must agree in source, target,
+    units and channels.
     """
     (first, one), *others = logs.items()
     problems = [
-        f"{name}: {what} is {theirs}, in {first} {ours}; training logs must agree"
+        f"{name}: {what} is {_kind(other)[what]}, in {first} {ours}; training logs must agree"
         for name, other in others
-        for what, ours, theirs in _differences(one, other)
+        for what, ours in _kind(one).items()
+        if ours != _kind(other)[what]
     ]
     if problems:
         raise LogError("\n".join(problems))
     channels = {
-        name: np.concatenate([log.channels[name] for log in logs.values()]) for name in one.channels
+        name: np.concatenate([data.channels[name] for data in logs.values()])
+        for name in one.channels
     }
     begin, times = 0.0, []
-    for log in logs.values():
-        time_s = log.channels["time_s"]
+    for data in logs.values():
+        time_s = data.channels["time_s"]
         times.append(time_s - time_s[0] + begin)
         begin = float(times[-1][-1]) + period_s
     channels["time_s"] = np.concatenate(times)
-    lengths = {name: len(log.channels["time_s"]) for name, log in logs.items()}
+    lengths = {name: len(data.channels["time_s"]) for name, data in logs.items()}
     return Data(channels, {**one.attributes, "recordings": lengths}, ", ".join(logs))
 
 
-def _differences(one: Data, other: Data) -> Iterator[tuple[str, Any, Any]]:
-    """Yield name and both values of what differs, of all that matters to the models."""
-    for name in ("source", "target", "p_target_unit", "theta_unit", "p_o_unit"):
-        ours, theirs = one.attributes.get(name), other.attributes.get(name)
-        if ours != theirs:
-            yield name, ours, theirs
-    if set(one.channels) != set(other.channels):
-        yield "list of channels", ", ".join(sorted(one.channels)), ", ".join(sorted(other.channels))
+def _kind(data: Data) -> dict[str, Any]:
+    """Return what logs that train one model have in common."""
+    names = ("source", "target", "p_target_unit", "theta_unit", "p_o_unit")
+    channels = {"list of channels": ", ".join(sorted(data.channels))}
+    return {name: data.attributes.get(name) for name in names} | channels
 
 
 def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:
@@ -170,14 +148,7 @@ def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:
 
 
 def refuse_mixture(train: Data, test: Data) -> None:
-    """Refuse a training log and a test log of different kinds.
-
-    Raises
-    ------
-    LogError
-        One log is simulated, recorded or imported, and the other is not; or
-        their P_exp has different units.
-    """
+    """Refuse a training log and a test log of different sources, or units of P_exp."""
     kinds = train.attributes["source"], test.attributes["source"]
     if kinds[0] != kinds[1]:
         raise LogError(

@@ -19,18 +19,12 @@ log = logging.getLogger(__name__)
 
 
 def evaluate_grids(
-    data: Mapping[str, Data],
-    values: Mapping[str, Any],
-    validation: CrossValidation,
-    *,
+    data: Mapping[str, Data], values: Mapping[str, Any], validation: CrossValidation,
     folds: int | None = None,
-) -> dict[str, list[dict[str, Any]]]:
+) -> dict[str, list[dict[str, Any]]]:  # fmt: skip
     """Cross-validate and test each cell of each grid, for the models whose inputs are in the data.
 
-    Parameters
-    ----------
-    folds : int, optional
-        Number of folds, the first ones; by default all. One is enough for a mean over seeds.
+    Of the folds the first ``folds``, by default all; one is enough for a mean over seeds.
     """
     train, test = data["sweep"], data["complex"]
     models = models_for(validation.models, train, test)
@@ -73,11 +67,6 @@ def normalised(prepared: Prepared, log: str) -> Prepared:
     theta and the filtered P_o are each scaled by their minimum and maximum. The ridge parameter is
     that of features in deg and kPa. It is divided by the product of both ranges, so that it counts
     as much as on them (docs/decisions.md).
-
-    Raises
-    ------
-    EvaluationError
-        A signal is constant.
     """
     model, rows = prepared.model, prepared.rows[log]
     taps = rows[:, : model.n_y], rows[:, model.n_y :]  # those of one signal share its range

@@ -28,19 +28,9 @@ def simulate(settings: RigSettings, seed: int) -> dict[str, Data]:
 
 
 def acquire(
-    experiment: str,
-    signal: Signal,
-    control: Control,
-    rig: Mapping[str, Any],
-    seed: int,
+    experiment: str, signal: Signal, control: Control, rig: Mapping[str, Any], seed: int
 ) -> dict[str, np.ndarray]:
-    """Return the channels of one hysteresis experiment on the simulated rig.
-
-    Raises
-    ------
-    SimulationError
-        The simulation diverges.
-    """
+    """Return the channels of one hysteresis experiment on the simulated rig."""
     rate_hz = control.sample_rate_hz
     device = SimulatedRig(rig, seed=seed, run=RUNS[experiment], sample_rate_hz=rate_hz)
     return device.follow(control, pressure_command(signal, rate_hz))

@@ -16,7 +16,10 @@ Channels = Mapping[str, np.ndarray]
 def measure_runs(
     runs: Mapping[str, Channels], unpushed: Channels, quiet_s: float
 ) -> dict[str, Any]:
-    """Return the measures of one seed on which the claims about control are judged.
+    """Return the measures of one seed that the claims about control rest on.
+
+    They are ``rmse_deg`` of every run; ``effort``, the rms of P_fb over that of P_ff on each
+    reference; and measures of ``sweep``, ``loops`` and ``disturbance``.
 
     Parameters
     ----------
@@ -26,12 +29,6 @@ def measure_runs(
         Channels of the disturbance test without its pushes, with the same noise.
     quiet_s : float
         Time of the first push in the disturbance test.
-
-    Returns
-    -------
-    dict
-        ``rmse_deg`` of every run, by its name; ``effort``, the rms of P_fb over that of P_ff
-        on each reference; ``sweep``, ``loops`` and ``disturbance``, measures of these runs.
     """
     return {
         "rmse_deg": {name: rms(_error(run)) for name, run in runs.items()},

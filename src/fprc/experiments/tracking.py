@@ -58,13 +58,7 @@ class Track(NamedTuple):
     seed: int
 
     def reference(self, name: str) -> np.ndarray:
-        """Return theta_d in deg, one value per sample.
-
-        Raises
-        ------
-        ControlError
-            The rig cannot follow the reference.
-        """
+        """Return theta_d in deg, one value per sample; refuse one that the rig cannot follow."""
         rate_hz = self.control.sample_rate_hz
         theta_d = reference_angle(self.tracking.reference(name), rate_hz)
         refuse_impossible(theta_d, self.control, self.tracking.angle_range_deg)
@@ -96,13 +90,7 @@ class Track(NamedTuple):
         return random_pushes(samples, rate_hz, rng=rng, **dict(self.tracking.pushes))
 
     def law(self, theta_d: np.ndarray, controller: str, model: SequenceModel | None) -> Law:
-        """Return the law of a controller; its model is reset.
-
-        Raises
-        ------
-        ControlError
-            The controller needs a model and there is none.
-        """
+        """Return the law of a controller; its model, which it may need, is reset."""
         driver = feedforward_of(controller)
         if driver and model is None:
             raise ControlError(
@@ -127,20 +115,10 @@ class Track(NamedTuple):
         return (*TRACKING_CHANNELS, *LEARNING_CHANNELS) if learns else TRACKING_CHANNELS
 
     def follow(
-        self,
-        reference: str,
-        controllers: Sequence[str],
-        models: Mapping[str, SequenceModel],
+        self, reference: str, controllers: Sequence[str], models: Mapping[str, SequenceModel]
     ) -> dict[str, dict[str, np.ndarray]]:
-        """Follow a reference on the simulated rig; return the channels of each controller.
-
-        Parameters
-        ----------
-        models : Mapping
-            Models that give the feedforward, by name.
-        """
-        inputs = self.inputs(reference)
-        runs = {}
+        """Follow a reference on the simulated rig; return the channels of each controller."""
+        inputs, runs = self.inputs(reference), {}
         for name in controllers:
             driver = feedforward_of(name)
             p_ff = self.precompute(models[driver], inputs) if driver else None
@@ -182,13 +160,8 @@ class Track(NamedTuple):
     ) -> dict[str, np.ndarray]:
         """Return the channels of a run, simulated in compiled code.
 
-        They are those of ``law`` in the loop that runs the real rig, on a ``SimulatedRig``. In the
-        disturbance test the reservoir is pushed.
-
-        Parameters
-        ----------
-        precomputed : Precomputed, optional
-            The feedforward; without it P_ff = 0.
+        They are those of ``law`` in the loop that runs the real rig, on a ``SimulatedRig``; without
+        a precomputed feedforward P_ff = 0. In the disturbance test the reservoir is pushed.
         """
         theta_d = self.reference(reference)
         given = precomputed or Precomputed(np.zeros(len(theta_d)))
@@ -220,20 +193,14 @@ def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
 
 def tracking_rmse(channels: Mapping[str, np.ndarray], settle_s: float) -> float:
     """Return the RMSE of theta against theta_d after the settling time, deg."""
-    judged = settled(channels, settle_s)
-    return rmse(judged["theta_d_deg"], judged["theta_deg"])
+    run = settled(channels, settle_s)
+    return rmse(run["theta_d_deg"], run["theta_deg"])
 
 
 def measure_control(
     sweep: Data, bench: Track, models: Mapping[str, SequenceModel], controllers: Sequence[str]
 ) -> dict[str, Any]:
-    """Follow every reference with every controller; return what the claims measure.
-
-    Parameters
-    ----------
-    models : Mapping
-        Models that give the feedforward, by name.
-    """
+    """Follow every reference with every controller; return what the claims measure."""
 
     def follow(bench: Track, reference: str, names: Sequence[str]) -> dict[str, Any]:
         runs = bench.follow(reference, names, models)
@@ -265,15 +232,10 @@ def columns_for(name: str, inputs: np.ndarray) -> np.ndarray:
 def tracking_errors(
     bench: Track, model: SequenceModel, loops: Mapping[str, float]
 ) -> dict[str, dict[str, np.ndarray]]:
-    """Return the errors over time with P_ff of one model, for the references of Table IV, deg.
+    """Return theta - theta_d with P_ff of one model over each reference of Table IV, deg.
 
-    The errors are of theta against theta_d after the settling time.
-
-    Parameters
-    ----------
-    loops : Mapping
-        By the name under which the errors are returned: 0 without feedback, else what multiplies
-        its gains.
+    The settling time is left out. ``loops`` has for the name under which errors are returned what
+    multiplies the gains of the feedback, or 0 without feedback.
     """
     errors: dict[str, dict[str, np.ndarray]] = {name: {} for name in loops}
     for reference in REFERENCES:

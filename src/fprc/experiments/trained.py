@@ -26,13 +26,7 @@ def trained_on(model: Any, data: Data, name: str, models: Mapping[str, Any] | No
 
 
 def refuse_other_data(model: Any, which: str, sample_rate_hz: float, units: Sequence[str]) -> None:
-    """Check that a model was trained at this sample rate and in these units, P_exp's first.
-
-    Raises
-    ------
-    FprcError
-        It was not. A model that knows neither passes.
-    """
+    """Refuse a model that knows to be trained at another rate or in other units, P_exp's first."""
     trained_hz = getattr(model, "sample_rate_hz_", sample_rate_hz)
     if not math.isclose(trained_hz, sample_rate_hz, rel_tol=1e-3):
         raise FprcError(
