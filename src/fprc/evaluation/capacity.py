@@ -109,7 +109,18 @@ def capacity(
     and Nakajima, Physical Review Research 3 (2021), 043135, for other inputs. Jaeger, GMD Report
     152 (2002).
     """
-    states, inputs = _checked(state, u, lags * spacing + taps, shifts)
+    states, inputs = np.asarray(state, dtype=float), np.asarray(u, dtype=float)
+    states = states.reshape(len(states), -1)
+    if inputs.shape != (len(states),) or not (
+        np.isfinite(states).all() and np.isfinite(inputs).all()
+    ):
+        raise EvaluationError("the state and the input must be finite, and of the same length")
+    if len(inputs) < 2 * (lags * spacing + taps) + 10 * (shifts + 1):
+        raise EvaluationError(
+            f"{len(inputs)} samples are too few for {lags} lags and {shifts} shifts; use a longer "
+            "recording, or fewer lags"
+        )
+    inputs = (inputs - inputs.mean()) / (inputs.std() or 1.0)
     reach = max((lags - 1) * spacing, taps - 1)
     past = np.lib.stride_tricks.sliding_window_view(inputs, reach + 1)[:, ::-1]
     states = states[reach:]
@@ -138,34 +149,10 @@ def filtered_capacity(signal: np.ndarray, theta: np.ndarray, rate_hz: float) -> 
     return capacity(state, theta, rate_hz=rate_hz, lags=LAGS, spacing=spacing, taps=TAPS)
 
 
-def _checked(
-    state: ArrayLike, u: ArrayLike, reach: int, shifts: int
-) -> tuple[np.ndarray, np.ndarray]:
-    states, inputs = np.asarray(state, dtype=float), np.asarray(u, dtype=float)
-    states = states.reshape(len(states), -1)
-    if inputs.shape != (len(states),):
-        raise EvaluationError(
-            f"the input has the shape {inputs.shape}, and the state {len(states)} samples; give "
-            "one value for each"
-        )
-    if not (np.isfinite(states).all() and np.isfinite(inputs).all()):
-        raise EvaluationError("the state or the input is not finite")
-    if len(inputs) < 2 * reach + 10 * (shifts + 1):
-        raise EvaluationError(
-            f"{len(inputs)} samples are too few for {reach} lags and {shifts} shifts; use a longer "
-            "recording, or fewer lags"
-        )
-    return states, (inputs - inputs.mean()) / (inputs.std() or 1.0)
-
-
 def _capacities(
-    states: np.ndarray,
-    moved: Sequence[np.ndarray],
-    past: np.ndarray,
-    spacing: int,
-    degree: int,
+    states: np.ndarray, moved: Sequence[np.ndarray], past: np.ndarray, spacing: int, degree: int,
     most: int,
-) -> tuple[list[Target], int]:
+) -> tuple[list[Target], int]:  # fmt: skip
     names = [*_products(past.shape[1], degree, most)]
     products = np.column_stack([past[:, list(name)].prod(axis=1) for name in names])
     goals, sizes = np.linalg.qr(np.column_stack([np.ones(len(products)), products]))

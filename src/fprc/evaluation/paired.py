@@ -31,6 +31,10 @@ SUBSETS, AGREEING = 200, 0.95
 _STRENGTH = (INFERIOR, UNDECIDED, EQUIVALENT, SUPERIOR)
 
 
+#: A mean and the ends of its interval.
+Ends = tuple[float, float, float]
+
+
 class Part(NamedTuple):
     """One comparison of a claim: the logarithm of a ratio over its limit, per unit."""
 
@@ -42,9 +46,7 @@ class Part(NamedTuple):
     #: training data; 0 for units that share none.
     overlap: float = 0.0
 
-    def interval(
-        self, level: float, units: Sequence[int] | None = None
-    ) -> tuple[float, float, float]:
+    def interval(self, level: float, units: Sequence[int] | None = None) -> Ends:
         """Return the mean and the ends of the interval that errs with probability ``level``.
 
         Units that share training data resemble each other. Their n values then have the variance
@@ -79,10 +81,7 @@ class Part(NamedTuple):
         return INFERIOR if low > 0.0 else UNDECIDED
 
     def least_levels(self) -> tuple[float, float]:
-        """Return the lowest level that decides anything, and the lowest that says inferior.
-
-        The latter is 1 if none does.
-        """
+        """Return the lowest levels that decide anything, and that say inferior (1 if none does)."""
         values = self._array(None)
         mean, freedom = float(values.mean()), values.size - 1
         # positive even if all units agree exactly
@@ -121,8 +120,7 @@ def verdict_in_words(verdict: str, turned: str = "", limit: float = 1.0) -> str:
 
 
 def decide_together(
-    claims: Mapping[str, tuple[str, Sequence[Part]]],
-    left_out: int = LEFT_OUT,
+    claims: Mapping[str, tuple[str, Sequence[Part]]], left_out: int = LEFT_OUT
 ) -> list[dict[str, Any]]:
     """Judge several claims so that any verdict is wrong with probability ``ALPHA`` at most.
 
@@ -209,9 +207,9 @@ def decide_together(
 
 
 def holm(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return Holm's adjusted p values, and the level at which each claim is judged.
+    """Return Holm's adjusted p values, and the level at which each claim is decided.
 
-    From the first claim that is not decided on, all are judged at that claim's level.
+    From the first claim that is not decided on, all have that claim's level.
     """
     order = np.argsort(p, kind="stable")
     remaining = np.arange(len(p), 0, -1)
@@ -224,7 +222,7 @@ def holm(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _least_level(parts: Sequence[Part]) -> float:
-    """Return the lowest level that decides a claim: all its parts, or that one is inferior."""
+    # it decides all parts of a claim, or that one is inferior
     decided, inferior = zip(*(part.least_levels() for part in parts), strict=True)
     return min(1.0, len(parts) * min(max(decided), min(inferior)))
 

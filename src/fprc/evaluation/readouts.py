@@ -54,7 +54,7 @@ class BlockReadouts:
         self._y, self._spread = y, float(y.std()) or 1.0
         self._fit = self._blend = np.ones((len(y), 1))
         if isinstance(readout, TakagiSugenoReadout):
-            how = {"random_state": readout.random_state, "restarts": readout.restarts}
+            how: Any = {"random_state": readout.random_state, "restarts": readout.restarts}
             with refusals_of(model):
                 clusters = fuzzy_c_means(features, readout.n_c, **how)
             self._fit = clusters.memberships**2

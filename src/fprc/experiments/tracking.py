@@ -32,13 +32,7 @@ log = logging.getLogger(__name__)
 
 #: Run numbers; with the seed they set the noise. On one reference all controllers get the same
 #: noise and drift, so that only the controllers differ.
-TRACKING_RUNS = {
-    "sine_0p2": 10,
-    "sine_0p5": 20,
-    "sweep": 30,
-    "complex": 40,
-    "disturbance": 50,
-}
+TRACKING_RUNS = {"sine_0p2": 10, "sine_0p5": 20, "sweep": 30, "complex": 40, "disturbance": 50}
 
 
 class Precomputed(NamedTuple):

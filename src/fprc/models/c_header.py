@@ -30,11 +30,7 @@ _BRACES = str.maketrans("[]", "{}")
 
 
 def c_header(
-    model: SequenceModel,
-    name: str,
-    *,
-    origin: str = "",
-    online: Online | None = None,
+    model: SequenceModel, name: str, *, origin: str = "", online: Online | None = None
 ) -> str:
     """Return a C header that computes what ``model.step`` computes.
 

@@ -60,10 +60,7 @@ class EchoStates(FeatureMap):
     washout: int = 100
     random_state: int | None = None
 
-    LIMITS = {
-        **limits_of("r", "f_input", "gamma", "rho", "n_y", "washout"),
-        "random_state": SEED,
-    }
+    LIMITS = {**limits_of("r", "f_input", "gamma", "rho", "n_y", "washout"), "random_state": SEED}
 
     def prepare(self, X: np.ndarray) -> None:
         rng = check_random_state(self.random_state)

@@ -30,8 +30,7 @@ MODELS = {
     "ridge": FeatureModel(TapFeatures(), RidgeReadout()),
     "bank": FeatureModel(LowpassBank((0.5, 0.05)), RidgeReadout()),
     "plays": FeatureModel(
-        SideBySide([(PlayOperators(n_plays=3), [0, 1]), (TapFeatures(), [0, 1])]),
-        RidgeReadout(),
+        SideBySide([(PlayOperators(n_plays=3), [0, 1]), (TapFeatures(), [0, 1])]), RidgeReadout()
     ),
 }
 

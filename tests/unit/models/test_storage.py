@@ -41,10 +41,7 @@ SEQUENCE_MODELS = [
     FPRC(n_c=3, random_state=1),
     FuzzyLinear(n_c=3, random_state=1),
     FeatureModel(TapFeatures(n_u=2), RidgeReadout(0.5)),
-    FeatureModel(
-        SideBySide([(BANK, [1, 0]), (PlayOperators(n_plays=2), [0])]),
-        RidgeReadout(),
-    ),
+    FeatureModel(SideBySide([(BANK, [1, 0]), (PlayOperators(n_plays=2), [0])]), RidgeReadout()),
 ]
 
 
