@@ -15,23 +15,17 @@ from fprc.models.kernels import alternate
 #: A sample counts as lying on a centre if its distance is below this fraction of the
 #: largest absolute number in the data: smaller distances are rounding errors.
 NEAR = 64.0 * np.finfo(float).eps
-
 #: Extrapolate only when no membership changes by more than this: further from an optimum, an
 #: extrapolation could lead to another one.
 SMALL = 0.1
-
 #: Largest number whose squares, summed over samples and features, are within the range of double.
 LARGEST = 1e100
-
 #: Earlier iterations that an extrapolation uses.
 DEPTH = 10
-
 #: Singular values of the steps' differences below this fraction of the largest are rounding errors.
 RANK = 1e-10
-
 #: A relative increase of the objective below this is a rounding error.
 ROUNDING = 1e-13
-
 #: Objectives that differ by less than this fraction belong to one optimum. Its first start is kept,
 #: so that rounding does not decide on the order of the clusters.
 SAME = 1e-6
@@ -51,11 +45,11 @@ def fuzzy_c_means(
     n_clusters: int,
     *,
     random_state: int | np.random.RandomState | None = None,
+    restarts: int = 1,
+    init: np.ndarray | None = None,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
     coarse: int = 10,
-    restarts: int = 1,
-    init: np.ndarray | None = None,
 ) -> Clusters:
     """Cluster the rows of ``X`` by alternating memberships and centres.
 
@@ -69,18 +63,13 @@ def fuzzy_c_means(
     ----------
     X : ndarray of shape (n_samples, n_features)
         Finite numbers.
-    tolerance : float
-        Stop when no membership changes by more than this.
     restarts : int
         Number of starts; the clustering with the lowest objective is kept. Starts that lead to one
         optimum of the thinned rows are converged on all rows once.
     init : ndarray of shape (n_clusters, n_features), optional
         The only start, instead of the random ones; it converges on all rows at once.
-
-    Raises
-    ------
-    ValueError
-        Fewer samples than clusters.
+    tolerance : float
+        Stop when no membership changes by more than this.
     """
     if not 1 <= n_clusters <= len(X):
         raise ValueError(

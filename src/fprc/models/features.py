@@ -101,13 +101,8 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         ----------
         X : array-like of shape (n_samples, n_inputs)
         lengths : sequence of int, optional
-            Samples of each recording, if the log holds several: features restart at each.
-
-        Raises
-        ------
-        ValueError
-            A recording, which the message names, is shorter than the taps; or the lengths are not
-            those of recordings that make up the log.
+            Samples of each recording, if the log holds several: features restart at each. None may
+            be shorter than the taps.
         """
         rows = list(self.blocks(X, lengths, most=None))
         return rows[0] if len(rows) == 1 else np.concatenate(rows)
@@ -175,13 +170,8 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
     def advance(self, x: ArrayLike) -> np.ndarray:
         """Return the features of the next sample, in an array that the next call overwrites.
 
-        Raises
-        ------
-        NotFittedError
-            ``fit`` was not called.
-        ValueError
-            The sample, which is then ignored, is not finite or beyond 1e9, or has another number
-            of inputs.
+        A sample that is not finite or beyond 1e9, or has another number of inputs, is ignored and
+        a ValueError.
         """
         x = self._checked(x)
         if not self._streaming:

@@ -13,7 +13,6 @@ from fprc.compiled import kernel, summing_kernel
 #: Samples per block: its intermediate results stay in the processor's cache.
 BLOCK = 512
 
-
 #: Kinds of features: see ``advance``.
 TAP, LOWPASS, PLAY = range(3)
 
@@ -45,12 +44,7 @@ def advance(row, x, columns, kinds, numbers):
 
 @kernel
 def advance_log(X, columns, kinds, numbers):
-    """Return the features of every sample of a log, exactly as by ``advance``.
-
-    Returns
-    -------
-    ndarray of shape (n_samples, n_features)
-    """
+    """Return the features of every sample of a log, exactly as by ``advance``."""
     row = X[0][columns]
     rows = np.empty((len(X), row.size))
     for k in range(len(X)):

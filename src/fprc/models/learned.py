@@ -45,10 +45,7 @@ def features_of(features: Any) -> int | None:
 
 
 def rows_of(features: Any) -> Any:
-    """Return the rows of a fitted map, see ``FeatureMap.rows``; None if its class is from outside.
-
-    Such a class may compute anything from the rows of the class that it is derived from.
-    """
+    """Return the rows of a fitted map; None if its class is from outside and may change them."""
     return features.rows() if is_built_in(features) else None
 
 
@@ -60,17 +57,10 @@ def restore(
     Parameters
     ----------
     values : dict
-        Learned attributes, by their place in the model; those of this estimator and of its parts
-        are taken out.
-    place : str
-        Place of the estimator in the model, such as ``readout_.``.
+        Learned attributes, by their place in the model, such as ``readout_.W_out_``; those of this
+        estimator, whose place is ``place``, and of its parts are taken out.
     columns : int, optional
         Columns that it gets; by default any number.
-
-    Raises
-    ------
-    ValueError
-        Names a parameter outside its limits, or an attribute that is not as its class learns it.
     """
     model, ours = clone(unfitted), is_built_in(unfitted)
     keys = [name.removeprefix(place) for name in values if name.startswith(place)]
@@ -91,10 +81,8 @@ def restore(
             value = own.pop(key, None)
             if not expected.allows(value):
                 found = f"{value!r:.60}"
-                if isinstance(value, np.ndarray) and value.size and value.dtype != object:
-                    found = (
-                        f"{value.dtype} of shape {value.shape}, {value.min():g} to {value.max():g}"
-                    )
+                if isinstance(value, np.ndarray):
+                    found = f"{value.dtype} of shape {value.shape}, such as {value.ravel()[:1]}"
                 raise ValueError(f"{place}{key}: {found}; must be {expected}")
             setattr(model, key, value)
     if ours and own:

@@ -27,10 +27,7 @@ def with_bias(X: np.ndarray) -> np.ndarray:
 def sums_of_products(blocks: Iterable[np.ndarray], y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the sums of the products of [1, x] with itself and with y, of the rows of all blocks.
 
-    Parameters
-    ----------
-    blocks : iterable of ndarray
-        Arrays of rows x, in the order of ``y``; each may be overwritten by the next.
+    The blocks are in the order of ``y``; each may be overwritten by the next.
     """
     gram, moments, done = np.zeros(()), np.zeros(()), 0
     for block in blocks:
@@ -43,18 +40,7 @@ def sums_of_products(blocks: Iterable[np.ndarray], y: np.ndarray) -> tuple[np.nd
 
 
 def solve_ridge(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarray:
-    """Solve the normal equations (gram + alpha I) w = moments.
-
-    Parameters
-    ----------
-    gram : ndarray of shape (n_weights, n_weights)
-    moments : ndarray of shape (n_weights,)
-
-    Raises
-    ------
-    ValueError
-        The equations are singular, which happens only with ``alpha=0``.
-    """
+    """Solve the normal equations (gram + alpha I) w = moments; only alpha = 0 may be singular."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", LinAlgWarning)
@@ -106,14 +92,8 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     ) -> list[Self]:
         """Return one fitted copy per part, trained on the rows of all other parts.
 
-        X^T X is computed once per part; each copy adds those of the other parts.
-
-        Parameters
-        ----------
-        blocks : iterable of ndarray
-            As ``fit_blocks`` takes them.
-        parts : sequence of ndarray
-            Row indices; every row is in exactly one part.
+        X^T X is computed once per part; each copy adds those of the other parts. The parts are
+        numbers of rows, each of which is in exactly one part.
         """
         check_limits(self, self.LIMITS)
         part_of, done = np.empty(len(y), dtype=int), 0

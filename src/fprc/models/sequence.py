@@ -50,14 +50,9 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         Parameters
         ----------
         X : array-like of shape (n_samples, n_inputs)
-            Samples in the order of time.
+            Samples in the order of time, at least as many as taps.
         y : array-like of shape (n_samples,)
             P_exp, kPa.
-
-        Raises
-        ------
-        ValueError
-            ``X`` or ``y`` is not finite, or the log is shorter than the taps.
         """
         rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
         self.features_ = self.make_features().fit(rows)
@@ -85,18 +80,8 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
     def remember(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> Self:
         """Keep of the training data what ``Online`` needs to go on from it.
 
-        Sets ``information_``, the sum of the products of the readout's regressors.
-
-        Parameters
-        ----------
-        X : array-like of shape (n_samples, n_inputs)
-        lengths : sequence of int, optional
-            Samples of each recording, if there are several.
-
-        Raises
-        ------
-        ValueError
-            The readout is not linear in at most 512 weights.
+        Sets ``information_``, the sum of the products of the readout's regressors, which must be
+        linear in at most 512 weights. ``lengths`` are the samples of each of several recordings.
         """
         check_is_fitted(self)
         if not self.learns_online():
@@ -129,13 +114,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
             yield "information_", Array((self.readout_.weights.size,) * 2)
 
     def reset(self, x: ArrayLike | None = None) -> None:
-        """Begin a new stream; ``x`` is the assumed input at all earlier times.
-
-        Raises
-        ------
-        NotFittedError
-            ``fit`` was not called.
-        """
+        """Begin a new stream; ``x`` is the assumed input at all earlier times."""
         check_is_fitted(self)
         self.features_.reset(x)
 
@@ -144,18 +123,13 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
 
         Raises
         ------
-        NotFittedError
-            ``fit`` was not called.
         ValueError
             The sample, which is then ignored, is not finite or beyond 1e9, or has the wrong number
             of inputs.
         """
-        try:
-            features, readout = self.features_, self.readout_
-        except AttributeError:
+        if not hasattr(self, "readout_"):
             check_is_fitted(self)
-            raise
-        row = features.advance(x)
-        if hasattr(readout, "output"):
-            return readout.output(row)
-        return float(readout.predict(row[None])[0])
+        row = self.features_.advance(x)
+        if hasattr(self.readout_, "output"):
+            return self.readout_.output(row)
+        return float(self.readout_.predict(row[None])[0])

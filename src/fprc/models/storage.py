@@ -32,8 +32,6 @@ MOST_BYTES = 150_000_000
 _LONGEST_TEXT, _LONGEST_MESSAGE = 1_000_000, 1000
 
 _TEXT, _BLOCK, _FORMAT = "model", 512, b"fprc model 2\n"
-#: Keys of an estimator in the text.
-_KEYS = {"class", "parameters"}
 
 
 def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type] = ()) -> None:
@@ -49,8 +47,7 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
     ------
     FprcError
         The model would not be read again: the class of a part is neither of this package nor in
-        ``classes``; a parameter is neither numbers nor text; or a learned attribute is not finite,
-        not as its class learns it, or neither numbers nor text.
+        ``classes``, or what it holds is neither finite numbers nor text, as its class learns them.
     """
     check_is_fitted(model)
     parts = dict(_parts(model))
@@ -82,8 +79,7 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
     Raises
     ------
     FprcError
-        The file cannot be opened, is too large, was changed, or holds no model of this package:
-        it names the file, and the part and attribute that is wrong.
+        The file cannot be opened, is too large, was changed, or holds no model of this package.
     """
     content = read_given(path, most_bytes=MOST_BYTES)
     try:
@@ -100,13 +96,7 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
 
 
 def packed(text: str, arrays: Mapping[str, np.ndarray]) -> bytes:
-    """Return the content of a file.
-
-    Raises
-    ------
-    ValueError
-        It is too large.
-    """
+    """Return the content of a file, unless it is too large."""
     # in memory: HDF5 on a full disk crashes the process at exit
     with h5py.File(_TEXT, "w", driver="core", backing_store=False) as file:
         file.create_dataset(_TEXT, data=np.bytes_(text.encode()))
@@ -148,11 +138,7 @@ def _unpacked(content: bytes) -> dict[str, Any]:
 
 def _restored(content: bytes, classes: Collection[type]) -> Any:
     values, known = _unpacked(content), _known_classes(classes)
-
-    def unfitted(described: dict[str, Any]) -> Any:
-        return _unfitted(described, known) if described.keys() == _KEYS else described
-
-    text = json.loads(values.pop(_TEXT), object_hook=unfitted)
+    text = json.loads(values.pop(_TEXT), object_hook=lambda found: _unfitted(found, known))
     for name, array in values.items():
         if not np.isfinite(array).all():
             raise ValueError(f"{name}: holds NaN or infinity")
@@ -187,7 +173,9 @@ def _plain(value: Any) -> Any:
 
 
 def _unfitted(described: Mapping[str, Any], known: Mapping[str, type]) -> Any:
-    """Return the estimator of ``_plain``."""
+    """Return the estimator of ``_plain``; anything else as it is."""
+    if described.keys() != {"class", "parameters"}:
+        return described
     name, parameters = described["class"], described["parameters"]
     if name not in known:
         raise ValueError(

@@ -99,13 +99,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     def regressors(self, rows: np.ndarray) -> np.ndarray:
         """Return what multiplies the weights ``W_out_``, rule by rule: beta_bar x [1, x].
 
-        Parameters
-        ----------
-        rows : ndarray of shape (n_samples, n_features)
-
-        Returns
-        -------
-        ndarray of shape (n_samples, n_c * (1 + n_features))
+        The shape is (n_samples, n_c * (1 + n_features)).
         """
         beta = gaussian_memberships(rows, self.centers_, self.sigma)
         return (beta[:, :, None] * with_bias(rows)[:, None, :]).reshape(len(rows), -1)
