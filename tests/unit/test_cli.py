@@ -30,14 +30,12 @@ def test_errors_of_a_configuration_go_to_stderr_without_a_traceback(tmp_path, ca
     assert "Traceback" not in printed.err
 
 
-@pytest.mark.parametrize(
-    ("command", "unbuffered"), [(["rig", "run", "list"], ""), (["config", "reference"], "1")]
-)
-def test_output_that_nothing_reads_ends_the_command_without_a_traceback(command, unbuffered):
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_output_that_nothing_reads_ends_the_command_without_a_traceback(unbuffered):
     read, write = os.pipe()
     os.close(read)
     done = subprocess.run(
-        [*COMMAND, *command],
+        [*COMMAND, "config", "reference"],
         stdout=write,
         stderr=subprocess.PIPE,
         env=os.environ | {"PYTHONUNBUFFERED": unbuffered},

@@ -8,7 +8,7 @@ import yaml
 from pydantic.fields import FieldInfo
 
 from fprc.config.load import RIG
-from fprc.config.section import fields, limits_of
+from fprc.config.section import fields, limit_of
 from fprc.config.settings import Settings
 from fprc.escape import in_words
 
@@ -61,7 +61,7 @@ def reference() -> str:
 
 
 def _row(name: str, default: Any, field: FieldInfo) -> str:
-    ends, extra = limits_of(field), cast(dict[str, str], field.json_schema_extra or {})
+    ends, extra = limit_of(field), cast(dict[str, str], field.json_schema_extra or {})
     limits = ""
     if ends:
         below = "below " * ends.high_open

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from fprc.config.section import NotEmpty, Section, fields, limits_of, quantity
+from fprc.config.section import NotEmpty, Section, fields, limit_of, quantity
 
 
 def _elements(*pairs: tuple[str, str]) -> Any:
@@ -304,7 +304,7 @@ def _physical() -> dict[str, tuple[float, float]]:
     """Return the range of each number of the rig, also of those in lists."""
     ranges: dict[str, tuple[float, float]] = {}
     for key, default, field, _ in fields(Rig):
-        if (limit := limits_of(field)) is None:
+        if (limit := limit_of(field)) is None:
             continue
         limits = limit.low, limit.high
         if isinstance(default, tuple):

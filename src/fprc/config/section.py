@@ -57,7 +57,7 @@ def quantity(
     return field
 
 
-def limits_of(field: FieldInfo) -> Limit | None:
+def limit_of(field: FieldInfo) -> Limit | None:
     """Return the ends of a number, or of each number of a list; None if it has none."""
     return next((entry for entry in field.metadata if isinstance(entry, Limit)), None)
 

@@ -5,12 +5,12 @@ import pytest
 
 from fprc.config import Settings, check
 from fprc.config.rig import squeeze_lag
-from fprc.config.section import fields, limits_of
+from fprc.config.section import fields, limit_of
 from fprc.errors import ConfigError
 
 #: Range and default of every setting that has a range.
-RANGES = {key: (limits_of(field), default) for key, default, field, _ in fields(Settings)
-          if limits_of(field)}  # fmt: skip
+RANGES = {key: (limit_of(field), default) for key, default, field, _ in fields(Settings)
+          if limit_of(field)}  # fmt: skip
 
 
 def set_to(key, value):
@@ -29,7 +29,7 @@ def refused(key, value):
 def test_every_number_has_range_and_meaning():
     for key, default, field, _ in fields(Settings):
         assert field.description, key
-        assert limits_of(field) or type(default) not in (int, float), key
+        assert limit_of(field) or type(default) not in (int, float), key
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from fprc.config import Settings, check
 from fprc.config.rig import Rig
-from fprc.config.section import limits_of, section_of
+from fprc.config.section import limit_of, section_of
 from fprc.control_laws import NEUTRAL_V, pressure_step
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ConfigError, SimulationError
@@ -263,7 +263,7 @@ def rigs(draw):
         for key, field in section_of(Rig.model_fields[name]).model_fields.items():
             if key == "slip_weight":
                 continue
-            number, default = st.floats(*limits_of(field)[:2]), rig[name][key]
+            number, default = st.floats(*limit_of(field)[:2]), rig[name][key]
             is_list = isinstance(default, tuple)
             rig[name][key] = tuple(draw(number) for _ in default) if is_list else draw(number)
     return rig
