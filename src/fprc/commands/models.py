@@ -8,8 +8,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import refuse_output, replacing, write_text
-from fprc.config import from_files, local_files
-from fprc.config.settings import Quality
+from fprc.config import Settings, from_files, local_files
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
 from fprc.evaluation import rmse
@@ -24,8 +23,6 @@ from fprc.plan.arguments import validation
 from fprc.registry import build, entries, entry_of, load_class, outside_classes
 from fprc.stages.preprocess import read_recordings
 
-Settings = Mapping[str, Any]
-
 
 def train(
     logs: Sequence[str],
@@ -39,14 +36,14 @@ def train(
     refuse_output(out, ".h5")
     refuse_repeats(logs, "its samples would train and validate at once")
     chosen = {} if seed is None else {"seed": seed}
-    settings = from_files(config or local_files(), chosen).model_dump(mode="json")
-    models = settings["models"]
+    settings = from_files(config or local_files(), chosen)
+    models = settings.models.model_dump()
     if model not in entries(models):
         choice = in_words(entries(models), "or")
         raise ConfigError(f"--model {model}: there is no such model; use {choice}")
-    data = _read(logs, settings, model)
-    folds = CrossValidation(**validation(settings, model)).split_rows(data)
-    unfitted = build(model, models, settings["seed"])
+    data = _read(logs, settings, entry_of(model, models).inputs)
+    folds = CrossValidation(**validation(settings.model_dump(), model)).split_rows(data)
+    unfitted = build(model, models, settings.seed)
     with threadpool_limits(1):  # like the workflow; more threads change the last digits
         result = learn(unfitted, data.samples(model, models), folds)
     with replacing(out) as temporary:
@@ -63,17 +60,18 @@ def train(
 def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> None:
     """Compute the pressure P_ff that a trained model gives for a raw log."""
     refuse_output(out, ".csv", ".h5")
-    settings = from_files(config or local_files()).model_dump(mode="json")
-    models = settings["models"]
+    settings = from_files(config or local_files())
+    models = settings.models.model_dump()
     fitted = load_model(model, outside_classes(models))
     name = _name_of(fitted, model, models)
-    data = _read([raw], settings, name)
+    inputs = entry_of(name, models).inputs
+    data = _read([raw], settings, inputs)
     X, y, _ = data.samples(name, models)
-    units = data.units(entry_of(name, models).inputs)
-    refuse_other_data(fitted, f"{model}, the model", settings["control"]["sample_rate_hz"], units)
+    rate_hz = settings.control.sample_rate_hz
+    refuse_other_data(fitted, f"{model}, the model", rate_hz, data.units(inputs))
     with threadpool_limits(1), refusals_of(fitted):
         output = fitted.predict(X)
-    names = ("time_s", *entries(models)[name].inputs, "p_target_kpa")
+    names = ("time_s", *inputs, "p_target_kpa")
     columns = {key: data.channels[key] for key in names} | {"p_ff_kpa": output}
     if Path(out).suffix == ".h5":
         write_columns(out, columns, dict(data.attributes) | {"model": name})
@@ -87,23 +85,23 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     print(report)
 
 
-def _read(logs: Sequence[str], settings: Settings, model: str) -> Data:
+def _read(logs: Sequence[str], settings: Settings, inputs: tuple[str, ...]) -> Data:
     """Read raw logs as the workflow's preprocessing does; several become one."""
-    rate_hz = settings["control"]["sample_rate_hz"]
+    rate_hz = settings.control.sample_rate_hz
     recordings, _ = read_recordings(
         logs,
         experiment=None,
-        target=settings["evaluation"]["target"],
+        target=settings.evaluation.target,
         sample_rate_hz=rate_hz,
-        limits=Quality(**settings["quality"]),
-        inputs=entry_of(model, settings["models"]).inputs,
+        limits=settings.quality,
+        inputs=inputs,
     )
     if len(recordings) == 1:
         return recordings[0]
     return join(dict(zip(logs, recordings, strict=True)), 1.0 / rate_hz)
 
 
-def _name_of(fitted: SequenceModel, path: str, models: Settings) -> str:
+def _name_of(fitted: SequenceModel, path: str, models: Mapping[str, Any]) -> str:
     """Return the name of a model's class in the configuration."""
     for name in entries(models):
         if load_class(name, models) is type(fitted):
