@@ -91,7 +91,9 @@ TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
 
 #: Names of all sensors, and of those that every real rig has.
 SENSORS = _names("sensor")
-NEEDED_SENSORS = tuple(name for name in SENSORS if name != "phi_deg")
+NEEDED_SENSORS = tuple(
+    channel.name for channel in CHANNELS if channel.name in SENSORS and "rig" in channel.needed
+)
 
 
 def needed_by(source: str, *, tracking: bool = False) -> tuple[str, ...]:
