@@ -29,6 +29,8 @@ _REMEDIES = {
 #: Longest name of an output, bytes: file systems take 255, and temporary files, journals and
 #: diagnoses have longer names.
 _LONGEST_NAME = 220
+#: Endings of results.
+_RESULTS = (".csv", ".h5", ".html", ".json", ".md", ".pdf", ".png", ".tex")
 #: Largest JSON file, bytes.
 _LARGEST_JSON = 1 << 28
 
@@ -128,9 +130,17 @@ def refuse_unwritable(folders: Sequence[Path | str]) -> None:
     Raises
     ------
     OutputError
-        Names every path that is not a folder, or cannot be written to.
+        Names every path that is not a folder, or cannot be written to, also below them; and every
+        folder that has the name of a result, which would pass for a finished one.
     """
-    problems = [f"{folder}: {why}" for folder in folders if (why := _obstacle(Path(folder)))]
+    below = [path for folder in folders for path in sorted(Path(folder).rglob("*/"))]
+    places = [*map(Path, folders), *below]
+    problems = [f"{place}: {why}" for place in places if (why := _obstacle(place))]
+    problems += [
+        f"{place}: is a folder, and a result has this name; move it away"
+        for place in places
+        if place.suffix in _RESULTS
+    ]
     if problems:
         raise OutputError("\n".join(problems))
 

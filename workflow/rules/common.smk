@@ -21,10 +21,11 @@ def computes(*models):
 def file_of_workflow(name):
     """Return a file of this workflow, named from the folder of the rules.
 
-    The path is relative, so that moving the workflow with its results reruns nothing.
+    The path is relative and without links, so that moving the workflow with its results reruns
+    nothing, nor reaching it through a link.
     """
     if isinstance(RULES, os.PathLike):
-        return local(os.path.relpath(os.path.join(RULES, name)))
+        return local(os.path.relpath(os.path.realpath(os.path.join(RULES, name))))
     return workflow.source_path(name)  # a copy: the module comes from a git repository
 
 
