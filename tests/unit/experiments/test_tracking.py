@@ -80,15 +80,6 @@ def test_compiled_run_is_that_of_the_model_in_the_loop(bench, models, reference,
         np.testing.assert_allclose(result[channel], values, atol=tolerance, err_msg=channel)
 
 
-def test_feedforward_of_a_model_without_readout_ignores_p_o(bench, models):
-    theta_d, inputs = bench.reference("sine_0p5"), bench.inputs("sine_0p5")
-    p_ff = {name: bench.precompute(model, inputs).p_ff_kpa for name, model in models.items()}
-    np.testing.assert_array_equal(
-        p_ff["fuzzy_linear"], models["fuzzy_linear"].predict(theta_d[:, None])
-    )
-    assert np.abs(p_ff["fprc"] - p_ff["fuzzy_linear"]).max() > 1.0
-
-
 def follow(bench, model, **feedforward):
     """Return the tracking error of a run whose P_o reads 5 kPa more than in the training."""
     bench = changed(bench, **feedforward)

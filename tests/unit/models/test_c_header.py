@@ -247,32 +247,15 @@ def test_two_models_fit_into_one_program(fitted, tmp_path):
     subprocess.run(command, check=True)
 
 
-def test_name_of_a_column_cannot_end_the_comment():
-    X = recording(100, 2)
-    names = np.array(["theta", "P_o */ int x; /*"], dtype=object)
-    model = FPRC(n_c=2, random_state=1).fit(X, X[:, 0])
-    model.feature_names_in_ = names
-    comment = c_header(model, "pff", origin="a\n*/ b").partition("#ifndef")[0]
-    assert comment.count("*/") == 1
-    assert "P_o __ int x; __" in comment
-    assert "x[0]: theta_d, deg (column theta)" in comment
-    assert "Output: P_ff, kPa" in comment
-
-
-def test_comment_has_rate_and_units_of_the_training():
+def test_comment_has_rate_units_and_columns_of_the_training_and_cannot_be_ended():
     X = recording(100, 2)
     model = FPRC(n_c=2, random_state=1).fit(X, X[:, 0])
     model.sample_rate_hz_, model.units_ = 1.0 / 0.01, np.array(["bar", "rad", "*/"], dtype=object)
-    comment = c_header(model, "pff").partition("#ifndef")[0]
-    for line in ("at 100 Hz:", "x[0]: theta_d, rad", "x[1]: P_o, __", "Output: P_ff, bar"):
+    model.feature_names_in_ = np.array(["theta", "P_o */ int x; /*"], dtype=object)
+    comment = c_header(model, "pff", origin="a\n*/ b").partition("#ifndef")[0]
+    for line in ("at 100 Hz:", "x[0]: theta_d, rad (column theta)", "x[1]: P_o, __", "P_ff, bar"):
         assert line in comment
     assert comment.count("*/") == 1
-
-
-def test_comment_holds_the_parts_of_the_model_and_no_empty_line_of_its_origin(fitted):
-    comment = c_header(fitted["ridge"], "pff").partition("#ifndef")[0]
-    assert "(PlayOperators(n_plays=4), [1, 0])" in comment
-    assert " \n" not in comment
 
 
 class Halved(TapFeatures):

@@ -71,11 +71,6 @@ def test_iteration_equals_its_formulas_for_any_number_of_blocks(size, n_clusters
     assert_allclose(means, u**2 @ X / (u**2).sum(axis=1, keepdims=True), rtol=1e-11, atol=1e-13)
 
 
-def test_clusters_of_identical_samples_share_them_evenly():
-    clusters = fuzzy_c_means(np.tile([33.3, 101.7], (50, 1)), 3, random_state=0)
-    assert_allclose(clusters.memberships, 1.0 / 3.0, rtol=1e-6)
-
-
 @pytest.mark.parametrize("n_clusters", [0, 6])
 def test_number_of_clusters_that_the_samples_do_not_allow_is_refused(n_clusters):
     with pytest.raises(ValueError, match=rf"n_clusters = {n_clusters}.*n_samples = 5"):

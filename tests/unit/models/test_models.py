@@ -1,7 +1,6 @@
 import ast
 import inspect
 import re
-from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -131,17 +130,6 @@ def test_stream_recovers_from_the_largest_sample(spike, fitted):
     assert np.all(np.isfinite(got))
     assert abs(got[5] - expected[5]) > 1e3
     assert_allclose(got[-80:], expected[-80:], rtol=0, atol=1e-6)
-
-
-def test_deep_copy_has_a_stream_of_its_own(fitted):
-    X = other_inputs(fitted)
-    for x in X[:40]:
-        fitted.step(x)
-    ours, theirs = deepcopy(fitted), deepcopy(fitted.features_)
-    expected = [fitted.step(x) for x in X[40:]]
-    rows = np.array([theirs.step(x) for x in X[40:]])
-    assert [ours.step(x) for x in X[40:]] == expected
-    assert_allclose(fitted.readout_.predict(rows), expected, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)

@@ -1,5 +1,3 @@
-from copy import deepcopy
-
 import numpy as np
 import pytest
 from sklearn.base import clone
@@ -108,18 +106,6 @@ def test_everything_is_compiled_before_the_first_step(model, monkeypatch):
     monkeypatch.setattr(module, "_learn_step", lambda *given: called.append(learn_step(*given)))
     Online(model[0], Learning(), PERIOD_S)
     assert called
-
-
-def test_deep_copy_learns_apart(model):
-    found, X = model
-    first = Online(found, Learning(), PERIOD_S)
-    other = deepcopy(first)
-    for x in X[:40]:
-        other.step(x)
-        other.learn(1.0, 30.0)
-    assert other.learned.any()
-    assert not first.learned.any()
-    assert first.step(X[0]) == Online(found, Learning(), PERIOD_S).step(X[0])
 
 
 # --- the online model -------------------------------------------------------------------------
