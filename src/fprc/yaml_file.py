@@ -20,6 +20,7 @@ _CORE = {
 }
 
 _LIMIT_BYTES = 1_000_000
+_LIMIT_LEVELS = 50
 
 
 def read_yaml(path: Path | str) -> dict[Any, Any]:
@@ -38,10 +39,15 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
     content = read_given(path, error=ConfigError, most_bytes=_LIMIT_BYTES)
     try:
         text = content.decode("utf-8")
+        level = 0
         for event in yaml.parse(text, Loader=_Loader):
+            level += isinstance(event, yaml.CollectionStartEvent)
+            level -= isinstance(event, yaml.CollectionEndEvent)
+            where = f"line {event.start_mark.line + 1}"
             if isinstance(event, yaml.AliasEvent):
-                line = event.start_mark.line + 1
-                raise ValueError(f"line {line}: *{event.anchor} is an alias; write out the value")
+                raise ValueError(f"{where}: *{event.anchor} is an alias; write out the value")
+            if level > _LIMIT_LEVELS:
+                raise ValueError(f"{where}: more than {_LIMIT_LEVELS} levels")
         loader = _Loader(text)
         settings = loader.get_single_data()
         if loader.repeated:

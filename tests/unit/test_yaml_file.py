@@ -76,7 +76,7 @@ def test_duplicate_key_is_refused_for_any_values(read, content):
      ("a: &x 1\nb: *x\n", ["line 2: *x"]), ("a: &x {c: 1}\nb:\n  <<: *x\n", ["line 3: *x"]),
      ("a: &x [*x]\n", ["line 1: *x"]), ("a: !mine 010\n", ["line 1"]),
      ("a: 1\n---\nb: 2\n", ["line 2"]), ("? [1, 2]\n: 3\n", ["line 1"]),
-     ("[" * 1000, []), ("- 1\n", []), ("7", []), ("false", []),
+     ("[" * 100_000, []), ("- " * 10_000, []), ("- 1\n", []), ("7", []), ("false", []),
      (b"#" * 1_000_001, ["1,000,001 bytes"]), (b"\xff", []), ("n: " + "9" * 5000, [])],
 )  # fmt: skip
 def test_what_settings_do_not_need_is_refused_with_every_place(read, text, places):
