@@ -59,7 +59,8 @@ class Feedforward(Section):
     memory_s: float = quantity(60, (1, 36000),
         "time constant with which the weight of the training returns")
     delay_s: float = quantity(0.02, (0, 1), "time from a command to the angle it causes")
-    kpa_per_deg: float = quantity(2.0, (0, 100), "correction for a degree of error")
+    # with the shortest prior_s and the highest limit_kpa, 50 no longer settles on the rigs
+    kpa_per_deg: float = quantity(2.0, (0, 20), "correction for a degree of error")
     limit_kpa: float = quantity(150, (0, 500), "most that learning adds to P_ff or takes")
     stop_deg: float = quantity(0.5, (0, 20),
         "angle up to which the actuator lies at its stop: nothing is learned")

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 #: Returns the setpoints P_exp and P_i of sample k in kPa, then any further values to record.
 Law = Callable[[int, Readings], Sequence[float]]
 
-
 #: Readings that every run needs; the others are only recorded.
 _NEEDED = ("time_s", *NEEDED_SENSORS)
 
@@ -78,15 +77,10 @@ def run(
     rows = np.empty((samples, len(names)))
     done = k = 0
     period_s = 1.0 / control.sample_rate_hz
-    gains = [
-        (loop.kp_v_per_kpa, loop.ki_v_per_kpa_s)
-        for loop in (control.main_loop, control.reservoir_loop)
-    ]
+    loops = (control.main_loop, control.reservoir_loop)
+    gains = [(loop.kp_v_per_kpa, loop.ki_v_per_kpa_s) for loop in loops]
     integrals: Sequence[float] = (0.0, 0.0)
-
-    def recorded() -> dict[str, np.ndarray]:
-        return dict(zip(names, rows[:done].T.copy(), strict=True))
-
+    ended, problem, cause = "run finished", "", None
     try:
         while k < samples and (k := clock.wait_for(k)) < samples:
             if reason := stop():
@@ -106,8 +100,7 @@ def run(
             ]
             (main_v, reservoir_v), integrals = zip(*steps, strict=True)
             device.write(main_v, reservoir_v)
-            sample = {
-                **now._asdict(),
+            sample = now._asdict() | {
                 "p_exp_command_kpa": p_exp,
                 "p_i_command_kpa": p_i,
                 "valve_main_v": main_v,
@@ -118,24 +111,19 @@ def run(
             keep(k, row)
             k += 1
     except Exception as error:
-        unsafe = _make_safe(device)
         what = error if isinstance(error, FprcError) else f"{type(error).__name__}: {error}"
-        raise RunAbortedError(f"run stopped at sample {k}: {what}{unsafe}", recorded()) from error
+        ended, problem, cause = f"run stopped at sample {k}", f": {what}", error
     except BaseException:
         device.safe()
         raise
-    if unsafe := _make_safe(device):
-        raise RunAbortedError(f"run finished{unsafe}", recorded())
-    return recorded()
-
-
-def _make_safe(device: Device) -> str:
-    """Make the device safe; return an error text if that fails."""
     try:
         device.safe()
     except Exception as error:
-        return f"\nthe rig could not be made safe: {error}"
-    return ""
+        problem += f"\nthe rig could not be made safe: {error}"
+    recorded = dict(zip(names, rows[:done].T.copy(), strict=True))
+    if problem:
+        raise RunAbortedError(ended + problem, recorded) from cause
+    return recorded
 
 
 def hysteresis_law(p_exp_kpa: np.ndarray, control: "Control") -> Law:

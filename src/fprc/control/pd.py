@@ -3,7 +3,7 @@
 import math
 from typing import TYPE_CHECKING
 
-from fprc.control_laws import pd_step
+from fprc.control_laws import FARTHEST_DEG, pd_step
 
 if TYPE_CHECKING:
     from fprc.config.settings import Control
@@ -27,11 +27,13 @@ class PD:
     unless it leads back, so that the sum does not wind up; the authors' code has no limits. The
     derivative is zero at the first sample.
 
+    An angle beyond ``FARTHEST_DEG`` is a fault of the sensor and changes nothing: as the first one
+    of a run it would leave the sum at a limit for good.
+
     Parameters
     ----------
     control : Control
-        The gains ``pd`` (paper, Sec. IV), the law
-        ``feedback``, and the sample rate, 1 / T.
+        The gains ``pd`` (paper, Sec. IV), the law ``feedback``, and the sample rate, 1 / T.
     highest_kpa : float, default=inf
         Highest P_d; the lowest is 0.
     """
@@ -45,15 +47,12 @@ class PD:
 
     def step(self, theta_d_deg: float, theta_deg: float, p_ff_kpa: float = 0.0) -> float:
         """Return P_fb for this sample, kPa."""
+        if abs(theta_deg) > FARTHEST_DEG:
+            return self._p_fb_kpa
         error = theta_d_deg - theta_deg
         last = error if self._last is None else self._last
         self._last = error
         self._p_fb_kpa = pd_step(
-            error,
-            last,
-            self._p_fb_kpa,
-            p_ff_kpa,
-            self._incremental,
-            *self._settings,
+            error, last, self._p_fb_kpa, p_ff_kpa, self._incremental, *self._settings
         )
         return self._p_fb_kpa

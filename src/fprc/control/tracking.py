@@ -96,22 +96,18 @@ def refuse_impossible(
         Names the first time and value at which the reference leaves the
         actuator's range, or P_i = K_in theta_d exceeds its limit.
     """
-    (low, high), rate_hz = angle_range_deg, control.sample_rate_hz
+    (low, high), limit_kpa = angle_range_deg, control.reservoir_limit_kpa
+    p_i_kpa = control.k_in_kpa_per_deg * theta_d_deg
     problems = []
-    outside = np.flatnonzero(~((theta_d_deg >= low) & (theta_d_deg <= high)))
-    if outside.size:
-        k = outside[0]
-        problems.append(
-            f"theta_d = {theta_d_deg[k]:.2f} deg at t = {k / rate_hz:.3f} s leaves the "
-            f"actuator's range of {low:g} to {high:g} deg; reduce amplitude or offset"
-        )
-    p_i_kpa, limit_kpa = control.k_in_kpa_per_deg * theta_d_deg, control.reservoir_limit_kpa
-    beyond = np.flatnonzero(p_i_kpa > limit_kpa)
-    if beyond.size:
-        k = beyond[0]
-        problems.append(
-            f"P_i = {p_i_kpa[k]:.1f} kPa at t = {k / rate_hz:.3f} s exceeds the reservoir's limit "
-            f"of {limit_kpa:g} kPa; reduce theta_d or K_in"
-        )
+    for name, unit, values, wrong, why in (
+        ("theta_d", "deg", theta_d_deg, ~((theta_d_deg >= low) & (theta_d_deg <= high)),
+         f"leaves the actuator's range of {low:g} to {high:g} deg; reduce amplitude or offset"),
+        ("P_i", "kPa", p_i_kpa, p_i_kpa > limit_kpa,
+         f"exceeds the reservoir's limit of {limit_kpa:g} kPa; reduce theta_d or K_in"),
+    ):  # fmt: skip
+        if wrong.any():
+            k = int(wrong.argmax())
+            time_s = k / control.sample_rate_hz
+            problems.append(f"{name} = {values[k]:.2f} {unit} at t = {time_s:.3f} s {why}")
     if problems:
         raise ControlError("\n".join(problems))

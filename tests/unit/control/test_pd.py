@@ -60,3 +60,17 @@ def test_sum_recovers_where_feedforward_alone_is_beyond_a_limit():
     pd = controller(KP, KD, highest_kpa=400.0)
     assert pd.step(1.0, 0.0, 500.0) == 0.0  # kp e does not count
     assert pd.step(-1.0, 0.0, 500.0) == pytest.approx(-2.0 * KD / PERIOD_S - KP)
+
+
+@pytest.mark.parametrize("law", ["incremental", "positional"])
+@pytest.mark.parametrize("at", [0, 1, 30])
+@pytest.mark.parametrize("fault", [1e8, -361.0, math.inf])
+def test_angle_that_cannot_be_true_changes_nothing(law, at, fault):
+    angles = 10.0 * np.sin(np.arange(60) / 7.0)
+    pd, disturbed = (controller(KP, KD, feedback=law, highest_kpa=450.0) for _ in range(2))
+    p_fb = 0.0
+    for k, angle in enumerate(angles):
+        if k == at:
+            assert disturbed.step(12.0, fault, 100.0) == p_fb
+        p_fb = pd.step(12.0, angle, 100.0)
+        assert disturbed.step(12.0, angle, 100.0) == p_fb

@@ -3,8 +3,10 @@ import pytest
 
 from fprc.channels import Readings
 from fprc.config.settings import Control, Feedforward, Gains
-from fprc.control import refuse_impossible, tracking_law
+from fprc.control import refuse_impossible, run, tracking_law
+from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
+from fprc.models import FPRC, Learning, Online
 
 
 def reading(theta_deg=0.0, p_o_kpa=50.0):
@@ -65,9 +67,9 @@ def test_controller_without_a_number_is_refused_and_shown(value):
     [
         ([10.0, 20.0, -0.25, 10.0, 99.0], 999.0, ["theta_d = -0.25 deg at t = 0.010 s"]),
         ([10.0, 20.0, 65.25, 10.0, -9.0], 999.0, ["theta_d = 65.25 deg at t = 0.010 s"]),
-        ([10.0, 64.0, 64.5, 65.0], 450.0, ["P_i = 451.5 kPa at t = 0.010 s"]),
+        ([10.0, 64.0, 64.5, 65.0], 450.0, ["P_i = 451.50 kPa at t = 0.010 s"]),
         ([10.0, 64.5, 70.0], 450.0,
-         ["theta_d = 70.00 deg at t = 0.010 s", "P_i = 451.5 kPa at t = 0.005 s"]),
+         ["theta_d = 70.00 deg at t = 0.010 s", "P_i = 451.50 kPa at t = 0.005 s"]),
     ],
 )  # fmt: skip
 def test_impossible_reference_is_refused_at_its_first_time_and_value(theta_d, limit, problems):
@@ -77,3 +79,26 @@ def test_impossible_reference_is_refused_at_its_first_time_and_value(theta_d, li
         refuse_impossible(np.array(theta_d), control, (0.0, 65.0))
     for line, problem in zip(str(caught.value).splitlines(), problems, strict=True):
         assert problem in line
+
+
+@pytest.mark.parametrize("feedback", [False, True])
+def test_strongest_learning_that_the_settings_allow_settles(recorded, control, rig, feedback):
+    log = recorded["sweep"]
+    X = np.column_stack([log["theta_deg"], log["p_o_kpa"]])
+    model = FPRC(n_c=4, random_state=1).fit(X, log["p_exp_command_kpa"]).remember(X)
+    theta_d = 32.5 - 27.5 * np.cos(2.0 * np.pi * 0.2 * np.arange(3000) / 200.0)
+    strongest = Feedforward().changed(prior_s=0.1, kpa_per_deg=20.0, limit_kpa=500.0)
+    for name in ("kpa_per_deg", "limit_kpa"):
+        with pytest.raises(ValueError, match=name):
+            Feedforward(**{name: 1.01 * getattr(strongest, name)})
+
+    def error(online):
+        device = SimulatedRig(rig, seed=1, run=10, sample_rate_hz=200.0)
+        law = tracking_law(theta_d, control, 450.0, model=model, online=online, feedback=feedback)
+        theta = run(
+            device, device, law, len(theta_d), control, extra=("",) * (3 + 2 * bool(online))
+        )
+        return np.sqrt(np.mean((theta_d - theta["theta_deg"])[-1000:] ** 2))
+
+    learning = {name: getattr(strongest, name) for name in Learning._fields}
+    assert error(Online(model, Learning(**learning), 0.005, 450.0)) < error(None)
