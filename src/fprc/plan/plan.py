@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.channels import CHANNELS
+from fprc.config import Settings
 from fprc.errors import ConfigError, LogError
 from fprc.escape import in_words
 from fprc.logs import Columns, read_columns
@@ -25,30 +26,34 @@ TRAINING = EXPERIMENTS[0]
 class Plan:
     """Models and runs of the workflow, and the results that cannot be made."""
 
-    settings: Mapping[str, Any]  #: the whole configuration
+    settings: Settings  #: the whole configuration
     existing: Mapping[str, Columns]  #: the existing raw logs, without samples, by name
     raw: str  #: folder of those logs, for messages
 
     @cached_property
     def paths(self) -> Paths:
         """Every file of the workflow."""
-        folders = self.settings["folders"]
-        return Paths(folders["raw"], folders["results"])
+        return Paths(self.settings.folders.raw, self.settings.folders.results)
+
+    @cached_property
+    def section_models(self) -> dict[str, Any]:
+        """The section ``models``, as the registry takes it."""
+        return self.settings.models.model_dump(mode="json")
 
     @property
     def on_simulated_rig(self) -> bool:
         """Whether the rig is simulated, so that there can be further rigs."""
-        return self.settings["source"] == "sim"
+        return self.settings.source == "sim"
 
     @property
     def records(self) -> bool:
         """Whether the workflow records logs."""
-        return self.settings["source"] != "recorded"
+        return self.settings.source != "recorded"
 
     @cached_property
     def controllers(self) -> list[str]:
         """Controllers of the closed-loop runs."""
-        return controllers(self.settings["models"])
+        return controllers(self.section_models)
 
     @cached_property
     def every_run(self) -> list[str]:
@@ -70,10 +75,10 @@ class Plan:
     def contents(self) -> dict[str, Columns]:
         """The raw logs that exist or will be recorded, without samples, by name."""
         logs = {name: self.existing[name] for name in self.every_log if name in self.existing}
-        has_phi = self.on_simulated_rig or self.settings["hardware"]["phi"]
+        has_phi = self.on_simulated_rig or self.settings.hardware.phi
         lacking = set() if has_phi else {"phi_deg"}
         channels = frozenset(channel.name for channel in CHANNELS) - lacking
-        source = {"source": self.settings["source"]}
+        source = {"source": self.settings.source}
         for name in self.every_log if self.records else ():
             if self.on_simulated_rig or name not in logs:
                 logs[name] = Columns(Path(self.paths.log(name)), {}, source, names=channels)
@@ -129,14 +134,14 @@ class Plan:
         """Models that are not in the tables, with their reasons."""
         if "table2" in self.unavailable:
             return {}
-        needed = entries(self.settings["models"]).items()
+        needed = entries(self.section_models).items()
         reasons = {model: self._why_not(Need(EXPERIMENTS, entry.inputs)) for model, entry in needed}
         return {model: reason for model, reason in reasons.items() if reason}
 
     @cached_property
     def models(self) -> list[str]:
         """The models whose inputs are in the logs."""
-        return [name for name in entries(self.settings["models"]) if name not in self.left_out]
+        return [name for name in entries(self.section_models) if name not in self.left_out]
 
     @cached_property
     def feedforward(self) -> list[str]:
@@ -151,7 +156,7 @@ class Plan:
 
     def replicates(self, part: str) -> list[str]:
         """Return one part of each further seed's report."""
-        seeds = self.settings["evaluation"]["replicate_seeds"]
+        seeds = self.settings.evaluation.replicate_seeds
         return [self.paths.replicate(part, seed) for seed in seeds]
 
     @property
@@ -174,7 +179,7 @@ class Plan:
         return [*raw, *map(self.paths.data, logs)]
 
 
-def read_plan(settings: Mapping[str, Any], raw: str) -> Plan:
+def read_plan(settings: Settings, raw: str) -> Plan:
     """Return the plan for the raw logs that exist.
 
     Parameters
@@ -190,17 +195,17 @@ def read_plan(settings: Mapping[str, Any], raw: str) -> Plan:
         Names every log that cannot be read or that has another source than ``source`` says; or
         there is none to use.
     """
-    outside_classes(settings["models"])
+    outside_classes(settings.models.model_dump())
     small = [
-        f"grids.{name} = {values}: give three or more values, each once; the claims ask for one "
-        "between others"
-        for name, values in settings["grids"].items()
+        f"grids.{name} = {list(values)}: give three or more values, each once; the claims ask for "
+        "one between others"
+        for name, values in settings.grids
         if len(set(values)) < max(len(values), 3)
     ]
-    if small and settings["source"] == "sim":
+    if small and settings.source == "sim":
         raise ConfigError("\n".join(small))
     logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}, raw).every_log]
-    if settings["source"] == "recorded":
+    if settings.source == "recorded":
         logs += [str(path) for path in Path(raw).glob("*.h5") if _is_further(path.stem)]
     present = [log for log in logs if Path(log).exists()]
     read = read_each(read_columns, present, names=())

@@ -11,7 +11,7 @@ NAMES = ["sweep", "complex", "track_sweep_fprc"]
 
 
 def there(folder, source="sim"):
-    settings = check({"source": source}).model_dump(mode="json")
+    settings = check({"source": source})
     return read_plan(settings, str(folder)).existing
 
 

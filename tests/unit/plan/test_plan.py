@@ -19,12 +19,12 @@ CLOSED_LOOP = {"table4", *(f"fig{number}" for number in range(12, 18))}
 @pytest.fixture(scope="module")
 def simulated():
     """The plan of the default settings."""
-    return Plan(Settings().model_dump(mode="json"), {}, "data/raw")
+    return Plan(Settings(), {}, "data/raw")
 
 
 def recorded(*names, lacking=()):
     """Return the plan of logs that were recorded elsewhere."""
-    settings = check({"source": "recorded"}).model_dump(mode="json")
+    settings = check({"source": "recorded"})
     channels = frozenset(RAW_CHANNELS) - {*lacking}
     there = {name: Columns(Path(f"data/raw/{name}.h5"), {}, {}, names=channels) for name in names}
     return Plan(settings, there, "data/raw")
@@ -38,11 +38,11 @@ def recorded(*names, lacking=()):
 def test_grid_in_which_no_value_is_between_others_is_refused_where_claims_are_judged(
     name, values, tmp_path
 ):
-    settings = check({"grids": {name: values}}).model_dump(mode="json")
+    settings = check({"grids": {name: values}})
     with pytest.raises(ConfigError, match=f"grids.{name} = "):
         read_plan(settings, str(tmp_path))
     with pytest.raises(LogError, match="contains no raw log"):
-        read_plan(settings | {"source": "recorded"}, str(tmp_path))
+        read_plan(settings.changed(source="recorded"), str(tmp_path))
 
 
 # --- on the simulated rig -------------------------------------------------------------------------
@@ -57,7 +57,7 @@ def test_every_result_can_be_made_on_the_simulated_rig(simulated):
 
 def test_log_to_come_lacks_only_what_the_rig_does_not_measure():
     for phi, lacking in ((None, {"phi_deg"}), ({}, set())):
-        settings = check({"source": "rig", "hardware": {"phi": phi}}).model_dump(mode="json")
+        settings = check({"source": "rig", "hardware": {"phi": phi}})
         plan = Plan(settings, {}, "data/raw")
         assert {"phi_deg", "p_o_kpa"} - plan.contents["sweep"].names == lacking
         assert ("fig17" in plan.unavailable) is bool(lacking)
@@ -97,7 +97,7 @@ def test_without_p_o_fprc_is_left_out_everywhere():
 
 def test_model_from_outside_is_judged_and_drives_if_it_can():
     other = {"estimator": "fprc.models.fprc.FuzzyLinear", "inputs": ["theta_deg"]}
-    settings = check({"models": {"others": {"taps": other}}}).model_dump(mode="json")
+    settings = check({"models": {"others": {"taps": other}}})
     plan = Plan(settings, {}, "data/raw")
     assert plan.models == [*MODELS, "taps"]
     assert {"taps", "taps_pd"} <= set(plan.controllers)
