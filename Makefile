@@ -7,7 +7,7 @@ ONE_THREAD = OMP_NUM_THREADS=1
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # each job is a new process: let Python cache the compiled modules for the next one
 export PYTHONDONTWRITEBYTECODE :=
-.PHONY: help paper smoke quick style fast lint test tests site docs check benchmark lowest newest container release clean
+.PHONY: help paper smoke quick style fast lint test tests site docs check clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z ]+:.*## / {printf "  %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -55,18 +55,6 @@ docs: .venv/.ready  ## update numbers and pictures in README.md and docs/
 
 check: .venv/.ready  ## compare verdicts and README.md with what was built
 	$(STUDIES) check
-
-benchmark: .venv/.ready  ## compare speed with other libraries, for docs/repeat.md: some minutes
-	tools/benchmark.sh
-
-lowest newest:  ## the unit tests with the oldest, and the newest, Python and libraries
-	tools/versions.sh $@
-
-container:  ## build the image of the Containerfile with podman, docker or buildah
-	tools/container.sh
-
-release: .venv/.ready  ## all results in a new clone; wheel, sdist and archive into dist/
-	tools/release.sh
 
 clean:  ## remove .venv; .snakemake stays: without it results of older code would count as finished
 	rm -rf .venv

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Compare speed with other libraries and write docs/repeat.md: `make benchmark`.
+# Compare speed with other libraries and write docs/repeat.md.
 #
 # The libraries have their own folder, so that nothing else finds them. Variables can select kernels
 # of BLAS that are older than the processor, which a measurement of speed does not want.

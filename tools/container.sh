@@ -1,5 +1,5 @@
 #!/bin/sh
-# Build the image fprc:latest of the Containerfile: `make container`.
+# Build the image fprc:latest of the Containerfile.
 # BASE=...: another image with Debian and Python 3.11 to 3.13. Docker counts only if its daemon answers.
 set -eu
 cd "${0%/*}/.."

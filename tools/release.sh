@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Make all results in a new clone; wheel, sdist and archive into dist/: `make release`.
+# Make all results in a new clone; wheel, sdist and archive into dist/.
 #
 # Results of a clean clone are all of one commit. Nothing is uploaded. SMOKE=...: options for a smoke
 # run; TOOLS=...: a Python that has the tools of the dependency group `release`.

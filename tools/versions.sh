@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Run the unit tests with the oldest or the newest Python and libraries: `make lowest newest`.
+# Run the unit tests with the oldest or the newest Python and libraries: `tools/versions.sh lowest`, or newest.
 # OLDEST and NEWEST name the Pythons; PYTEST has more options.
 set -euo pipefail
 cd "$(dirname "$0")/.."

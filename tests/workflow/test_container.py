@@ -1,7 +1,6 @@
-"""`make container`, with stand-ins for the engines."""
+"""`tools/container.sh`, with stand-ins for the engines."""
 
 import os
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -9,14 +8,12 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 ENGINES = ("podman", "docker", "buildah")
-MAKE = shutil.which("make") or "make"
 
 
-def container(*arguments, **environment):
+def container(**environment):
     return subprocess.run(
-        [MAKE, "--no-print-directory", "container", *arguments],
-        cwd=ROOT,
-        env={k: v for k, v in os.environ.items() if k != "MAKEFLAGS"} | environment,
+        [ROOT / "tools/container.sh"],
+        env=os.environ | environment,
         capture_output=True,
         text=True,
         check=False,
@@ -31,13 +28,13 @@ def container(*arguments, **environment):
         (("silent docker", "buildah"), "buildah"),
     ],
 )
-def test_make_container_takes_the_first_engine_that_answers(tmp_path, present, chosen):
+def test_container_takes_the_first_engine_that_answers(tmp_path, present, chosen):
     for name in present:
         engine = tmp_path / name.split()[-1]
         refuse = '[ "$1" != info ] || exit 1\n' if name.startswith("silent") else ""
         engine.write_text(f'#!/bin/sh\n{refuse}echo "{engine.name} $*"\n')
         engine.chmod(0o755)
-    done = container("BASE=debian", PATH=str(tmp_path))
+    done = container(BASE="debian", PATH=str(tmp_path))
     assert done.returncode == 0, done.stderr
     last = done.stdout.splitlines()[-1]
     assert last == f"{chosen} build --file Containerfile --tag fprc --build-arg BASE=debian ."

@@ -1,4 +1,4 @@
-"""`make release`: what it refuses, and the archive and packages of a smoke run."""
+"""`tools/release.sh`: what it refuses, and the archive and packages of a smoke run."""
 
 import os
 import shutil
@@ -42,7 +42,7 @@ def clone(tmp_path):
 
 
 def release(folder, **options):
-    """Run ``make release`` with the libraries and tools of this checkout."""
+    """Run ``tools/release.sh`` with the libraries and tools of this checkout."""
     return subprocess.run(
         ["tools/release.sh"],
         cwd=folder,
@@ -67,7 +67,7 @@ def test_what_forbids_a_release_stops_it_before_anything_is_made(clone, wrong):
     assert list((clone / "dist").rglob("*")) == []
 
 
-@pytest.mark.skipif(not TOOLS.exists(), reason="the tools that `make release` installs")
+@pytest.mark.skipif(not TOOLS.exists(), reason="the tools that `tools/release.sh` installs")
 def test_archive_and_packages_of_a_smoke_run(clone):
     done = release(clone, SMOKE="--workflow-profile smoke")
     assert done.returncode == 0, done.stderr.decode()

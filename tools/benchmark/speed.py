@@ -1,4 +1,4 @@
-"""Compare speed with other libraries: `make benchmark`, which installs them.
+"""Compare speed with other libraries: `tools/benchmark.sh`, which installs them.
 
 It writes the tables to docs/repeat.md, and prints them.
 

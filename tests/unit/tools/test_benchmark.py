@@ -1,4 +1,4 @@
-"""The comparisons of `make benchmark`."""
+"""The comparisons of `tools/benchmark.sh`."""
 
 import numpy as np
 import pandas as pd
