@@ -6,6 +6,7 @@ From a CSV with its own names and units to the question of whether P_o is worth 
 simulated experiment stands in for your file.
 """
 
+import json
 import subprocess
 import sys
 import tempfile
@@ -50,9 +51,10 @@ print(
 
 # %%
 # Both sides, family by family:
-table = pd.read_csv(folder / "mine/readout/sides.csv").set_index("family")
+answer = json.loads((folder / "mine/readout/answer.json").read_text(encoding="utf-8"))["answer"]
+table = pd.DataFrame({side: answer[side]["families"] for side in ("without", "with")})
 figure, axes = style.figure(1, 1, style.COLUMN_IN, 2.4)
-table[["without", "with"]].plot.barh(ax=axes, color=["0.75", "0.35"])
+table.plot.barh(ax=axes, color=["0.75", "0.35"])
 axes.set(xlabel="RMSE on unseen blocks [kPa]", ylabel="")
 axes.legend(["without P_o", "with P_o"])
 style.letter(axes, "A recording of the simulated rig")

@@ -203,9 +203,9 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         same time. A recording that can give no right answer stops the command before
         any training.
 
-        Writes `report.md`, `readout/` (tables, every number, pictures) and `raw/`, two
-        logs for the workflow, divided at test_from_s of the map, by default at two
-        thirds; the answer is of both.
+        Writes `report.md`, `readout/answer.json` (every number) and `raw/`: two logs
+        for the workflow, divided at test_from_s of the map, by default at two thirds;
+        the answer is of both.
 
         examples:
           fprc readout recording.csv --map map.yaml --out results/mine

@@ -40,7 +40,7 @@ def judge_models(
     seed: int,
     step: Callable[[str], None] = lambda what: None,
 ) -> list[dict[str, Any]]:
-    """Judge the paper's models, with the settings of the configuration, on every block.
+    """Judge the paper's models on every block.
 
     Returns
     -------
@@ -57,12 +57,10 @@ def judge_models(
                 raise EvaluationError(f"{len(X):,} samples take too much memory; use a shorter log")
             model = build(name, models, seed)
             fits = BlockReadouts(model, X, recordings.target, recordings.lengths, folds)
-            found: dict[str, Any] = {
-                "blocks": [float(fits.errors(block)[0]) for block in range(len(folds))]
-            }
+            errors = [float(fits.errors(block)[0]) for block in range(len(folds))]
+            cells.append({"model": name, "blocks": errors})
         except EvaluationError as error:
-            found = {"reason": str(error)}
-        cells.append({"model": name, **found})
+            cells.append({"model": name, "reason": str(error)})
         step(title_of(name))
     return cells
 
@@ -76,39 +74,16 @@ def judge_claims(cells: Sequence[Mapping[str, Any]], overlap: float) -> list[dic
         What ``decide_together`` gives, with ``other``, the model that FPRC is compared with, and
         ``reason``, why a claim is undecided or not judged.
     """
-    errors = {cell["model"]: np.log(cell.get("blocks", [])) for cell in cells}
-    claims = {
-        name: (
-            text,
-            [
-                Part(
-                    text,
-                    dict(enumerate(errors["fprc"] - errors[other]))
-                    if len(errors["fprc"]) == len(errors[other])
-                    else {},
-                    overlap=overlap,
-                )
-            ],
-        )
-        for name, (text, other) in CLAIMS.items()
-    }
+    errors = {cell["model"]: np.log(cell["blocks"]) for cell in cells if "blocks" in cell}
+    claims = {}
+    for name, (text, other) in CLAIMS.items():
+        both = {"fprc", other} <= errors.keys()
+        ratios = dict(enumerate(errors["fprc"] - errors[other])) if both else {}
+        claims[name] = text, [Part(text, ratios, overlap=overlap)]
     return [
         row | {"other": title_of(CLAIMS[row["id"]][1]), "reason": _reason(row)}
         for row in decide_together(claims, LEFT_OUT)
     ]
-
-
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return each verdict in a few sentences."""
-    lines = []
-    for row in rows:
-        line = f"{row['claim']} ({row['id']}): {row['words']}."
-        if row["mean"] is not None:
-            decides = row["units"] >= LEAST_UNITS  # the interval of a few blocks has no end
-            interval = f"({row['low']:#.3g} to {row['high']:#.3g}) " if decides else ""
-            line += f" FPRC's error is {row['mean']:#.3g} {interval}times that of {row['other']}."
-        lines.append(f"{line[0].upper()}{line[1:]} {row['reason']}".rstrip())
-    return lines
 
 
 def _reason(row: Mapping[str, Any]) -> str:
@@ -125,3 +100,16 @@ def _reason(row: Mapping[str, Any]) -> str:
             f"of the cases; {100 * AGREEING:.0f} % are needed."
         )
     return "The interval contains 1 and is not within 5 % of it."
+
+
+def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return each verdict in a few sentences."""
+    lines = []
+    for row in rows:
+        line = f"{row['claim'][:1].upper()}{row['claim'][1:]} ({row['id']}): {row['words']}."
+        if row["mean"] is not None:
+            decides = row["units"] >= LEAST_UNITS  # the interval of a few blocks has no end
+            interval = f"({row['low']:#.3g} to {row['high']:#.3g}) " if decides else ""
+            line += f" FPRC's error is {row['mean']:#.3g} {interval}times that of {row['other']}."
+        lines.append(f"{line} {row['reason']}".rstrip())
+    return lines

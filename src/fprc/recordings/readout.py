@@ -35,7 +35,7 @@ from fprc.recordings.judge import judge
 from fprc.recordings.memory import draw_memory, judge_memory
 from fprc.recordings.paper_models import MODELS, judge_claims, judge_models, sentences
 from fprc.recordings.picture import draw_recording
-from fprc.recordings.readout_page import Recorded, rates_in_words, report_page, write_tables
+from fprc.recordings.readout_page import Recorded, rates_in_words, report_page
 from fprc.recordings.table import read_table
 from fprc.registry import SIDES
 
@@ -117,8 +117,7 @@ def report_readout(
             f"{source}: {sum(lengths) / rate_hz:.3g} s are too short to judge anything; at least "
             f"{WARM_UP_S + LEAST_BLOCKS * PURGES * PURGE_S:g} s are needed"
         )
-    rates = rates_in_words(recorded_hz, rate_hz, settings)
-    print(rates, file=sys.stderr)
+    print(rates_in_words(recorded_hz, rate_hz, settings), file=sys.stderr)
     raw = {name: folder / f"raw/{name}.h5" for name in parts}
     for log in raw.values():
         refuse_output(log, ".h5", ours=is_imported)
@@ -131,9 +130,8 @@ def report_readout(
         described = {"recordings": hashes, "unit": unit, "source": "import", "target": target}
         report = described | _judge(recordings, settings, unit)
         write_json(answered, report)
-        write_tables(report, folder / "readout")
         draw_memory(report["memory"], str(folder / "readout/memory.png"))
-        write_text(page, report_page(recorded, map_, settings, folder, report, rates))
+        write_text(page, report_page(recorded, map_, settings, report, recorded_hz, rate_hz))
         doubts = [f"Doubtful: {line}" for one in recorded.values() for line in one.found.doubts]
         lines = [report["answer"]["words"], *doubts, *sentences(report["claims"]), str(page)]
         print("\n".join(lines))

@@ -2,11 +2,11 @@
 
 import difflib
 import re
-from collections.abc import Callable
-from importlib import import_module
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
+from zipfile import ZipFile
 
 import numpy as np
 
@@ -15,11 +15,12 @@ from fprc.given import open_given
 
 
 class Column(NamedTuple):
-    """One column of a file."""
+    """One column of a file, or, until it is split, any array in it."""
 
     values: np.ndarray  #: shape (n_samples,)
     unit: str = ""  #: as the file states it, outside of the column's name
     label: str = ""  #: what the file calls it besides its name
+    parts: Sequence[str] = ()  #: names of the columns of a matrix
 
 
 class Table(NamedTuple):
@@ -57,16 +58,16 @@ class Table(NamedTuple):
         raise LogError(f"no such column; {near}`fprc import {self.path} --draft` shows all")
 
 
-#: How the files of a format begin, its name, and its reader.
+#: How the files of a format begin, its name, and its reader in ``fprc.recordings.formats``.
 _FORMATS = (
-    (b"\x89HDF", "HDF5", "hdf5.read_hdf5"),
-    (b"MATLAB", "MATLAB", "matlab.read_matlab"),
-    (b"\x93NUMPY", "NumPy", "others.read_npy"),
-    (b"TDSm", "TDMS", "others.read_tdms"),
-    (b"PAR1", "Parquet", "others.read_parquet"),
-    (b"\x89MCAP0", "MCAP", "bags.read_mcap"),
-    (b"#ROSBAG", "ROS bag", "bags.read_bag"),
-    (b"SQLite format 3", "ROS 2 bag", "bags.read_bag"),
+    (b"\x89HDF", "HDF5", "read_hdf5"),
+    (b"MATLAB", "MATLAB", "read_matlab"),
+    (b"\x93NUMPY", "NumPy", "read_npy"),
+    (b"TDSm", "TDMS", "read_tdms"),
+    (b"PAR1", "Parquet", "read_parquet"),
+    (b"\x89MCAP0", "MCAP", "read_mcap"),
+    (b"#ROSBAG", "ROS bag", "read_bag"),
+    (b"SQLite format 3", "ROS 2 bag", "read_bag"),
 )
 #: How files begin that another program must save in another format first.
 _FOREIGN = {
@@ -92,6 +93,8 @@ def read_table(path: Path | str, **layout: Any) -> Table:
         The file cannot be opened, is damaged, empty, too large, or of another format; or the
         library that reads it is not installed.
     """
+    from fprc.recordings import formats, text
+
     path = Path(path)
     with open_given(path, error=LogError) as file:
         head = file.read(512)
@@ -99,14 +102,22 @@ def read_table(path: Path | str, **layout: Any) -> Table:
         if head.startswith(begin):
             raise LogError(f"{path}: is {what}")
     kind, reader = next((found[1:] for found in _FORMATS if head.startswith(found[0])), ("", ""))
-    if head.startswith(b"PK\x03\x04"):
-        kind, reader = _of_zip(path)
-    elif not kind and path.suffix.lower() == ".mat":  # version 4 begins with a number
-        kind, reader = "MATLAB", "matlab.read_matlab"
-    if not kind:
-        return _call("text.read_text", path, layout)
+    if not kind and path.suffix.lower() == ".mat":  # version 4 begins with a number
+        kind, reader = "MATLAB", "read_matlab"
     try:
-        table: Table = _call(reader, path, {})
+        if head.startswith(b"PK\x03\x04"):
+            with ZipFile(path) as archive:
+                names = archive.namelist()
+            kind = "Excel" if any(name.startswith("xl/") for name in names) else "NumPy"
+            if kind == "NumPy" and not all(name.endswith(".npy") for name in names):
+                raise LogError(f"{path}: is an archive of {names[0]} and others; unpack it first")
+            reader = "read_npz"
+        if kind == "Excel":
+            table = text.read_xlsx(path)
+        elif kind:
+            table = Table(path, kind, *_gathered(getattr(formats, reader)(path)))
+        else:
+            return text.read_text(path, **layout)
     except (LogError, MemoryError):
         raise
     except ImportError as error:
@@ -116,33 +127,66 @@ def read_table(path: Path | str, **layout: Any) -> Table:
         ) from error
     except Exception as error:  # on a damaged file the libraries raise many types
         raise LogError(
-            f"{path}: cannot be read as {kind} ({type(error).__name__}: {error}); the file is "
-            "cut short, damaged, or of another format"
+            f"{path}: cannot be read as {kind or 'zip'} ({type(error).__name__}: {error}); the "
+            "file is cut short, damaged, or of another format"
         ) from error
     if not table.columns and not table.others:
         raise LogError(f"{path}: has no content; the file is empty or cut short")
     return table._replace(columns=table.columns | joined_clocks(table.columns))
 
 
-def _of_zip(path: Path) -> tuple[str, str]:
-    from zipfile import BadZipFile, ZipFile
+def _gathered(
+    parts: Iterable[tuple[str, Column | str]],
+) -> tuple[dict[str, Column], dict[str, str]]:
+    """Return the columns in named parts of a file, and why others cannot be channels."""
+    columns: dict[str, Column] = {}
+    others: dict[str, str] = {}
+    for name, part in parts:
+        if isinstance(part, str):
+            others[name] = part
+            continue
+        values = np.asarray(part.values)
+        fields = [(f"{name}.{field}", values[field]) for field in values.dtype.names or ()]
+        for place, array in fields or [(name, values)]:
+            found = _numbers(array)
+            if isinstance(found, str):
+                others[place] = found
+                continue
+            for column, numbers in _spread(place, found, part.parts):
+                columns[column] = Column(numbers, part.unit, part.label)
+    return columns, others
 
-    try:
-        with ZipFile(path) as archive:
-            names = archive.namelist()
-    except BadZipFile as error:
-        raise LogError(f"{path}: cannot be read ({error}); the file is cut short") from error
-    if any(name.startswith("xl/") for name in names):
-        return "Excel", "others.read_xlsx"
-    if all(name.endswith(".npy") for name in names):
-        return "NumPy", "others.read_npz"
-    raise LogError(f"{path}: is an archive of {names[0]} and others; unpack it first")
+
+def _numbers(array: np.ndarray) -> np.ndarray | str:
+    """Return an array as numbers, times in s (dates since 1970), or why it cannot be a channel."""
+    if array.size < 2:
+        return "one number" if array.size else "empty"
+    if array.squeeze().ndim > 2:
+        return f"{array.ndim} dimensions"
+    if array.dtype.kind in "mM":  # what is missing becomes NaN
+        since = array if array.dtype.kind == "m" else array - np.datetime64(0, "s")
+        return since / np.timedelta64(1, "s")
+    if array.dtype.kind not in "fiub":
+        return "text" if array.dtype.kind in "USOT" else f"numbers of type {array.dtype}"
+    return array.astype(np.float64, copy=False)
 
 
-def _call(reader: str, path: Path, layout: dict[str, Any]) -> Any:
-    module, _, name = reader.partition(".")
-    read: Callable[..., Any] = getattr(import_module(f"fprc.recordings.{module}"), name)
-    return read(path, **layout)
+def _spread(
+    name: str, values: np.ndarray, names: Sequence[str]
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the columns of an array; dimensions of length 1 are dropped.
+
+    The longer dimension of a matrix is time; its columns are ``name[:, 0]``, its rows
+    ``name[0, :]``, or ``name.part`` with the ``names`` of the parts.
+    """
+    array = values.squeeze()
+    if array.ndim == 1:
+        yield name, array
+        return
+    upright = array.shape[0] >= array.shape[1]
+    for k, part in enumerate(array.T if upright else array):
+        place = f"{name}[:, {k}]" if upright else f"{name}[{k}, :]"
+        yield f"{name}.{names[k]}" if len(names) == min(array.shape) else place, part
 
 
 def joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
@@ -160,52 +204,3 @@ def joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
             total = coarse.values + 1e-9 * parts.values
             joined[f"{name} + {fine.rpartition('.')[2]}"] = Column(total, "s")
     return joined
-
-
-def spread(name: str, values: np.ndarray, names: list[str] | None = None) -> dict[str, np.ndarray]:
-    """Return the columns of an array; dimensions of length 1 are dropped.
-
-    The longer dimension of a matrix is time; its columns are ``name[:, 0]``, its rows
-    ``name[0, :]``, or ``name.part`` with the ``names`` of the parts. None of an array of three
-    dimensions or more.
-    """
-    array = values.reshape([n for n in values.shape if n != 1] or [1])
-    if array.ndim == 1:
-        return {name: array}
-    if array.ndim != 2:
-        return {}
-    upright = array.shape[0] >= array.shape[1]
-    parts = array.T if upright else array
-    if names is not None and len(names) == len(parts):
-        return {f"{name}.{part}": values for part, values in zip(names, parts, strict=True)}
-    place = "{}[:, {}]" if upright else "{}[{}, :]"
-    return {place.format(name, k): part for k, part in enumerate(parts)}
-
-
-def numbers_of(part: np.ndarray) -> np.ndarray | str:
-    """Return an array as numbers, times in s (dates since 1970), or why it cannot be a channel."""
-    if not part.size:
-        return "empty"
-    if part.dtype.kind in "mM":  # what is missing becomes NaN
-        since = part if part.dtype.kind == "m" else part - np.datetime64(0, "s")
-        return since / np.timedelta64(1, "s")
-    if part.dtype.kind not in "fiub":
-        return "text" if part.dtype.kind in "USOT" else f"numbers of type {part.dtype}"
-    return part.astype(np.float64, copy=False)
-
-
-def gathered(path: Path, kind: str, parts: Any, notes: tuple[str, ...] = ()) -> Table:
-    """Return a table of named parts: each a ``Column`` of any array, or why it is no channel."""
-    columns: dict[str, Column] = {}
-    others: dict[str, str] = {}
-    for name, part in parts:
-        values = part if isinstance(part, str) else numbers_of(np.asarray(part.values))
-        if isinstance(values, str):
-            others[name] = values
-            continue
-        found = spread(name, values) if values.size > 1 else {}
-        if not found:
-            others[name] = f"{values.ndim} dimensions" if values.size > 1 else "one number"
-        for column, array in found.items():
-            columns[column] = Column(array, part.unit, part.label)
-    return Table(path, kind, columns, others, notes)

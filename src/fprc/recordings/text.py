@@ -1,4 +1,4 @@
-"""Text tables written by other programs."""
+"""Text tables written by other programs, and sheets of Excel."""
 
 import csv
 import io
@@ -6,7 +6,7 @@ import re
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections import Counter
 from collections.abc import Callable
-from itertools import islice
+from datetime import date, time
 from pathlib import Path
 
 from fprc.errors import LogError
@@ -25,6 +25,8 @@ _TRIED = 300
 _MOST_UNUSABLE = 0.1
 #: Encodings tried if a text is not Unicode: spreadsheets in Japan and China write them.
 _ENCODINGS = ("cp932", "gb18030")
+#: How a comment begins.
+_COMMENT = re.compile(r"\s*(?:#|%|//|sep=)")
 #: What a serial monitor writes before each line.
 _SERIAL = re.compile(r"\s*(\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s*(.*)", re.DOTALL)
 #: A name and its value within a line, as ``angle: 12.5 deg``.
@@ -64,27 +66,34 @@ def read_text(
         fields than the first sample.
     """
     lines, notes = _lines_of(path)
-    labview = _labview(lines)
-    decimal = decimal or labview.get("Decimal_Separator")
+    labview: dict[str, str] = {}
+    if lines and lines[0].startswith("LabVIEW Measurement"):
+        keys = [re.split("[\t,;]", line.strip(), maxsplit=1) for line in lines[:60]]
+        labview = {"X0": "0", "Delta_X": "1", "Decimal_Separator": "."}
+        labview |= {pair[0]: pair[1].split("\t")[0] for pair in keys if len(pair) > 1}
+        decimal = decimal or labview["Decimal_Separator"]
     if header_line is not None and data_line is not None and data_line <= header_line:
         raise LogError(f"{path}: csv.data_line = {data_line}; must be below {header_line}")
-    head = {number: lines[number - 1] for number in _looked_at(lines, header_line, data_line)}
+    # the first lines, or those around the header that is given
+    begin = min(max(header_line or 1, data_line or 1), len(lines) + 1)
+    filled = [n for n in range(begin, len(lines) + 1) if lines[n - 1].strip()][:_TRIED]
+    above = range(max(begin - 40, 1), begin) if header_line is None else range(header_line, begin)
+    head = {number: lines[number - 1] for number in (*above, *filled)}
     named = _of_names(list(head.values()))
-    tried = dict.fromkeys([separator] if separator else _SEPARATORS)
     serial = sum(map(bool, map(_SERIAL.match, head.values()))) > len(head) / 2
-    splits = {mark: _splitter(mark, serial) for mark in tried}
-    comments = {number for number, line in head.items() if _is_comment(line)}
+    splits = {mark: _splitter(mark, serial) for mark in ([separator] if separator else _SEPARATORS)}
+    comments = {number for number, line in head.items() if _COMMENT.match(line)}
     places = {
-        mark: locate(head, split, comments, header_line, data_line, decimal)
+        mark: locate({n: split(line) for n, line in head.items()}, head, comments, header_line,
+                     data_line, decimal)
         for mark, split in splits.items()
-    }
+    }  # fmt: skip
     # blanks split wherever tabs do
-    mark = max(places, key=lambda mark: (*places[mark].score[:2], mark != " ", places[mark].width))
-    place, split = places[mark], splits[mark]
-    kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
+    mark = max(places, key=lambda mark: (*places[mark].score, mark != " ", places[mark].width))
+    place, split, kind = places[mark], splits[mark], _SEPARATORS.get(mark, mark)
+    kind = f"text separated by {kind}"
     if named and place.score[0] < 0.5:
-        names, units, split = named
-        place = Place((1.0, True, len(names)), len(names), 1, names, units)
+        place, split = named
         kind = "text with a name before each number"
     if not place.width:
         raise LogError(
@@ -102,14 +111,13 @@ def read_text(
             "csv.separator; --draft takes that map too (--map)"
         )
     unusable = tuple(f"line {n}: {line!r}" for n, line in odd.items() if n < last)
-    footer = [n for n in odd if n > last]
-    if footer:
+    if footer := [n for n in odd if n > last]:
         notes += (f"lines {footer[0]} to {footer[-1]}, below the last sample, were left out",)
     if labview and not any(fields[0] for fields in rows.values()):  # X0 and multiples of Delta_X
-        begin, step = (float(labview[key].replace(",", ".")) for key in ("X0", "Delta_X"))
+        zero, step = (float(labview[key].replace(",", ".")) for key in ("X0", "Delta_X"))
         for k, fields in enumerate(rows.values()):
-            fields[0] = repr(begin + k * step).replace(".", decimal or ".")
-    found = columns_of(path, place, rows, decimal, separator=mark)
+            fields[0] = repr(zero + k * step).replace(".", decimal or ".")
+    found = columns_of(path, place, rows, decimal, mark)
     return found._replace(kind=kind, notes=(*notes, *found.notes), unusable=unusable)
 
 
@@ -122,8 +130,8 @@ def _samples(
     """
     rows: dict[int, list[str]] = {}
     odd: dict[int, str] = {}
-    for number, line in enumerate(islice(lines, place.first - 1, None), place.first):
-        if _is_comment(line) or not line.strip(" \t\r\n,;|"):
+    for number, line in enumerate(lines[place.first - 1 :], place.first):
+        if _COMMENT.match(line) or not line.strip(" \t\r\n,;|"):
             continue
         parts = split(line)
         fields = place.fitted(parts)
@@ -136,35 +144,19 @@ def _samples(
     return rows, odd
 
 
-def _labview(lines: list[str]) -> dict[str, str]:
-    """Return the header of a LabVIEW measurement file: the first value of each key."""
-    if not lines or not lines[0].startswith("LabVIEW Measurement"):
-        return {}
-    fields = [re.split("[\t,;]", line.strip(), maxsplit=1) for line in lines[:60]]
-    found = {parts[0]: parts[1].split("\t")[0] for parts in fields if len(parts) > 1}
-    return {"X0": "0", "Delta_X": "1", "Decimal_Separator": ".", **found}
-
-
-def _looked_at(lines: list[str], header: int | None, data: int | None) -> list[int]:
-    """Return the numbers of the first lines, and of the header and the lines below it."""
-    begin = min(max(header or 1, data or 1), len(lines) + 1)
-    filled = (n for n in range(begin, len(lines) + 1) if lines[n - 1].strip())
-    near = range(max(begin - 40, 1), begin)
-    above = near if header is None else [header] * (header < begin)
-    return [*above, *islice(filled, _TRIED)]
-
-
-def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith(("#", "%", "//", "sep="))
-
-
 def _lines_of(path: Path) -> tuple[list[str], tuple[str, ...]]:
     """Return the lines of a file, and a note if the last one was left out."""
     raw = read_given(path, error=LogError, most_bytes=LARGEST_TEXT_BYTES)
-    wide = raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) or raw[1:200:2].count(0) > 80
+    bom = raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE))
+    wide = bom or raw[1:200:2].count(0) > 80
     if b"\0" in raw and not wide:
         raise LogError(f"{path}: not text, and of no known format; save it as .csv, .mat or .h5")
-    lines = list(io.StringIO(_decoded(raw, wide), newline=""))
+    known = [e for e in _ENCODINGS if known_words(raw[:4000].decode(e, errors="ignore"))]
+    try:
+        text = raw.decode(("utf-16" if bom else "utf-16-le") if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("utf-16" if wide else [*known, "latin-1"][0], errors="replace")
+    lines = list(io.StringIO(text, newline=""))
     while lines and not lines[-1].strip("\r\n"):
         lines.pop()
     if len(lines) < 2 or lines[-1].endswith(("\n", "\r")):
@@ -173,45 +165,29 @@ def _lines_of(path: Path) -> tuple[list[str], tuple[str, ...]]:
     return lines[:-1], (note,)
 
 
-def _decoded(raw: bytes, wide: bool) -> str:
-    if wide:
-        bom = raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE))
-        return raw.decode("utf-16" if bom else "utf-16-le", errors="replace")
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        pass
-    for encoding in _ENCODINGS:
-        if known_words(raw[:4000].decode(encoding, errors="ignore")):
-            return raw.decode(encoding, errors="replace")
-    return raw.decode("latin-1")
-
-
 def _splitter(mark: str, serial: bool) -> _Split:
     """Return what splits a line into fields; fields may be in double quotes."""
+    csv.field_size_limit(LARGEST_TEXT_BYTES)
 
     def split(line: str) -> list[str]:
-        line = line.rstrip("\r\n")
-        if '"' not in line:
-            return line.split() if mark == " " else [part.strip() for part in line.split(mark)]
-        if mark == " ":  # csv.reader takes one separator
-            line = re.sub(r'("[^"]*")|\s+', lambda found: found[1] or " ", line)
-        (fields,) = csv.reader([line], delimiter=mark, skipinitialspace=True)
-        return [field.strip() for field in fields]
-
-    def split_serial(line: str) -> list[str]:
-        found = _SERIAL.match(line)
-        if found is None:
-            return split(line)
-        fields = split(found[2])
+        found = _SERIAL.match(line) if serial else None
+        line = (found[2] if found else line).rstrip("\r\n")
+        if '"' in line:
+            if mark == " ":  # csv.reader takes one separator
+                line = re.sub(r'("[^"]*")|\s+', lambda found: found[1] or " ", line)
+            (fields,) = csv.reader([line], delimiter=mark, skipinitialspace=True)
+        else:
+            fields = line.split() if mark == " " else line.split(mark)
+        fields = [field.strip() for field in fields]
+        if not found:
+            return fields
         return [found[1] if any(map(is_value, fields)) else "time", *fields]
 
-    csv.field_size_limit(LARGEST_TEXT_BYTES)
-    return split_serial if serial else split
+    return split
 
 
-def _of_names(lines: list[str]) -> tuple[list[str], list[str], _Split] | None:
-    """Return the names and units in lines that name each number, and what splits such lines."""
+def _of_names(lines: list[str]) -> tuple[Place, _Split] | None:
+    """Return the place of lines that name each number, and what splits such lines."""
     found = [_NAMED.findall(line) for line in lines]
     labels = Counter(tuple(part[0] for part in parts) for parts in found if parts)
     if not labels or labels.most_common(1)[0][1] < len(lines) / 2:
@@ -225,7 +201,33 @@ def _of_names(lines: list[str]) -> tuple[list[str], list[str], _Split] | None:
         parts = _NAMED.findall(line)
         if tuple(part[0] for part in parts) != names:
             return [line]
-        return [*([line.split()[0]] if stamped else []), *(part[1] for part in parts)]
+        return [*line.split()[:stamped], *(part[1] for part in parts)]
 
-    more = ["time"] if stamped else []
-    return [*more, *names], [*([""] if stamped else []), *units], split
+    names_of_all, units = [*["time"][:stamped], *names], [*[""][:stamped], *units]
+    return Place((1.0, True), len(names_of_all), 1, names_of_all, units), split
+
+
+def read_xlsx(path: Path) -> Table:
+    """Read the sheet of an Excel file that has the most rows, with values as they were saved."""
+    from openpyxl import load_workbook
+
+    with path.open("rb") as file:
+        sheets = {
+            sheet.title: {
+                number: ["" if c is None else c.isoformat() if isinstance(c, date | time)
+                         else str(c).strip() for c in row]
+                for number, row in enumerate(sheet.iter_rows(values_only=True), 1)
+                if any(cell is not None for cell in row)
+            }
+            for sheet in load_workbook(file, read_only=True, data_only=True).worksheets
+        }  # fmt: skip
+    title = max(sheets, key=lambda title: len(sheets[title]))
+    rows = sheets[title]
+    place = locate({number: rows[number] for number in [*rows][:_TRIED]}, {}, decimal=".")
+    if not place.width:
+        raise LogError(f"{path}: sheet {title}: has no rows of numbers")
+    fitted = {number: place.fitted(row) or row[: place.width] for number, row in rows.items()}
+    below = {number: row for number, row in fitted.items() if number >= place.first and any(row)}
+    found = columns_of(path, place, below, ".")
+    notes = (f"sheet {title} of {len(sheets)} was read",) if len(sheets) > 1 else ()
+    return found._replace(kind="Excel", notes=(*notes, *found.notes))

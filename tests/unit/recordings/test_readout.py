@@ -95,12 +95,11 @@ def test_one_command_goes_from_a_recording_to_an_answer(finished):
 
 def test_report_has_both_sides_the_papers_models_and_pictures(finished):
     out, _, _ = finished
-    sides = pd.read_csv(out / "readout/sides.csv").set_index("family")
-    assert (sides["with"] < sides["without"]).all()
-    assert sides[["chosen_with", "chosen_without"]].sum().tolist() == [9, 9]
-    paper = pd.read_csv(out / "readout/paper.csv").set_index("model")
-    assert paper["rmse"].gt(0.0).all()
-    assert set(paper["unit"]) == set(sides["unit"]) == {"N"}
+    report = read_json(out / "readout/answer.json")
+    errors = [report["answer"][side]["families"] for side in ("with", "without")]
+    assert all(errors[0][family] < errors[1][family] for family in errors[1])
+    assert all(len(cell["blocks"]) == 9 for cell in report["cells"])
+    assert report["unit"] == "N"
     page = (out / "report.md").read_text(encoding="utf-8")
     pictures = [line.split("(")[1].rstrip(")") for line in page.splitlines() if line[:1] == "!"]
     assert pictures == ["readout/memory.png", "raw/recording_1.png"]

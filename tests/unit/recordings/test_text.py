@@ -7,7 +7,6 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from fprc.errors import LogError
-from fprc.recordings import text as module
 from fprc.recordings.grid import is_value
 from fprc.recordings.names import is_unit
 from fprc.recordings.text import read_text
@@ -223,18 +222,3 @@ def test_text_that_is_no_table_is_refused_with_the_place(table, content, options
         table(content, **options)
     assert "log.csv: " in str(caught.value)
     assert place in str(caught.value)
-
-
-def test_large_text_is_refused_unread(table, monkeypatch):
-    monkeypatch.setattr(module, "LARGEST_TEXT_BYTES", 8)
-    with pytest.raises(LogError, match="must have at most 8"):
-        table("t,x\n0,1\n1,2\n")
-
-
-def test_many_columns_are_read(table):
-    """With a quadratic search over names this takes a minute for 20,000."""
-    names = [f"c{k}" for k in range(20_000)]
-    line = ",".join("1.5" for _ in names)
-    found = table("\n".join([",".join(names), line, line, ""]))
-    assert len(found.columns) == 20_000
-    assert found.columns["c19999"].values.tolist() == [1.5, 1.5]
