@@ -85,10 +85,10 @@ class Calibration(Section):
         "closed_sweep for its printed error in the sweep",
     )
     seed: int = quantity(1, (0, 1000), "seed of the drawn rigs and of all noise in the fit")
-    members: int = quantity(100, (10, 10_000), "rigs of the ensemble")
-    assimilations: int = quantity(5, (1, 100), "assimilations of the ensemble smoother")
-    rounds: int = quantity(5, (0, 1000), "rounds of the search from the best member")
-    seeds: int = quantity(2, (1, 100), "noise seeds of the search")
+    members: int = quantity(60, (1, 10_000), "drawn rigs with plausible loops that are judged")
+    starts: int = quantity(16, (1, 1000), "searches, which begin at the best of them")
+    rounds: int = quantity(2, (1, 1000), "rounds of each search until the worse half ends")
+    last_rounds: int = quantity(6, (1, 1000), "rounds of the search that is left")
     full_seeds: int = quantity(6, (1, 400), "noise seeds of the full models")
 
     @model_validator(mode="after")

@@ -16,7 +16,7 @@ FILES = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]
 #: What is known of a fit.
 SUMMARY = {
     "date": "2030-01-02", "software": "fprc 9.8.7", "fit": ["tables"], "seed": 3, "full_count": 8,
-    "printed": {}, "residuals": {}, "median_deviation": 0.05, "largest_deviation": 0.2,
+    "printed": {}, "residuals": {}, "brief": {"median": 0.05},
     "parameters": [],
 }  # fmt: skip
 
@@ -47,7 +47,7 @@ def test_fit_is_written_where_it_is_asked_for_with_settings_of_the_merged_files(
     (call,) = fit.calls
     smoke = from_files([*FILES, mine]).model_dump(mode="json")
     assert (call["calibration"], call["tracking"]) == (smoke["calibration"], smoke["tracking"])
-    assert (call["calibration"]["seed"], call["calibration"]["members"]) == (5, 10)
+    assert (call["calibration"]["seed"], call["calibration"]["members"]) == (5, 4)
     assert call["on_rig"]["signals"] == smoke["experiments"]
     assert call["validation"]["models"]["n_y"] == 4
     assert (call["printed"], call["workers"]) == (read_yaml(PUBLISHED), 2)

@@ -15,6 +15,7 @@ from fprc.paper import REFERENCES
 from fprc.studies.calibration.fit import Bench, pool_of
 from fprc.studies.calibration.objective import printed_errors
 from fprc.studies.calibration.space import encode, free_parameters, value_at
+from fprc.studies.calibration.surrogate import judge_fully
 
 log = logging.getLogger(__name__)
 
@@ -30,16 +31,16 @@ def ensemble_around(
     printed: Mapping[str, Any],
     on_rig: RigSettings,
     count: int,
-    validation: Mapping[str, Any],
     calibration: Mapping[str, Any],
-    tracking: Mapping[str, Any],
     *,
     workers: int,
+    **how: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Return ``count`` rigs around that of ``on_rig`` which fit the tables and have a stable loop.
 
     Rigs are drawn around it, each with noise of its own. Those that the full models find within
-    ``MEDIAN`` and ``LARGEST``, and on which feedback helps on every reference, are kept.
+    ``MEDIAN`` and ``LARGEST``, and on which feedback helps on every reference, are kept. The
+    arguments are those of ``fit.fit_rig``.
 
     Returns
     -------
@@ -52,7 +53,7 @@ def ensemble_around(
         Too few rigs fit.
     """
     free = free_parameters(calibration["free"], calibration["ranges"])
-    bench = Bench(on_rig, free, validation, tracking)
+    bench = Bench(on_rig, free, how)
     first = FIRST_SEED + SEEDS_PER_FIT * calibration["seed"] + _SEEDS
     rng = np.random.default_rng(first)
     middle = ndtri(np.clip(encode(on_rig.rig, free), 0.01, 0.99))
@@ -61,7 +62,7 @@ def ensemble_around(
         for turn in range(_DRAWN):
             shares = ndtr(middle + _SPREAD * rng.standard_normal((count, len(free))))
             found = pool(
-                delayed(bench.fully)(share, first + turn * count + k)
+                delayed(bench.judge)(judge_fully, share, first + turn * count + k)
                 for k, share in enumerate(shares)
             )
             rigs += [

@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 
 from fprc.config.rig import Rig
+from fprc.studies.calibration.fit import LIMITS
 
 #: Marks a file that may be overwritten.
 WRITTEN = "Written by `fprc calibrate`"
@@ -23,15 +24,14 @@ def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str
         Name of the rig.
     """
     near = [p["path"] for p in summary["parameters"] if not 0.02 <= p["share"] <= 0.98]
-    edges = textwrap.fill(
-        f"Within 2 % of an end of their range: {', '.join(near) or 'none'}.",
-        98, break_long_words=False,
-    )  # fmt: skip
+    edges = textwrap.fill(f"Within 2 % of an end of their range: {', '.join(near) or 'none'}.", 98)
     head = _HEAD.format(
         **summary,
         written=WRITTEN,
-        median=100 * summary["median_deviation"],
-        largest=100 * summary["largest_deviation"],
+        limits="\n".join(
+            f"  {name}: {100 * share:.1f} %, at most {100 * LIMITS[name]:.0f}"
+            for name, share in summary["brief"].items()
+        ),
         count=len(summary["parameters"]),
         rows="\n".join(
             f"  {measure}/{key}: {summary['printed'][measure][key]:g}, {100 * value:+.1f} %"
@@ -55,8 +55,9 @@ Parameters of the simulated rig that differ from their defaults. {written}
 
 Fitted over {count} parameters, from the ranges of `calibration` alone, with the seed {seed}, to the
 terms that `fitted.to` names. Everything else is predicted.
-Full models on {full_count} seeds of the fit, printed errors (tables in kPa, loops in deg) and
-deviations from them; of the tables {median:.1f} % in the median and {largest:.1f} % at most:
+Full models on {full_count} seeds of the fit: deviations from print in brief, beside the limits of a
+default rig, and each printed number (tables in kPa, loops in deg) with its deviation:
+{limits}
 {rows}
 {edges}
 """

@@ -32,6 +32,19 @@ class Free(NamedTuple):
         """Whether the range is wide enough to be searched by its logarithm."""
         return self.low > 0 and self.high / self.low >= 10.0
 
+    def share_of(self, value: float) -> float:
+        """Return where in its range a value lies, 0 to 1; one outside is moved to the end."""
+        value = min(max(value, self.low), self.high)
+        if self.logarithmic:
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def value_at(self, share: float) -> float:
+        """Return the value at a share of the range, with the digits of a rig's file."""
+        if self.logarithmic:
+            return _rounded(self.low * (self.high / self.low) ** share)
+        return _rounded(self.low + share * (self.high - self.low))
+
 
 def free_parameters(
     paths: Sequence[str], ranges: Mapping[str, Sequence[float]] | None = None
@@ -47,33 +60,22 @@ def free_parameters(
 
 
 def encode(rig: Mapping[str, Any], free: Sequence[Free]) -> np.ndarray:
-    """Return the rig's point in the unit cube; a value outside its range is moved to the end."""
-    shares = []
-    for parameter in free:
-        holder, key = _place(rig, parameter.path)
-        shares.append(_share(parameter, holder[key]))
-    return np.array(shares)
+    """Return the rig's point in the unit cube."""
+    return np.array([parameter.share_of(value_at(rig, parameter.path)) for parameter in free])
 
 
 def decode(point: np.ndarray, rig: Mapping[str, Any], free: Sequence[Free]) -> dict[str, Any]:
-    """Return a copy of ``rig`` with its free parameters at ``point``.
+    """Return a copy of ``rig`` with its free parameters at ``point``; see ``resolved``.
 
-    Numbers have the digits of a fitted rig's file, so that the rig that is judged is the rig that
-    is written.
+    The rig that is judged is the rig that is written: numbers have the digits of its file.
 
     Parameters
     ----------
     point : ndarray of shape (n_parameters,)
         Each parameter as a share of its range, 0 to 1.
     """
-    changed = copy.deepcopy(dict(rig))
-    for share, parameter in zip(point, free, strict=True):
-        holder, key = _place(changed, parameter.path)
-        holder[key] = _rounded(_value(parameter, float(share)))
-    for section in ("bending", "reservoir"):
-        if any(parameter.path.startswith(f"{section}.slip_weight.") for parameter in free):
-            changed[section]["slip_weight"] = _summing_to_one(changed[section]["slip_weight"])
-    return changed
+    values = [parameter.value_at(share) for parameter, share in zip(free, point, strict=True)]
+    return resolved(with_values(rig, [parameter.path for parameter in free], values))
 
 
 def value_at(rig: Mapping[str, Any], path: str) -> float:
@@ -91,7 +93,10 @@ def with_values(
         holder, key = _place(changed, path)
         holder[key] = value
     for section in ("bending", "reservoir"):
-        changed[section]["slip_weight"] = _summing_to_one(changed[section]["slip_weight"])
+        *weights, _ = changed[section]["slip_weight"]
+        if (total := sum(weights)) > _MOST:
+            weights = [_rounded(weight * _MOST / total) for weight in weights]
+        changed[section]["slip_weight"] = [*weights, round(1.0 - sum(weights), 10)]
     return changed
 
 
@@ -108,33 +113,6 @@ def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:
     allowed = max(min(damping, 0.999 * most), least)
     reservoir["squeeze_damping_kpa_s_per_ml"] = float(f"{allowed:.4g}")
     return {**rig, "reservoir": reservoir}
-
-
-def _summing_to_one(weights: Sequence[float]) -> list[float]:
-    """Return weights of which the last is 1 minus the others, whose sum is at most ``_MOST``."""
-    *free, _ = weights
-    total = sum(free)
-    if total > _MOST:
-        free = [_rounded(weight * _MOST / total) for weight in free]
-    return [*free, round(1.0 - sum(free), 10)]
-
-
-def _share(parameter: Free, value: float) -> float:
-    low, high = parameter.low, parameter.high
-    if parameter.logarithmic:
-        low, high, value = (
-            math.log(low),
-            math.log(high),
-            math.log(max(value, parameter.low)),
-        )
-    return min(max((value - low) / (high - low), 0.0), 1.0)
-
-
-def _value(parameter: Free, share: float) -> float:
-    low, high = parameter.low, parameter.high
-    if parameter.logarithmic:
-        return low * (high / low) ** share
-    return low + share * (high - low)
 
 
 def _place(rig: Mapping[str, Any], path: str) -> tuple[Any, Any]:

@@ -20,7 +20,7 @@ from fprc.experiments.grids import normalised, shares_of, weight_shares
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import CrossValidation, RigSettings
 from fprc.experiments.tracking import Track, rms_of, tracking_errors
-from fprc.models import TakagiSugenoReadout
+from fprc.models import SequenceModel, TakagiSugenoReadout
 from fprc.paper import DIRECTIONS, MODELS
 from fprc.registry import build
 from fprc.studies.calibration.objective import EPSILONS, errors_of, properties
@@ -41,37 +41,38 @@ LOOPS = {"open_loop": 0.0, "closed_loop": 1.0, "firm_loop": 1.5}
 def judge_by_surrogate(
     on_rig: RigSettings,
     seed: int,
-    centers: dict[str, np.ndarray],
+    centers: Mapping[str, np.ndarray],
     *,
-    models: Mapping[str, Any],
+    validation: Mapping[str, Any],
     tracking: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Return what the objective needs of a rig, for one seed.
 
     Parameters
     ----------
-    centers : dict
-        Centres of every clustering. One that is in it begins there, and all others begin at random
-        and are added.
-    models, tracking : Mapping
-        Sections of the configuration.
+    centers : Mapping
+        Centres at which clusterings begin; those that are not in it begin at random.
+    validation : Mapping
+        Arguments of ``CrossValidation`` without the seed.
+    tracking : Mapping
+        Section of the configuration.
 
     Returns
     -------
     dict
         ``errors`` by "trained on/model/phase", kPa; ``properties``, see ``objective.properties``;
         ``shares``, that of P_o in the weights over theta_d's; training errors over falling
-        ``epsilon``; RMSE by reference in the loops of ``LOOPS``, deg.
+        ``epsilon``; RMSE by reference in the loops of ``LOOPS``, deg; and the ``centers`` of all
+        clusterings.
     """
     logs = simulate(on_rig, seed)
-    thinned = _Thinned(logs, _adapted(models), seed, centers)
+    thinned = _Thinned(logs, _adapted(validation["models"]), seed, dict(centers))
     prepared = {name: thinned.prepare(name) for name in MODELS}
     readouts = {
         (train, name): thinned.readout(prepared[name], train, f"{train}, {name}")
         for train, _ in DIRECTIONS
         for name in MODELS
     }
-    bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, seed)
     model = prepared["fprc"].fitted(readouts["sweep", "fprc"])
     return {
         "errors": {
@@ -83,25 +84,38 @@ def judge_by_surrogate(
         "properties": properties(logs["sweep"].channels),
         "shares": {"p_o_over_theta_d": thinned.p_o_over_theta_d(prepared["fprc"])},
         "epsilon": [thinned.training_error(epsilon) for epsilon in EPSILONS],
-        **rms_of(tracking_errors(bench, model, LOOPS)),
+        **_tracked(on_rig, seed, model, tracking),
+        "centers": thinned.centers,
     }
 
 
 def judge_fully(
-    on_rig: RigSettings, validation: CrossValidation, tracking: Mapping[str, Any]
-) -> dict[str, dict[str, float]]:
-    """Return of the full models what ``judge_by_surrogate`` returns, without grids and loops."""
-    data = simulate(on_rig, validation.seed)
-    of_models = {name: cross_validate_both(name, validation, data) for name in MODELS}
+    on_rig: RigSettings,
+    seed: int,
+    *,
+    validation: Mapping[str, Any],
+    tracking: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return what ``judge_by_surrogate`` does, errors, shares and loops of the full models."""
+    how = CrossValidation(**validation, seed=seed)
+    data = simulate(on_rig, seed)
+    of_models = {name: cross_validate_both(name, how, data) for name in MODELS}
     reports = [report for directions in of_models.values() for _, report, _ in directions]
-    shares = weight_shares(data["sweep"], validation)["mean_share"]
+    shares = weight_shares(data["sweep"], how)["mean_share"]
     (trained_on_sweep, *_), _ = of_models["fprc"]
-    bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, validation.seed)
     return {
+        **judge_by_surrogate(on_rig, seed, {}, validation=validation, tracking=tracking),
         "errors": errors_of({"models": reports}),
         "shares": {"p_o_over_theta_d": shares["p_o"] / shares["theta_d"]},
-        **rms_of(tracking_errors(bench, trained_on_sweep.model, LOOPS)),
+        **_tracked(on_rig, seed, trained_on_sweep.model, tracking),
     }
+
+
+def _tracked(
+    on_rig: RigSettings, seed: int, model: SequenceModel, tracking: Mapping[str, Any]
+) -> dict[str, dict[str, float]]:
+    bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, seed)
+    return rms_of(tracking_errors(bench, model, LOOPS))
 
 
 def _adapted(models: Mapping[str, Any]) -> dict[str, Any]:

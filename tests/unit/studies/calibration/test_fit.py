@@ -26,7 +26,7 @@ def small():
     with pytest.MonkeyPatch.context() as patch:
         for module, name, value in (
             (surrogate, "STRIDE", 7), (surrogate, "ESN_NODES", 8), (fit, "_DRAWN", 2),
-            (fit, "_STARTS", 2), (fit, "_CORRECTING", 1),
+            (fit, "_FEW", 1),
         ):  # fmt: skip
             patch.setattr(module, name, value)
         yield
@@ -39,11 +39,11 @@ def settings(on_rig, tracking):
     models = found["models"] | {"n_y": 2}
     models["esn"] |= {"r": 12, "washout": 10}
     models["fprc"] |= {"n_c": 2, "n_u": 2}
-    few = {"free": FREE, "ranges": {}, "members": 10, "assimilations": 2, "rounds": 1}
+    few = {"free": FREE, "ranges": {}, "members": 6, "starts": 2, "rounds": 1, "last_rounds": 1}
     return {
         "on_rig": on_rig,
         "validation": {"models": models, "folds": 2, "split": "shuffled"},
-        "calibration": found["calibration"] | few | {"seeds": 1, "full_seeds": 2},
+        "calibration": found["calibration"] | few | {"full_seeds": 2},
         "tracking": tracking,
         "workers": 1,
     }
@@ -86,11 +86,13 @@ def test_outcome_is_that_of_the_full_models(settings, fitted):
     found = summary["residuals"]["errors"]["sweep/fprc/test"]
     assert found == pytest.approx(expected, rel=1e-6)
     off = np.abs(list(summary["residuals"]["errors"].values()))
-    assert summary["median_deviation"] == pytest.approx(np.median(off))
-    assert summary["largest_deviation"] == pytest.approx(off.max())
+    assert summary["brief"]["median"] == pytest.approx(np.median(off))
+    assert summary["brief"]["largest"] == pytest.approx(off.max())
+    missed = {name for name, share in summary["brief"].items() if share > fit.LIMITS[name]}
+    assert set(summary["missed"]) == missed
 
 
 def test_ranges_that_no_rig_can_have_are_refused(settings, monkeypatch):
-    monkeypatch.setattr(fit.Bench, "loops", lambda *_: None)
+    monkeypatch.setattr(fit.Bench, "judge", lambda *_: None)
     with pytest.raises(EvaluationError, match=r"calibration\.ranges"):
         fit_rig(PRINTED, **settings)

@@ -89,4 +89,4 @@ def test_numbers_are_means_over_seeds_and_what_was_not_measured_misses_nothing()
     assert missed(bare) == set()
     of = targets(PRINTED, ["open_loop"])
     assert all(map(math.isnan, numbers_of([bare], of)))
-    assert [target.name for target in of] == list(REFERENCES)
+    assert [target.of for target in of] == [("open_loop", name) for name in REFERENCES]

@@ -10,7 +10,7 @@ SHARES = dict.fromkeys(PATHS, 0.5) | dict(
 )
 SUMMARY = {
     "date": "2030-01-02", "software": "fprc 9.8.7", "fit": ["tables", "C8"], "seed": 3,
-    "full_count": 8, "median_deviation": 0.0456, "largest_deviation": 0.21,
+    "full_count": 8, "brief": {"median": 0.0456, "largest": 0.21},
     "printed": {"errors": {"sweep/esn/train": 11.5}, "open_loop": {"sweep": 2.67}},
     "residuals": {"errors": {"sweep/esn/train": 0.0123}, "open_loop": {"sweep": -0.21}},
     "parameters": [{"path": path, "share": share} for path, share in SHARES.items()],

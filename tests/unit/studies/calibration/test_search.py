@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fprc.studies.calibration.search import search
+from fprc.studies.calibration.search import search_round
 
 MIX = np.cos(np.outer(np.arange(1, 11), np.arange(1, 11))) / 3.0
 BEST = np.linspace(0.1, 0.9, 10)
@@ -18,19 +18,19 @@ def rosenbrock(point):
     return np.array([*(10.0 * (x[1:] - x[:-1] ** 2)), *(1.0 - x[:-1])])
 
 
-def find(number_of, misses_of, start, rounds, *, added=0.0, possible=lambda point: True):
-    """Search; ``find.begun`` are the points where rounds began or ended."""
-    find.begun, find.judged = [], []
+def find(number_of, misses_of, start, rounds, *, possible=lambda point: True):
+    """Search for some rounds; ``find.judged`` are all points."""
+    find.judged = []
 
-    def judge(points, beside):
+    def judge(points):
         find.judged += list(points)
         return [number_of(point) if possible(point) else None for point in points]
 
-    def correction_at(point):
-        find.begun.append(point)
-        return np.full(len(number_of(point)), added)
-
-    return search(judge, correction_at, misses_of, np.asarray(start, dtype=float), rounds)
+    point = np.asarray(start, dtype=float)
+    for _ in range(rounds):
+        found = search_round(judge, misses_of, point)
+        point = found.point
+    return found
 
 
 def misses_of_rates(numbers):
@@ -44,18 +44,11 @@ def misses_of_rates(numbers):
         (rosenbrock, np.asarray, [0.4, 0.6], [0.75, 0.75], 6),
     ],
 )
-def test_search_ends_at_the_best_point(number_of, misses_of, start, best, rounds):
+def test_rounds_end_at_the_best_point(number_of, misses_of, start, best, rounds):
     found = find(number_of, misses_of, start, rounds)
     assert found.point == pytest.approx(best, abs=0.02)
     assert found.loss == pytest.approx(np.sum(misses_of(number_of(found.point)) ** 2))
     assert all((p >= 0.0).all() and (p <= 1.0).all() for p in find.judged)
-    assert len(find.begun) == rounds + 1
-
-
-def test_what_the_exact_judge_adds_moves_the_best_point():
-    found = find(np.copy, lambda numbers: (numbers - 0.7) / 0.02, np.full(3, 0.4), 2, added=0.2)
-    assert found.point == pytest.approx([0.5] * 3, abs=0.01)
-    assert found.numbers == pytest.approx([0.7] * 3, abs=0.01)
 
 
 def test_impossible_points_are_passed_by_and_the_bound_is_reached():
@@ -68,7 +61,7 @@ def test_impossible_points_are_passed_by_and_the_bound_is_reached():
     assert not 0.2 < found.point[2] < 0.35
 
 
-def test_search_from_an_impossible_point_ends_there():
-    found = find(np.copy, np.copy, [0.5, 0.5], 2, possible=lambda point: False)
+def test_round_from_an_impossible_point_ends_there():
+    found = find(np.copy, np.copy, [0.5, 0.5], 1, possible=lambda point: False)
     assert found.point.tolist() == [0.5, 0.5]
     assert found.loss == np.inf

