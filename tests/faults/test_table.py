@@ -1,4 +1,4 @@
-from fprc.studies.blocks import replace_block
+from fprc.studies.pages import replace_block
 
 
 def test_page_holds_what_the_tests_found(whole_matrix, request):

@@ -1,24 +1,19 @@
-"""The same computations with other libraries."""
+"""The network of an ESN in other libraries, with the same weights, from state 0."""
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import NamedTuple
 
 import numpy as np
 
 from fprc.models import EchoStates
 
-
-class Peer(NamedTuple):
-    """The network of an ESN in another library, with the same weights, from state 0."""
-
-    states: Callable[[np.ndarray], np.ndarray]  #: x(k+1) for each sample k of a log
-    step: Callable[[np.ndarray], np.ndarray] | None  #: x after one more sample, if it can
+#: From a log to x(k+1) of each sample k, and from one more sample to x after it, if it can.
+Peer = tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray] | None]
 
 
-def reservoirpy(features: EchoStates, package: str = "reservoirpy") -> Peer:
-    """Return ReservoirPy's network of one of its two backends; its leak is 1 - gamma."""
-    network = import_module(f"{package}.nodes").Reservoir(
+def reservoirpy(features: EchoStates) -> Peer:
+    """Return ReservoirPy's network; its leak is 1 - gamma."""
+    network = import_module("reservoirpy.nodes").Reservoir(
         W=features.W_r_, Win=features.w_in_, bias=np.zeros(features.r), lr=1.0 - features.gamma
     )
     network.initialize(np.zeros((1, features.w_in_.shape[1])))
@@ -27,13 +22,7 @@ def reservoirpy(features: EchoStates, package: str = "reservoirpy") -> Peer:
         network.reset()
         return np.asarray(network.run(X))
 
-    return Peer(states, lambda theta: np.asarray(network.step(theta)))
-
-
-def reservoirpy_jax(features: EchoStates) -> Peer:
-    """Return ReservoirPy's network in JAX, in float64."""
-    import_module("jax").config.update("jax_enable_x64", True)
-    return reservoirpy(features, "reservoirpy.jax")
+    return states, lambda theta: np.asarray(network.step(theta))
 
 
 def jax_scan(features: EchoStates) -> Peer:
@@ -41,12 +30,8 @@ def jax_scan(features: EchoStates) -> Peer:
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    w_in, W_r, gamma = (
-        jax.numpy.asarray(features.w_in_),
-        jax.numpy.asarray(features.W_r_),
-        features.gamma,
-    )
-    x = jax.numpy.zeros(features.r)
+    w_in, W_r = jax.numpy.asarray(features.w_in_), jax.numpy.asarray(features.W_r_)
+    gamma, x = features.gamma, jax.numpy.zeros(features.r)
 
     @jax.jit
     def advance(x: jax.Array, theta: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -60,15 +45,13 @@ def jax_scan(features: EchoStates) -> Peer:
         x, _ = advance(x, theta)
         return np.asarray(x)
 
-    return Peer(lambda X: np.asarray(run(X)), step)
+    return lambda X: np.asarray(run(X)), step
 
 
 def esnfed(features: EchoStates) -> Peer:
     """Return esnfed's network, which has no single step; its leak is 1 - gamma."""
-    from esnfed import EchoStateNetwork
-
     inputs = features.w_in_.shape[1]
-    network = EchoStateNetwork(
+    network = import_module("esnfed").EchoStateNetwork(
         inputs,
         1,
         features.W_r_,
@@ -77,29 +60,12 @@ def esnfed(features: EchoStates) -> Peer:
         leaking_rate=1.0 - features.gamma,
         input_weights=np.hstack([np.zeros((features.r, 1)), features.w_in_]),
     )
-    return Peer(lambda X: network.harvest(X)[:, 1 + inputs :], None)
-
-
-def limit(features: EchoStates) -> Peer:
-    """Return W_r x by BLAS, which is most of the work: of a thousand samples at once, or of one.
-
-    The first is limited by multiplications, the second, in float32, by reading W_r.
-    """
-    W_r, rows = features.W_r_, np.ones((1000, features.r))
-    narrow, x = W_r.astype(np.float32), np.ones(features.r, np.float32)
-
-    def states(X: np.ndarray) -> np.ndarray:
-        for _ in range(len(X) // len(rows)):
-            rows @ W_r
-        return rows
-
-    return Peer(states, lambda theta: narrow @ x)
+    return lambda X: network.harvest(X)[:, 1 + inputs :], None
 
 
 #: By label in the table: its package, and how to make the peer.
 PEERS = {
     "ReservoirPy": ("reservoirpy", reservoirpy),
-    "ReservoirPy in JAX": ("reservoirpy", reservoirpy_jax),
     "lax.scan in JAX": ("jax", jax_scan),
     "esnfed": ("esnfed", esnfed),
 }

@@ -30,18 +30,12 @@ from fprc.models import FPRC, EchoStates
 from fprc.models.fcm import fuzzy_c_means
 from fprc.studies.pages import replace_block
 from fprc.tables.text import three_digits, within
-from tools.benchmark.peers import PEERS, Peer, limit
+from tools.benchmark.peers import PEERS, Peer
 
 PAGE = Path(__file__).parents[2] / "docs/repeat.md"
-#: States that differ by less are the same.
-SAME = 1e-12
-OURS, FUZZY, LIMIT = "fprc", "scikit-fuzzy", "W_r x alone, by BLAS"
-
-#: Column of the processor, with its kernels of BLAS and the date.
-PROCESSOR = "Processor"
-
-#: What is compared takes so many turns.
-ROUNDS = 5
+#: States that differ by less are the same; what is compared takes so many turns.
+SAME, ROUNDS = 1e-12, 5
+OURS, LIMIT, PROCESSOR = "fprc", "W_r x alone, by BLAS", "Processor"
 
 
 def interleaved(work: Mapping[str, Callable[[], object]]) -> dict[str, list[float]]:
@@ -56,55 +50,56 @@ def interleaved(work: Mapping[str, Callable[[], object]]) -> dict[str, list[floa
 
 
 def ours(features: EchoStates) -> Peer:
-    """Return our network in the form of the others."""
+    """Return our network in the form of the others: our rows have x(k) after the taps."""
+    last = features.r
+    return lambda X: features.transform(np.vstack([X, X[-1:]]))[1:, -last:], features.advance
 
-    def states(X: np.ndarray) -> np.ndarray:
-        # our rows have x(k) after the taps, those of the others x(k+1)
-        return features.transform(np.vstack([X, X[-1:]]))[1:, -features.r :]
 
-    return Peer(states, features.advance)
+def limit(features: EchoStates) -> Peer:
+    """Return W_r x by BLAS, which is most of the work: of a thousand samples at once, or of one.
+
+    The first is limited by multiplications, the second, in float32, by reading W_r.
+    """
+    W_r, rows = features.W_r_, np.ones((1000, features.r))
+    narrow, x = W_r.astype(np.float32), np.ones(features.r, np.float32)
+    return lambda X: [rows @ W_r for _ in range(len(X) // 1000)][-1], lambda theta: narrow @ x
 
 
 def networks(features: EchoStates, X: np.ndarray) -> pd.DataFrame:
-    """Compare the states of a log and single steps, as in a control loop.
-
-    ``features`` must be fitted and have no washout.
-    """
+    """Compare the states of a log and single steps, as in a control loop, of a fitted network."""
     sides = {OURS: ours(features)}
-    for label, (package, make) in PEERS.items():
-        sides[f"{label} {version(package)}"] = make(features)
-    expected = sides[OURS].states(X)
-    off = {name: float(np.abs(peer.states(X) - expected).max()) for name, peer in sides.items()}
-    few = X[:1000]
-    steps = {name: partial(_stepped, peer.step, few) for name, peer in sides.items() if peer.step}
-    features.reset(few[0])
-    for run in steps.values():
-        run()
-    sides[LIMIT] = limit(features)
-    steps[LIMIT] = partial(_stepped, sides[LIMIT].step, few)
-    seconds = {
-        "log": interleaved({n: partial(p.states, X) for n, p in sides.items()}),
-        "step": interleaved(steps),
+    sides |= {
+        f"{name} {version(package)}": make(features) for name, (package, make) in PEERS.items()
     }
-    samples = {"log": len(X), "step": len(few)}
-    rows = []
-    for name in sides:
-        row = {"Library": name}
-        for what, taken in seconds.items():
-            known = name in taken and off.get(name, 0.0) <= SAME
-            row[f"{what}, us a sample"] = _us(taken[name], samples[what]) if known else ""
-            row[f"{what}, times ours"] = _ratio(taken[name], taken[OURS]) if known else ""
-        rows.append(row | {"States differ by": f"{off[name]:.0e}" if off.get(name) else ""})
-    return pd.DataFrame(rows)
+    expected = sides[OURS][0](X)
+    off = {name: float(np.abs(states(X) - expected).max()) for name, (states, _) in sides.items()}
+    sides = {name: peer for name, peer in sides.items() if off[name] <= SAME}
+    sides[LIMIT] = limit(features)
+    few = X[:1000]
+    steps = {name: partial(_stepped, step, few) for name, (_, step) in sides.items() if step}
+    features.reset(few[0])
+    for run in steps.values():  # they compile
+        run()
+    logs = {name: partial(states, X) for name, (states, _) in sides.items()}
+    columns: dict[str, dict[str, str]] = {}
+    for what, work, samples in (("log", logs, len(X)), ("step", steps, len(few))):
+        seconds = interleaved(work)
+        columns[f"{what}, us a sample"] = {
+            name: three_digits(1e6 * statistics.median(taken) / samples)
+            for name, taken in seconds.items()
+        }
+        columns[f"{what}, times ours"] = {
+            name: _ratio(taken, seconds[OURS]) for name, taken in seconds.items()
+        }
+    columns["States differ by"] = {name: f"{by:.0e}" for name, by in off.items() if by}
+    return (
+        pd.DataFrame(columns, index=[*off, LIMIT]).fillna("").rename_axis("Library").reset_index()
+    )
 
 
 def _stepped(step: Callable[[np.ndarray], np.ndarray], X: np.ndarray) -> None:
     for theta in X:
         step(theta)
-
-
-def _us(seconds: Sequence[float], samples: int) -> str:
-    return three_digits(1e6 * statistics.median(seconds) / samples)
 
 
 def _ratio(theirs: Sequence[float], ours: Sequence[float]) -> str:
@@ -124,36 +119,26 @@ def scikit_fuzzy(rows: np.ndarray, centers: np.ndarray) -> float:
     return float(np.sum((memberships * distances) ** 2))
 
 
-def clusterings(rows: np.ndarray, clusters: int, starts: int) -> pd.DataFrame:
+def clusterings(rows: np.ndarray, clusters: int) -> pd.DataFrame:
     """Compare fuzzy c-means by the objective that is reached, and the time to it.
 
     Both begin at the same k-means++ centres; ours first converges on every tenth row.
     """
     fuzzy_c_means(rows, clusters, random_state=0)  # compiles
     table = []
-    for start in range(starts):
-        centers, _ = kmeans_plusplus(rows[::10], clusters, random_state=start)
-        sides = {
-            OURS: lambda start=start: fuzzy_c_means(rows, clusters, random_state=start).objective,
-            FUZZY: lambda centers=centers: scikit_fuzzy(rows, centers),
-        }
+    for start in range(5):
         row = {"Start": str(start)}
-        for name, cluster in sides.items():
+        centers, _ = kmeans_plusplus(rows[::10], clusters, random_state=start)
+        for name in (OURS, "scikit-fuzzy"):
             begin = process_time()
-            row[f"{name}: objective"] = f"{cluster():.8g}"
+            if name == OURS:
+                objective = fuzzy_c_means(rows, clusters, random_state=start).objective
+            else:
+                objective = scikit_fuzzy(rows, centers)
+            row[f"{name}: objective"] = f"{objective:.8g}"
             row[f"{name} [s]"] = three_digits(process_time() - begin)
         table.append(row)
     return pd.DataFrame(table)
-
-
-def processor() -> str:
-    """Return processor and kernels of BLAS, date, and how busy the machine is.
-
-    This process keeps one core busy itself.
-    """
-    here, load = machine(), os.getloadavg()[0]
-    busy = f", load {load:.0f}" if load > 1.5 else ""
-    return f"{here['cpu']}, {here['blas']}, {date.today().isoformat()}{busy}"
 
 
 def with_others(table: pd.DataFrame, block: str) -> pd.DataFrame:
@@ -172,13 +157,15 @@ def with_others(table: pd.DataFrame, block: str) -> pd.DataFrame:
 
 def report(block: str) -> str:
     """Measure everything; return it in Markdown, with what ``block`` has of other processors."""
-    X = load_hysteresis("sweep").data
+    X, fuzzy = load_hysteresis("sweep").data, FPRC(random_state=1)
     theta = X[:, :1]
     features = EchoStates(washout=0, random_state=1).fit(theta)
-    fuzzy = FPRC(random_state=1)
     rows = fuzzy.make_features().fit(X).transform(X)
-    here, tables = processor(), []
-    for table in (networks(features, theta), clusterings(rows, fuzzy.n_c, starts=5)):
+    found, load = machine(), os.getloadavg()[0]  # this process keeps one core busy itself
+    busy = f", load {load:.0f}" if load > 1.5 else ""
+    here = f"{found['cpu']}, {found['blas']}, {date.today().isoformat()}{busy}"
+    tables = []
+    for table in (networks(features, theta), clusterings(rows, fuzzy.n_c)):
         table.insert(0, PROCESSOR, here)
         tables.append(with_others(table, block).to_markdown(index=False, disable_numparse=True))
     return (

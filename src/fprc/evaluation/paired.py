@@ -132,7 +132,8 @@ def decide_together(
     leaves undecided comes again at the next level that decides it.
 
     The parts of a claim are judged at equal shares of its level. Its verdict is the weakest:
-    inferior if a part is, otherwise undecided if a part is, then equivalent, then superior.
+    inferior if a part is, otherwise undecided if a part is, then equivalent, then superior. A claim
+    with a part of fewer than two units is not judged.
 
     A decided verdict becomes undecided if there are fewer than 8 units, or if fewer than 95 %
     of 200 random subsets with ``left_out`` units fewer give the same verdict at the same level.
@@ -140,17 +141,15 @@ def decide_together(
     Parameters
     ----------
     claims : Mapping
-        Text and parts of each claim, by its id. A claim with a part of fewer than two units is not
-        judged.
+        Text and parts of each claim, by its id.
     left_out : int
         Units that a subset lacks, fewer than 7.
 
     Returns
     -------
     list of dict
-        One for each part of a claim: ``part`` (its text), and ``mean``, ``low`` and ``high``, see
-        ``Part.ends``; of a claim that is not judged one, in which these are None. Of the claim
-        ``id``; ``claim``, its text; ``verdict``; ``p``, the lowest level that decides it,
+        One for each part of a claim: its text and ``Part.ends``; of a claim that is not judged one,
+        in which these are None. Of the claim ``verdict``; ``p``, the lowest level that decides it,
         adjusted over all claims; ``level``, at which each part was judged; ``stable``, the share of
         the subsets that give the same verdict, or None; ``turned``, the verdict that too few of the
         subsets give, if that made it undecided; ``words``, the verdict as readers see it;

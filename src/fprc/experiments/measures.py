@@ -32,12 +32,15 @@ def measure_runs(
     """
     return {
         "rmse_deg": {name: rms(_error(run)) for name, run in runs.items()},
-        "effort": {reference: _effort(runs[f"{reference}/fprc_pd"]) for reference in REFERENCES},
+        "effort": {
+            name: rms(run["p_fb_kpa"]) / rms(run["p_ff_kpa"])
+            for name in REFERENCES
+            for run in [runs[f"{name}/fprc_pd"]]
+        },
         "sweep": _sweep(runs["sweep/fprc_pd"]),
         "loops": {
-            f"{reference}/{controller}": _loop(runs[f"{reference}/{controller}"])
-            for reference in LOOPS
-            for controller in ("pd", "fprc_pd")
+            name: {"width_over_span": _width_over_span(runs[name])}
+            for name in (f"{reference}/{law}" for reference in LOOPS for law in ("pd", "fprc_pd"))
         },
         "disturbance": _disturbance(runs["disturbance/fprc_pd"], unpushed, quiet_s),
     }
@@ -101,10 +104,6 @@ def _error(run: Channels) -> np.ndarray:
     return run["theta_d_deg"] - run["theta_deg"]
 
 
-def _effort(run: Channels) -> float:
-    return rms(run["p_fb_kpa"]) / rms(run["p_ff_kpa"])
-
-
 def _sweep(run: Channels) -> dict[str, float]:
     """Return largest error, its rms in the first and last third, and the lag in the last 10 s."""
     error = _error(run)
@@ -122,10 +121,9 @@ def _sweep(run: Channels) -> dict[str, float]:
     }
 
 
-def _loop(run: Channels) -> dict[str, float]:
-    """Return width / span of the loop of theta over theta_d."""
+def _width_over_span(run: Channels) -> float:
     width, span = loop_width(run["theta_d_deg"], run["theta_deg"]), np.ptp(run["theta_deg"])
-    return {"width_over_span": width / max(float(span), 1e-9)}
+    return width / max(float(span), 1e-9)
 
 
 def _disturbance(run: Channels, unpushed: Channels, quiet_s: float) -> dict[str, float]:
