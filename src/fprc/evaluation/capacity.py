@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 from fprc.errors import EvaluationError
 from fprc.models import LowpassBank
 
-#: Time constants of the low-passes whose state ``filtered_capacity`` judges, s.
+#: Time constants of the low-passes of the state of ``filtered_capacity``, s.
 TIMES_S = (0.15, 0.5, 1.7)
 #: Its lags of theta: spacing and number; theta's own newest taps do not count in the memory curve.
 SPACING_S, LAGS, TAPS = 0.1, 50, 5
 #: Directions of a state or of the targets below this share of the largest are rounding errors.
 _RANK = 1e-9
-#: Blocks that judge the memory curve, and its ridge parameter, a share of the samples.
+#: Blocks that test the memory curve, and its ridge parameter, a share of the samples.
 _BLOCKS, _ALPHA = 10, 1e-6
 
 

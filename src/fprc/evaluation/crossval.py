@@ -60,7 +60,7 @@ Samples = tuple[np.ndarray, np.ndarray] | tuple[np.ndarray, np.ndarray, Sequence
 
 
 class Prepared(NamedTuple):
-    """Features of a model over some logs; readouts are fitted to rows of them and judged."""
+    """Features of a model over some logs; readouts are fitted to rows of them and tested."""
 
     model: SequenceModel  #: not fitted
     features: BaseEstimator  #: fitted

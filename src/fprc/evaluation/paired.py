@@ -1,4 +1,4 @@
-"""Compare two models that were measured on the same units; judge several pairs at once.
+"""Compare two models that were measured on the same units; decide on several pairs at once.
 
 A unit is a seed, a rig, or a block of a recording.
 """
@@ -42,7 +42,7 @@ class Part(NamedTuple):
     values: Mapping[int, float]  #: by unit; lower is better
     limit: float = 1.0  #: with any other there is no equivalence
     dropped: int = 0  #: units without this pair
-    #: Samples that judge per sample that trains, if the units of one cross-validation share their
+    #: Samples that test per sample that trains, if the units of one cross-validation share their
     #: training data; 0 for units that share none.
     overlap: float = 0.0
 
@@ -122,7 +122,7 @@ def verdict_in_words(verdict: str, turned: str = "", limit: float = 1.0) -> str:
 def decide_together(
     claims: Mapping[str, tuple[str, Sequence[Part]]], left_out: int = LEFT_OUT
 ) -> list[dict[str, Any]]:
-    """Judge several claims so that any verdict is wrong with probability ``ALPHA`` at most.
+    """Decide on several claims so that any verdict is wrong with probability ``ALPHA`` at most.
 
     Each claim has a lowest level that decides it: superior, equivalent or inferior, whichever
     comes first. Holm's step-down procedure takes the claims by these levels, lowest first: the

@@ -29,7 +29,7 @@ RATE_HZ = 50.0
 BLOCKS = 20
 #: Samples this near to a block do not train, s; a block is at least three times as long.
 PURGE_S, PURGES = 2.0, 3
-#: Samples of this time at the beginning of a recording, s, neither train nor judge: low-passes and
+#: Samples of this time at the beginning of a recording, s, neither train nor test: low-passes and
 #: networks do not know yet what was before. Three time constants of the slowest low-pass.
 WARM_UP_S = 5.0
 #: A block may be shorter by this share: the last sample of a part lies up to one period before its
@@ -115,7 +115,7 @@ def best_of_side(
     seed: int,
     step: Callable[[str], None] = lambda what: None,
 ) -> Side:
-    """Choose the best family inside, and judge it on every block.
+    """Choose the best family inside, and test it on every block.
 
     For each block, every family and setting is tried on the other blocks, each predicted without
     itself and without the block, by the mean logarithm of the errors. Of those within ``EQUAL`` of

@@ -31,15 +31,15 @@ def compare_models(
 
     The results are the errors of Tables II and III, and the weights of Fig. 9.
     """
-    judged = {
+    found = {
         name: cross_validate_both(name, validation, data) for name in entries(validation.models)
     }
-    by_direction = chain.from_iterable(zip(*judged.values(), strict=True))
+    by_direction = chain.from_iterable(zip(*found.values(), strict=True))
     compared = {
         "models": [report for _, report, _ in by_direction],
         "weights": weight_shares(data["sweep"], validation),
     }
-    return compared, {name: validated.model for name, ((validated, *_), *_) in judged.items()}
+    return compared, {name: validated.model for name, ((validated, *_), *_) in found.items()}
 
 
 def cross_validate_both(
@@ -57,13 +57,15 @@ def cross_validate_both(
     results = []
     for train, test in DIRECTIONS:
         label = f"{name}, trained on {logs[train].attributes['experiment']}"
-        judged = prepared.cross_validated(train, validation.split_rows(logs[train]))
-        for fold, errors in enumerate(zip(judged.train_rmse, judged.validation_rmse, strict=True)):
+        validated = prepared.cross_validated(train, validation.split_rows(logs[train]))
+        for fold, errors in enumerate(
+            zip(validated.train_rmse, validated.validation_rmse, strict=True)
+        ):
             log.info("%s: fold %d: training %.2f, validation %.2f kPa", label, fold + 1, *errors)
-        trained_on(judged.model, logs[train], name, validation.models)
-        tested, expected = judged.model.readout_.predict(prepared.rows[test]), prepared.y[test]
+        trained_on(validated.model, logs[train], name, validation.models)
+        tested, expected = validated.model.readout_.predict(prepared.rows[test]), prepared.y[test]
         test_rmse = rmse(expected, tested)
-        log.info("%s: best fold %d, test %.2f kPa", label, judged.best + 1, test_rmse)
+        log.info("%s: best fold %d, test %.2f kPa", label, validated.best + 1, test_rmse)
         report = {
             "model": name,
             "trained_on": logs[train].attributes["experiment"],
@@ -72,17 +74,17 @@ def cross_validate_both(
             "target": logs[train].attributes["target"],
             "unit": logs[train].unit,
             "split": validation.split,
-            "train_rmse_kpa": judged.train_rmse,
-            "validation_rmse_kpa": judged.validation_rmse,
-            "best_fold": judged.best,
+            "train_rmse_kpa": validated.train_rmse,
+            "validation_rmse_kpa": validated.validation_rmse,
+            "best_fold": validated.best,
             "test_rmse_kpa": test_rmse,
             "test_halves_rmse_kpa": _halves(expected, tested),
             "train_halves_rmse_kpa": _halves(
-                prepared.y[train], judged.model.readout_.predict(prepared.rows[train])
+                prepared.y[train], validated.model.readout_.predict(prepared.rows[train])
             ),
             "seen_test_rmse_kpa": _seen(logs[train], logs[test], expected, tested),
         }
-        results.append((judged, report, tested))
+        results.append((validated, report, tested))
     return results
 
 

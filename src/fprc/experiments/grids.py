@@ -51,8 +51,8 @@ def weight_shares(train: Data, validation: CrossValidation) -> dict[str, Any]:
     """
     model = build("fprc", validation.models, validation.seed)
     prepared = normalised(prepare(model, {"train": train.samples("fprc")}), "train")
-    judged = prepared.cross_validated("train", validation.split_rows(train))
-    shares = shares_of(judged.model.readout_.W_out_)
+    validated = prepared.cross_validated("train", validation.split_rows(train))
+    shares = shares_of(validated.model.readout_.W_out_)
     edges = {"bias": (0, 1), "theta_d": (1, 1 + model.n_y), "p_o": (1 + model.n_y, None)}
     parts = {name: shares[:, slice(*edge)] for name, edge in edges.items()}
     return {

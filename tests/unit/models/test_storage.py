@@ -89,10 +89,9 @@ def test_same_model_gives_the_same_bytes(saved, path, tmp_path):
     assert (tmp_path / "again.h5").read_bytes() == path.read_bytes()
 
 
-@pytest.mark.parametrize("model", SEQUENCE_MODELS, ids=named)
-def test_unfitted_model_is_refused(model, path):
-    with pytest.raises((FprcError, NotFittedError), match="fit"):
-        save_model(clone(model), path)
+def test_unfitted_model_is_refused(path):
+    with pytest.raises(NotFittedError):
+        save_model(FPRC(), path)
 
 
 @pytest.mark.parametrize(
@@ -268,32 +267,23 @@ def test_wrong_array_is_refused(change, saved, path):
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("n_features_in_", 10**9), ("readout_.n_features_in_", 5)]
-)
-def test_wrong_number_of_columns_is_named(name, value, saved, path):
-    with h5py.File(path, "a") as file:
-        file[name][...] = value
-    reseal(path)
-    with pytest.raises(FprcError, match=rf"model\.h5: .* {re.escape(name)}: "):
-        load_model(path)
-
-
-@pytest.mark.parametrize(
-    ("features", "name", "value"),
+    ("model", "name", "value"),
     [
+        (FUZZY, "n_features_in_", 10**9),
+        (FUZZY, "readout_.n_features_in_", 5),
         (NVAR(n_taps=2), "scale_", np.full(2, 5e-324)),
         (NVAR(n_taps=2), "mean_", np.full(2, 1e30)),
         (PlayOperators(n_plays=3), "half_widths_", -np.ones((2, 3))),
         (EchoStates(r=4, random_state=1), "W_r_", np.full((4, 4), 1e100)),
     ],
-    ids=named,
+    ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_array_outside_its_limits_is_named(features, name, value, path):
-    save_model(features.fit(log()), path)
+def test_number_outside_its_limits_is_named(model, name, value, path):
+    save_model(clone(model).fit(log(), pressure()), path)
     with h5py.File(path, "a") as file:
         file[name][...] = value
     reseal(path)
-    with pytest.raises(FprcError, match=rf"model\.h5: .* {name}: "):
+    with pytest.raises(FprcError, match=rf"model\.h5: .* {re.escape(name)}: "):
         load_model(path)
 
 
@@ -358,31 +348,27 @@ def test_model_from_outside_is_loaded_with_what_it_learned(outside, path):
     assert np.array_equal(loaded.inner_[0].w_out_, outside.inner_[0].w_out_)
 
 
-@pytest.mark.parametrize(
-    ("name", "value"), [("units_", 3.0), ("units_", [1.0, 2.0]), ("sample_rate_hz_", "fast")]
-)
-def test_origin_of_a_model_from_outside_is_checked(name, value, outside, path):
-    setattr(outside, name, value)
-    with pytest.raises(FprcError, match=name):
-        save_model(outside, path, [Outside])
+SPOILED = {
+    "units": (lambda model: setattr(model, "units_", 3.0), "units_"),
+    "numbers as units": (lambda model: setattr(model, "units_", [1.0, 2.0]), "units_"),
+    "rate": (lambda model: setattr(model, "sample_rate_hz_", "fast"), "sample_rate_hz_"),
+    "part that its class does not declare": (
+        lambda model: setattr(model, "other_", RidgeReadout().fit(log(), pressure())),
+        r"other_\.w_out_",
+    ),
+    "other parameters than its class gives": (
+        lambda model: model.readout_.set_params(sigma=3.0),
+        "readout_",
+    ),
+    "NaN": (lambda model: setattr(model, "offset_", np.nan), "offset_: holds NaN"),
+    "infinity": (lambda model: setattr(model, "offset_", [1.0, np.inf]), "offset_: holds NaN"),
+}
 
 
-def test_part_that_its_class_does_not_declare_is_not_saved(outside, path):
-    outside.other_ = RidgeReadout().fit(log(), pressure())
-    with pytest.raises(FprcError, match=r"other_\.w_out_"):
-        save_model(outside, path, [Outside])
-
-
-def test_part_with_other_parameters_than_its_class_gives_it_is_not_saved(outside, path):
-    outside.readout_.set_params(sigma=3.0)
-    with pytest.raises(FprcError, match="readout_"):
-        save_model(outside, path, [Outside])
-
-
-@pytest.mark.parametrize("value", [np.nan, [1.0, np.inf]])
-def test_model_from_outside_that_is_not_finite_is_not_saved(value, outside, path):
-    outside.offset_ = value
-    with pytest.raises(FprcError, match=r"offset_: holds NaN|only finite numbers"):
+@pytest.mark.parametrize(("spoil", "named"), SPOILED.values(), ids=SPOILED)
+def test_spoiled_model_from_outside_is_not_saved(spoil, named, outside, path):
+    spoil(outside)
+    with pytest.raises(FprcError, match=named):
         save_model(outside, path, [Outside])
 
 
