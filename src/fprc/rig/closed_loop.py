@@ -39,15 +39,13 @@ def close_loop(
         measured angle), push on the reservoir.
     regressors : ndarray of shape (n_samples, n_weights)
         Of the model's readout, see ``fprc.models.Online``; without columns, nothing is learned.
-    learned : ndarray of shape (n_weights,)
-        What the weights have learned, changed in place.
-    covariance, prior : ndarray of shape (n_weights, n_weights)
-        See ``fprc.control_laws.learn_step``.
+    learned, covariance, prior
+        See ``fprc.control_laws.learn_step``; the first two are changed in place.
     noise : ndarray of shape (n_samples - 1, NOISE_PER_TICK)
     tick : int
         Number of the first sample.
-    valve_v, reading : ndarray, record array
-        As in ``advance``; changed in place.
+    states, rigs, instruments, period_s, substeps, valve_v, reading
+        As in ``advance``.
     rows : record array of shape (n_samples,)
         Filled; see ``fprc.rig.simulator.SAMPLE``.
 

@@ -22,13 +22,8 @@ _SHARE = 0.8
 def friction(law, z, increment, slip_distance, weight):
     """Move the elements by ``increment`` and return their normalised force, in [-1, 1].
 
-    Parameters
-    ----------
-    law : ndarray of shape (n,)
-        Its length is the position in ``LAWS``, counted from 1. As a field of a record it has a
-        length that is known when the code is compiled, so the choice takes no time.
-    z, increment, slip_distance, weight
-        See ``slip``.
+    The length of the array ``law`` is the position in ``LAWS``, counted from 1. As a field of a
+    record it has a length that is known when the code is compiled, so the choice takes no time.
     """
     if len(law) == 2:
         return bouc_wen(z, increment, slip_distance, weight)
@@ -40,12 +35,8 @@ def slip(z, increment, slip_distance, weight):
     """Move the elements by ``increment`` and return their normalised force.
 
     z_j <- clip(z_j + increment, -delta_j, delta_j); the force is
-    sum_j w_j z_j / delta_j, which lies in [-1, 1] where the weights sum to 1.
-
-    Parameters
-    ----------
-    z : ndarray of shape (n_elements,)
-        Deflections, changed in place, in the unit of ``increment``.
+    sum_j w_j z_j / delta_j, which lies in [-1, 1] where the weights sum to 1. The deflections z
+    are changed in place.
     """
     force = 0.0
     for j in range(len(z)):

@@ -10,18 +10,8 @@ import numpy as np
 def record(settings: Mapping[str, Any]) -> np.ndarray:
     """Pack nested numbers into a structured array of shape (1,).
 
-    Numbers become float64 fields, sequences fixed-length arrays, mappings
-    nested records; names and order are kept.
-
-    Parameters
-    ----------
-    settings : Mapping
-        Names to numbers, sequences of numbers, or further mappings.
-
-    Returns
-    -------
-    ndarray of shape (1,)
-        Indexable by the same names, in Python and in compiled code.
+    Numbers become float64 fields, sequences fixed-length arrays, mappings nested records; names
+    and order are kept, in Python and in compiled code.
     """
     return np.array([_values(settings)], dtype=_layout(_fields(settings)))
 

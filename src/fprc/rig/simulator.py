@@ -128,15 +128,13 @@ def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, subst
 
 @kernel
 def _drift(state, rig, shock, bend_shock, period_s):
-    keep = math.exp(-period_s / rig.drift.time_s)
-    state.drift_kpa = (
-        keep * state.drift_kpa + rig.drift.sigma_kpa * math.sqrt(1.0 - keep * keep) * shock
-    )
-    keep = math.exp(-period_s / rig.bend_sensor.slow_error_time_s)
-    state.bend_slow_deg = (
-        keep * state.bend_slow_deg
-        + rig.bend_sensor.slow_error_deg * math.sqrt(1.0 - keep * keep) * bend_shock
-    )
+    drift, bend = rig.drift, rig.bend_sensor
+    keep = math.exp(-period_s / drift.time_s)
+    gained = drift.sigma_kpa * math.sqrt(1.0 - keep * keep) * shock
+    state.drift_kpa = keep * state.drift_kpa + gained
+    keep = math.exp(-period_s / bend.slow_error_time_s)
+    gained = bend.slow_error_deg * math.sqrt(1.0 - keep * keep) * bend_shock
+    state.bend_slow_deg = keep * state.bend_slow_deg + gained
 
 
 @kernel
@@ -146,24 +144,17 @@ def _valves(state, rig, valve_v, dt):
         written = converted(valve_v[i], rig.converter.step_v, rig.converter.limit_v)
         volts = max(written, 0.0)  # the output board gives 0 to 10 V
         command = (volts - valve.neutral_v) / valve.neutral_v
-        state.spool_rate[i] += dt * spool_acceleration(
-            state.spool[i],
-            state.spool_rate[i],
-            command,
-            valve.natural_frequency_rad_per_s,
-            valve.damping_ratio,
-        )
+        x, v = state.spool[i], state.spool_rate[i]
+        state.spool_rate[i] += dt * spool_acceleration(valve, x, v, command)
         state.spool[i] += dt * state.spool_rate[i]
 
 
 @kernel
 def _flow(spool, valve, p_kpa_abs):
-    supply = opening(spool, valve.dead_zone, valve.leak) * valve.sonic_conductance_ml_per_s_kpa
-    exhaust = opening(-spool, valve.dead_zone, valve.leak) * valve.sonic_conductance_ml_per_s_kpa
-    ratio = valve.critical_pressure_ratio
-    return mass_flow(supply, valve.supply_kpa_abs, p_kpa_abs, ratio) - mass_flow(
-        exhaust, p_kpa_abs, ATMOSPHERE_KPA, ratio
-    )
+    conductance, ratio = valve.sonic_conductance_ml_per_s_kpa, valve.critical_pressure_ratio
+    supply, exhaust = opening(valve, spool) * conductance, opening(valve, -spool) * conductance
+    flow_in = mass_flow(supply, valve.supply_kpa_abs, p_kpa_abs, ratio)
+    return flow_in - mass_flow(exhaust, p_kpa_abs, ATMOSPHERE_KPA, ratio)
 
 
 @kernel
@@ -175,23 +166,13 @@ def _actuator(state, rig, dt):
     state.p_main_kpa_abs += dt * pressure_rate(
         state.p_main_kpa_abs, flow, volume, volume_rate, chamber.polytropic_index
     )
-    increment = dt * state.omega_deg_per_s
-    force = friction(
-        rig.friction_law,
-        state.bending_slip_deg,
-        increment,
-        bending.slip_distance_deg,
-        bending.slip_weight,
-    )
+    distance, weight = bending.slip_distance_deg, bending.slip_weight
+    increment, p_kpa = dt * state.omega_deg_per_s, state.p_main_kpa_abs - ATMOSPHERE_KPA
+    force = friction(rig.friction_law, state.bending_slip_deg, increment, distance, weight)
     state.omega_deg_per_s += dt * angular_acceleration(
-        bending,
-        state.theta_deg,
-        state.omega_deg_per_s,
-        state.relaxed_deg,
-        force,
-        state.p_main_kpa_abs - ATMOSPHERE_KPA,
+        bending, state.theta_deg, state.omega_deg_per_s, state.relaxed_deg, force, p_kpa,
         state.drift_kpa,
-    )
+    )  # fmt: skip
     state.theta_deg += dt * state.omega_deg_per_s
     relax(state.relaxed_deg, state.theta_deg, bending.relaxation_time_s, dt)
 
@@ -202,21 +183,16 @@ def _reservoir(state, rig, push_kpa, dt):
     passive_ml = passive_volume(reservoir, state.squeezed_ml, state.phi_deg)
     p_o = sealed_pressure(state.passive_gas_kpa_ml, passive_ml)
     state.passive_gas_kpa_ml -= dt * reservoir.leak_ml_per_s_kpa * p_o * ATMOSPHERE_KPA
-    before = state.squeezed_ml
+    before, p_i = state.squeezed_ml, state.p_i_kpa_abs - ATMOSPHERE_KPA
     force = _squeeze_friction(state, rig, 0.0)
-    rate = squeeze_rate(reservoir, before, force, state.p_i_kpa_abs - ATMOSPHERE_KPA, p_o)
-    p_i = state.p_i_kpa_abs - ATMOSPHERE_KPA
+    rate = squeeze_rate(reservoir, before, force, p_i, p_o)
     state.phi_deg += dt * bending_rate(reservoir, state.phi_deg, p_i, p_o, push_kpa)
     state.squeezed_ml = max(before + dt * rate, 0.0)
     rate = (state.squeezed_ml - before) / dt
     _squeeze_friction(state, rig, rate * dt)
-    flow = _flow(state.spool[1], rig.valve, state.p_i_kpa_abs)
+    flow, volume = _flow(state.spool[1], rig.valve, state.p_i_kpa_abs), chamber.volume_ml
     state.p_i_kpa_abs += dt * pressure_rate(
-        state.p_i_kpa_abs,
-        flow,
-        chamber.volume_ml + state.squeezed_ml,
-        rate,
-        chamber.polytropic_index,
+        state.p_i_kpa_abs, flow, volume + state.squeezed_ml, rate, chamber.polytropic_index
     )
 
 
@@ -263,15 +239,11 @@ def _sense(state, rig, instrument, noise, reading):
     pressures = np.empty(3)
     for i in range(3):
         # the board converts its channels one after the other
-        late = i * rig.converter.scan_s
+        p_kpa = state.sensed_kpa[i] + i * rig.converter.scan_s * state.sensed_rate_kpa_per_s[i]
         volts = pressure_voltage(
-            sensor,
-            state.sensed_kpa[i] + late * state.sensed_rate_kpa_per_s[i],
-            instrument.gain[i],
-            instrument.offset[i],
-            instrument.bow[i],
+            sensor, p_kpa, instrument.gain[i], instrument.offset[i], instrument.bow[i],
             sensor.noise_kpa * noise[i],
-        )
+        )  # fmt: skip
         volts = converted(volts, rig.converter.step_v, rig.converter.limit_v)
         pressures[i] = (volts - sensor.zero_v) * kpa_per_v
     reading.p_exp_kpa, reading.p_i_kpa, reading.p_o_kpa = pressures[0], pressures[1], pressures[2]

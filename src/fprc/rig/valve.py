@@ -10,21 +10,22 @@ LINEAR_ABOVE_RATIO = 0.995
 
 
 @kernel
-def spool_acceleration(x, v, command, natural_frequency, damping_ratio):
+def spool_acceleration(valve, x, v, command):
     """Acceleration of the spool, in strokes per s^2.
 
     x'' = wn^2 (command - x) - 2 zeta wn x', with x and command in [-1, 1].
     """
-    return natural_frequency**2 * (command - x) - 2.0 * damping_ratio * natural_frequency * v
+    natural_frequency = valve.natural_frequency_rad_per_s
+    return natural_frequency**2 * (command - x) - 2.0 * valve.damping_ratio * natural_frequency * v
 
 
 @kernel
-def opening(x, dead_zone, leak):
-    """Open fraction of the edge that a positive spool position ``x`` opens.
+def opening(valve, x):
+    """Open fraction of the edge that a positive spool position ``x`` opens; -x is the exhaust's.
 
-    The exhaust edge is ``opening(-x, ...)``. ``leak`` is the clearance, open at every position.
+    ``leak`` is the clearance, open at every position.
     """
-    return min(max((x - dead_zone) / (1.0 - dead_zone), 0.0), 1.0) + leak
+    return min(max((x - valve.dead_zone) / (1.0 - valve.dead_zone), 0.0), 1.0) + valve.leak
 
 
 @kernel
@@ -43,10 +44,7 @@ def flow_function(ratio, critical_ratio):
 def mass_flow(conductance, upstream_kpa_abs, downstream_kpa_abs, critical_ratio):
     """Flow through an orifice, mL/s ANR; negative if the downstream pressure is the higher one.
 
-    Parameters
-    ----------
-    conductance : float
-        Sonic conductance times open fraction, mL/(s kPa).
+    The conductance is the sonic one times the open fraction, mL/(s kPa).
     """
     if upstream_kpa_abs >= downstream_kpa_abs:
         ratio = downstream_kpa_abs / upstream_kpa_abs
