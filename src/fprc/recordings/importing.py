@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from fprc.channels import TARGETS, unit_of
-from fprc.config.problems import explained
+from fprc.config.load import explained
 from fprc.config.section import Section
 from fprc.errors import ConfigError
 from fprc.logs.quality import other_quantity
