@@ -23,10 +23,10 @@ def block(language):
 
 
 @pytest.fixture(scope="module")
-def extended(smoked, copied, tmp_path_factory):
+def extended(smoked, tmp_path_factory):
     """Results of a smoke run to which a fourth model was added."""
     folder = tmp_path_factory.mktemp("extended") / "project"
-    project = copied(smoked[0], folder)
+    project = smoked.copy(folder)
     (folder / "my_models.py").write_text(block("python"), encoding="utf-8")
     mine = re.sub(r"folders: .*\n", "", block("yaml"))
     (folder / "mine.yaml").write_text(mine, encoding="utf-8")
@@ -81,7 +81,7 @@ def test_model_drives_closed_loops(extended):
 def test_class_that_is_not_there_is_refused_by_its_key(smoked, tmp_path):
     mine = tmp_path / "mine.yaml"
     mine.write_text("models: {others: {gone: {estimator: nowhere.Gone}}}", encoding="utf-8")
-    done = smoked[0].snakemake("--nolock", "-n", "--configfile", str(mine), "--", "table2")
+    done = smoked.snakemake("--nolock", "-n", "--configfile", str(mine), "--", "table2")
     assert done.returncode == 1
     assert "models.others.gone.estimator" in done.stdout
     assert "Traceback" not in done.stdout

@@ -1,16 +1,11 @@
-"""After a kill at any moment the workflow continues and gives the same results.
+"""After a kill at any moment, and elsewhere, the workflow gives the same results.
 
-FPRC_KILLS is the number of random kills; `.ci/weekly` makes twenty. Every run of the tests
-kills the second build of test_twice.py once.
+FPRC_KILLS is the number of random kills; `.ci/weekly` makes twenty.
 """
 
 import os
 import random
-import re
 import shutil
-import subprocess
-import time
-from contextlib import suppress
 
 import pytest
 
@@ -18,18 +13,23 @@ pytestmark = pytest.mark.slow
 
 KILLS = int(os.environ.get("FPRC_KILLS", "0"))
 SEED = int(os.environ.get("FPRC_KILL_SEED", "1"))
-#: What jobs print of their progress, and Snakemake of their end; some 320 lines in a whole run.
-PROGRESS = re.compile(r"^(?:\[[a-z_0-9]+[] ]|Finished jobid)", re.MULTILINE)
+ELSEWHERE = {
+    "TZ": "Pacific/Kiritimati", "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0",
+    "PYTHONHASHSEED": "4711",
+}  # fmt: skip
 
 
-def wait_for(run, progress, seconds):
-    """Wait until the jobs have reported so often, and some time more; or until the run ends."""
-    while run.process.poll() is None:
-        if len(PROGRESS.findall(run.printed())) >= progress:
-            with suppress(subprocess.TimeoutExpired):
-                run.process.wait(seconds)
-            return
-        time.sleep(0.05)
+def test_second_build_elsewhere_that_was_killed_gives_the_same_bytes(smoked, project):
+    """One core, another folder, time zone, locale and hash seed."""
+    assert project.killed(3, **ELSEWHERE) is None
+    done = project.smoke("--cores", "1", "all", **ELSEWHERE)
+    assert done.returncode == 0, done.stdout
+    first, second = (p.folder / "results/smoke" for p in (smoked, project))
+    for name in ("report.html", "claims.json", "figures/fig10_settings.pdf"):
+        assert (second / name).exists()
+    times = "timing/times.json"
+    assert (first / times).read_bytes() != (second / times).read_bytes()
+    assert project.differences_but_times(smoked) == ""
 
 
 @pytest.mark.skipif(not KILLS, reason="random kills take long; `.ci/weekly` makes them")
@@ -37,16 +37,10 @@ def test_killed_at_random_moments_the_run_ends_the_same(smoked, project):
     moments = random.Random(SEED)
     kills = 0
     while kills < KILLS:
-        run = project.begin("--configfile", "config/smoke.yaml")
-        wait_for(run, moments.randint(1, 200), moments.uniform(0, 1))
-        status = run.process.poll()
-        run.kill()
+        status = project.killed(moments.randint(0, 28), moments.uniform(0, 1))
         kills += status is None
-        project.recover()
         if status is not None:
-            assert status == 0, run.printed()
-            assert project.differences_but_times(smoked[0]) == ""
+            assert status == 0
+            assert project.differences_but_times(smoked) == ""
             shutil.rmtree(project.folder / "results")
-    done = project.smoke("all")
-    assert done.returncode == 0, done.stdout
-    assert project.differences_but_times(smoked[0]) == ""
+    assert project.differences_but_times(smoked) == ""

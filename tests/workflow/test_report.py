@@ -131,9 +131,9 @@ def browser(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def report(smoked):
-    """Path of the page of the smoke run."""
-    return smoked[0].folder / "results/smoke/report.html"
+def report(paper):
+    """Path of the page of the paper."""
+    return paper[0].folder / "results/report.html"
 
 
 #: What a reader sees: pictures that are missing, what is wider than the screen, what is cut off.
@@ -236,10 +236,9 @@ def test_browser_notices_a_page_that_is_wrong(browser, tmp_path):
     assert len(seen["cut"]) == 1
 
 
-def test_links_to_files_lead_to_files(smoked):
-    results = smoked[0].folder / "results/smoke"
-    text = (results / "report.html").read_text(encoding="utf-8")
+def test_links_to_files_lead_to_files(report):
+    text = report.read_text(encoding="utf-8")
     links = re.findall(r'href="(?!data:|#|https://doi\.org/)([^"]*)"', text)
     assert {"claims.json", "tables/table2.csv", "figures/fig08_training.pdf"} <= set(links)
-    assert [link for link in links if not (results / unquote(link)).is_file()] == []
+    assert [link for link in links if not (report.parent / unquote(link)).is_file()] == []
     assert len(text) < 8e6

@@ -65,7 +65,7 @@ def test_slurm_gives_the_same_bytes(project, request):
     assert daemons() <= before
     assert not Path("/etc/slurm/slurm.conf").exists()
     # not earlier, so that another process makes it in the meantime
-    smoked, _ = request.getfixturevalue("smoked")
+    smoked = request.getfixturevalue("smoked")
     local, through_slurm = smoked.untimed(), project.untimed()
     assert len(through_slurm) > 10
     assert through_slurm.keys() <= local.keys()

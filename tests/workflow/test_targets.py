@@ -1,40 +1,13 @@
-import re
-import sys
+"""Targets plan what they need, and an edit or a setting reruns what runs or reads it."""
+
+import shutil
+from pathlib import Path
 
 import pytest
 
-from fprc.yaml_file import read_yaml
+import fprc
 
 STUDIES = ("--snakefile", "workflow/studies/Snakefile")
-
-
-def test_profile_of_slurm_names_rules_that_there_are_and_groups_every_drawing(project):
-    rules = set(project.snakemake("--list-rules", *STUDIES).stdout.split())
-    profile = read_yaml(project.folder / "profiles/slurm/config.yaml")
-    groups = dict(group.split("=") for group in profile["groups"])
-    assert profile["set-resources"].keys() | groups.keys() <= rules
-    assert {rule for rule in rules if rule.startswith("draw_")} <= groups.keys()
-    # which the rules obey, also in a job on a node with more cores
-    assert profile["max-threads"] == profile["cores"] == 8
-
-
-def test_studies_are_no_rules_of_the_paper(project):
-    paper, every = (
-        set(project.snakemake("--list-rules", *which).stdout.split()) for which in ((), STUDIES)
-    )
-    assert paper < every
-    assert {"studies", "families", "check", "drift_page"} <= every - paper
-    assert len(every - paper) > 10
-
-
-def test_profile_of_the_smoke_run_is_the_default_one_with_a_configuration(project):
-    profiles = project.folder / "profiles"
-    smoke = read_yaml(profiles / "smoke/config.yaml")
-    configuration = profiles / "smoke" / smoke.pop("configfile")
-    assert configuration.samefile(project.folder / "config/smoke.yaml")
-    assert smoke == read_yaml(profiles / "default/config.yaml")
-
-
 FIG8 = {"record": 2, "preprocess": 2, "judge": 1, "draw_training": 1}
 
 #: Targets, the jobs that they need, and jobs that they must do without.
@@ -42,8 +15,8 @@ PLANNED = [
     (["table1", "fig1"], {"draw_without_data"}, {"record"}),
     (["table2", "table3"], {"tabulate_models", "judge"}, {"measure_times", "replicate"}),
     (["seeds"], {"tabulate_seeds", "replicate"}, {"judge", "record"}),
-    (["timing", "fig4", "fig9", "fig11"], {"tabulate_times", "draw_hysteresis", "draw_weights",
-     "draw_grids"}, {"judge", "track"}),
+    (["timing", "fig4", "fig9"], {"tabulate_times", "draw_hysteresis", "draw_weights"},
+     {"judge", "track"}),
     (["fig10"], {"draw_grids", "replicate", "measure_times"}, {"grid", "track"}),
     (["table4", "fig12", "fig17"], {"track", "draw_loops"}, {"grid", "replicate"}),
     (["report"], {"report_page", "ledger", "draw_grids"}, {"judge_family"}),
@@ -63,14 +36,72 @@ def test_targets_plan_what_they_need_and_no_more(project, targets, needs, spares
     assert not spares & jobs.keys()
 
 
+def jobs(*rules, **counts):
+    """Return the number of jobs by rule, one where none is given."""
+    return dict.fromkeys(rules, 1) | counts
+
+
+REPORT = jobs("report_page")
+#: What shows further seeds, which are one job each.
+SEEDS = REPORT | jobs("tabulate_seeds", "draw_grids", "ledger", replicate=10)
+#: What one model changes.
+ESN = SEEDS | jobs("judge", "measure_times", "tabulate_models", "tabulate_times")
+#: Closed loops and what is made of them.
+LOOPS = jobs("track", "draw_loops")
+#: What every model changes: all but the experiments and what is made of their logs alone.
+MODELS = ESN | LOOPS | jobs("draw_training", "draw_weights", judge=3)
+RIG = MODELS | jobs("draw_hysteresis", record=2, preprocess=2)
+SHOWN = {rule for rule in RIG if rule.startswith(("tabulate", "draw"))} | {
+    "ledger", "report_page", "draw_without_data",
+}  # fmt: skip
+
+#: Edits that rerun the same jobs are made together: file, old text, new text.
+NOTHING = [
+    ("models/features.py", "\n\n\ndef ", "\n\n\n# a comment\ndef "),
+    ("models/esn.py", '"""Return the unfitted network."""', '"""The net."""'),
+    ("cli.py", "import sys", "import sys\n\nUNUSED = 1"),
+]
+EDITS = {
+    "comment, docstring, code that no rule runs": (NOTHING, {}),
+    "ESN": ([("models/esn.py", "\n\n\nclass ", "\n\nEDITED = 1\n\n\nclass ")], ESN),
+    "FPRC": ([("models/fprc.py", "\n\n\n@", "\n\nEDITED = 1\n\n\n@")], MODELS | jobs(judge=2)),
+    "what computes": ([("rig/friction.py", "return force", "return 1.0 * force")], RIG),
+    "what shows": ([("figures/hysteresis.py", "style.COLUMN_IN, 2.4", "style.COLUMN_IN, 2.5")],
+                   SHOWN_JOBS := jobs(*SHOWN, "draw_weights")),
+    "a printed number": ([("config/published.yaml", "60.32", "60.33")], SHOWN_JOBS),
+}  # fmt: skip
+
+
+def rerun(paper, *arguments, **environment):
+    """Jobs of the paper that would run again, by rule."""
+    planned = paper[0].planned("--nolock", *arguments, "--", "all", **environment)
+    return {rule: count for rule, count in planned.items() if rule != "all"}
+
+
 @pytest.mark.slow
-def test_run_says_what_it_does_and_how_much_is_done(project):
-    snakemake = [sys.executable, "-m", "snakemake", "--cores", "1"]
-    done = project.run(*snakemake, "table1")
-    assert done.returncode == 0, done.stdout
-    assert re.search(r"^Job 1: Table I, and ", done.stdout, re.MULTILINE)
-    assert re.search(r"^1 of 2 steps \(50%\) done$", done.stdout, re.MULTILINE)
-    assert re.search(r"^Job 0: Target table1$", done.stdout, re.MULTILINE)
-    assert "Reason:" not in done.stdout
-    # what a job says of its progress is in its log
-    assert "[draw_without_data]" not in done.stdout
+@pytest.mark.parametrize("what", EDITS)
+def test_edit_reruns_what_runs_that_code_and_nothing_else(paper, tmp_path, what):
+    edits, expected = EDITS[what]
+    shutil.copytree(Path(fprc.__file__).parent, tmp_path / "fprc")
+    for name, old, new in edits:
+        path = tmp_path / "fprc" / name
+        text = path.read_text(encoding="utf-8")
+        assert old in text
+        path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    assert rerun(paper, PYTHONPATH=str(tmp_path)) == expected
+
+
+#: Settings on the command line, and the jobs that must run again; the report shows all settings.
+CHANGES = {
+    "nothing": ("seed=1", {}),
+    "values of n_c": ("grids={n_c: [2, 4, 8]}", SEEDS | jobs("measure_times", "tabulate_times")),
+    "gains of the feedback": ("control={pd: {kp_kpa_per_deg: 0.6}}", SEEDS | LOOPS),
+    "one reference": ("tracking={references: {sine_0p2: {duration_s: 9}}}", SEEDS | LOOPS),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", CHANGES)
+def test_setting_reruns_what_reads_it_and_nothing_else(paper, what):
+    change, expected = CHANGES[what]
+    assert rerun(paper, "--config", change) == expected

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from fprc.claims.claim import Claim
-from fprc.claims.finding import (
+from fprc.claims.claim import (
     NOT_INFORMATIVE,
     NOT_REPRODUCED,
     REPRODUCED,
     UNDECIDED,
+    Claim,
     Results,
     Statement,
 )
@@ -29,12 +29,18 @@ _TERMS = {
     "closed_errors": "closed-loop Table IV",
 }
 
+#: Kinds of claims by what they have to do with the fit of the rig, in the order of readers.
+KINDS = {
+    "predicted": "no part of it was fitted",
+    "half fitted": "a part of it was fitted",
+    "fitted": "the simulated rig was fitted to it",
+    "assumed": "it is built into the simulated rig",
+    "counted": "multiplications a sample, which depend on no rig",
+}
+
 #: On how many of the rigs that fit print each claim holds: ``of``, their number; ``holds``, by
 #: claim; ``ranges`` of the means, by claim and statement.
 Members = Mapping[str, Any]
-
-#: What an interval over seeds is of.
-_SEEDS = "noise seeds of this rig"
 
 #: What a rig was fitted to: terms of an objective, by the keys of ``fprc.config.Fitted``.
 Fit = Mapping[str, Sequence[str]]
@@ -46,22 +52,11 @@ def status_of(claim: Claim, fitted: Fit) -> str:
     It is half fitted if the fit had a part of it, or began at a rig that was searched for it.
     Claims of another kind are counted or assumed.
     """
-    if claim.kind:
-        return claim.kind
-    if set(claim.fitted_by) & set(fitted.get("to", ())):
-        return "fitted"
-    half = set(claim.half_fitted_by) & set(fitted.get("to", ())) or _of_the_start(claim, fitted)
+    to = set(fitted.get("to", ()))
+    if claim.kind or to & set(claim.fitted_by):
+        return claim.kind or "fitted"
+    half = to & set(claim.half_fitted_by) or _of_the_start(claim, fitted)
     return "half fitted" if half else "predicted"
-
-
-#: Kinds of claims by what they have to do with the fit of the rig, in the order of readers.
-KINDS = {
-    "predicted": "no part of it was fitted",
-    "half fitted": "a part of it was fitted",
-    "fitted": "the simulated rig was fitted to it",
-    "assumed": "it is built into the simulated rig",
-    "counted": "multiplications a sample, which depend on no rig",
-}
 
 
 def holding(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
@@ -79,8 +74,8 @@ def holding(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
 def fit_in_words(fitted: Fit) -> str:
     """Return what a rig was fitted to, and where its fit began, as a part of a sentence."""
     to = fitted.get("to", ())
-    words = _in_words(to) or "nothing"
     start = _in_words([term for term in fitted.get("start", ()) if term not in to])
+    words = _in_words(to) or "nothing"
     return words + (f", beginning at a rig that was searched for {start}" if start else "")
 
 
@@ -91,14 +86,7 @@ def _in_words(terms: Sequence[str]) -> str:
 def _of_the_start(claim: Claim, fitted: Fit) -> list[str]:
     """Return the terms that bear on a claim and that only the start of the fit was searched for."""
     own = {claim.id, *claim.fitted_by, *claim.half_fitted_by} - set(fitted.get("to", ()))
-    return [term for term in fitted.get("start", ()) if term in own]
-
-
-def _note(claim: Claim, fitted: Fit) -> str:
-    """Return what a reader must know about the test, and about where the fit began."""
-    start = [] if claim.kind else _of_the_start(claim, fitted)
-    began = f"the rig at which the fit began was searched for {_in_words(start)}" if start else ""
-    return "; ".join(filter(None, (claim.note, began)))
+    return [term for term in fitted.get("start", ()) if term in own and not claim.kind]
 
 
 def judge_claims(
@@ -137,6 +125,8 @@ def judge_claims(
         anyway = held == known["of"] and status in ("predicted", "half fitted")
         holds = NOT_INFORMATIVE if claim.holds_by_chance or anyway else REPRODUCED
         ranges = known["ranges"].get(claim.id, {})
+        start = _in_words(_of_the_start(claim, fitted))
+        began = f"the rig at which the fit began was searched for {start}" if start else ""
         rows.append(
             {
                 "id": claim.id,
@@ -144,8 +134,8 @@ def judge_claims(
                 "published": claim.printed,
                 "ours": _ours(statements, ranges),
                 "test": _limits(statements),
-                "basis": _basis(claim, results, statements),
-                "note": _note(claim, fitted),
+                "basis": _basis(claim, results),
+                "note": "; ".join(filter(None, (claim.note, began))),
                 "verdict": next(weakest, holds),
                 "rig": status,
                 "rigs": "-" if held is None else f"{held} of {known['of']}",
@@ -172,36 +162,28 @@ def members_of(
 
     A range is that of the middle 95 % of the rigs.
     """
-    rows = [judge_claims(rig, published, {}, claims) for rig in rigs]
     holds, ranges = {}, {}
-    for claim, *of_claim in zip(claims, *rows, strict=True):
-        holds[claim.id] = sum(
-            {s["verdict"] for s in row["statements"]} == {REPRODUCED} for row in of_claim
-        )
-        of_statements = zip(*(row["statements"] for row in of_claim), strict=True)
+    for claim in claims:
+        judged = [claim.statements(rig, published) for rig in rigs]
+        holds[claim.id] = sum({s.verdict for s in of_rig} == {REPRODUCED} for of_rig in judged)
         ranges[claim.id] = {
-            column[0]["text"]: [
+            column[0].text: [
                 float(f"{end:.4g}")
-                for end in np.quantile([s["mean"] for s in column], (0.025, 0.975))
+                for end in np.quantile([s.interval[0] for s in column], (0.025, 0.975))
             ]
-            for column in of_statements
+            for column in zip(*judged, strict=True)
         }
     return {"of": len(rigs), "holds": holds, "ranges": ranges}
 
 
 def _ours(statements: Sequence[Statement], ranges: Mapping[str, Sequence[float]]) -> str:
     """Return our numbers; of many statements, that nearest to its limit or furthest beyond it."""
-
-    def shown(statement: Statement) -> str:
-        over = ranges.get(statement.text)
-        return statement.shown() + (f", rigs {over[0]:.3g} to {over[1]:.3g}" if over else "")
-
     if len(statements) <= 6:
-        return "; ".join(map(shown, statements))
+        return "; ".join(s.shown(ranges.get(s.text, ())) for s in statements)
     held = sum(statement.verdict == REPRODUCED for statement in statements)
     worst = min(statements, key=lambda statement: statement.margin)
     what = "closest" if worst.margin > 0.0 else "furthest off"
-    return f"{held} of {len(statements)} hold; {what}: {shown(worst)}"
+    return f"{held} of {len(statements)} hold; {what}: {worst.shown(ranges.get(worst.text, ()))}"
 
 
 def _limits(statements: Sequence[Statement]) -> str:
@@ -212,27 +194,27 @@ def _limits(statements: Sequence[Statement]) -> str:
     return "; ".join(f"{', '.join(texts)} {limits}" for limits, texts in by_limits.items())
 
 
-def _basis(claim: Claim, results: Results, statements: Sequence[Statement]) -> str:
+def _basis(claim: Claim, results: Results) -> str:
     """Return what the values of a claim are taken over."""
-    interval = "mean and its 95 % interval over"
     if claim.over == "one run":
         return "main run"
     seeds = len(results.grids if "grids" in claim.over else results.replicates or results.controls)
     # see fprc.experiments.grids.evaluate_grids
     folds = ", the first fold of each" if "grids" in claim.over else ""
-    if claim.over == "halves of the grids" and seeds > 1:
-        half = seeds // 2
-        return f"{interval} {seeds - half} {_SEEDS}{folds}; the step is chosen on the first {half}"
-    return f"one seed{folds}" if seeds == 1 else f"{interval} {seeds} {_SEEDS}{folds}"
+    if seeds == 1:
+        return f"one seed{folds}"
+    halved = claim.over == "halves of the grids"
+    chosen = f"; the step is chosen on the first {seeds // 2}" if halved else ""
+    judging = seeds - seeds // 2 if halved else seeds
+    return f"mean and its 95 % interval over {judging} noise seeds of this rig{folds}{chosen}"
 
 
 def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: Mapping[str, str]) -> list[str]:
     """Return one line for each claim whose verdict differs from the declared one."""
     ours = {row["id"]: row["verdict"] for row in ledger}
-    order = [*ours, *(name for name in declared if name not in ours)]
     return [
         f"{claim}: {ours.get(claim, 'not judged')}, "
         f"but {declared.get(claim, 'nothing')} is declared"
-        for claim in order
+        for claim in dict.fromkeys([*ours, *declared])
         if ours.get(claim) != declared.get(claim)
     ]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import rankdata
 
-from fprc.claims.finding import Results
+from fprc.claims.claim import Results
 
 #: Phases as readers see them, and their errors in reports.
 PHASES = {

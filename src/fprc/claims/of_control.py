@@ -4,8 +4,7 @@ from itertools import pairwise
 
 from fprc.claims import numbers as n
 from fprc.claims import statements as s
-from fprc.claims.claim import ASSUMED, Claim
-from fprc.claims.finding import Statement
+from fprc.claims.claim import ASSUMED, Claim, Statement
 from fprc.paper import REFERENCE_NAMES, REFERENCES
 
 _TRACKING = ("table4_seeds", "fig12", "fig13", "fig14", "fig15")

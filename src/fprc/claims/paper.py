@@ -8,8 +8,7 @@ from typing import Any
 
 from fprc.claims import numbers as n
 from fprc.claims import statements as s
-from fprc.claims.claim import COUNTED, Claim
-from fprc.claims.finding import Statement
+from fprc.claims.claim import COUNTED, Claim, Statement
 from fprc.claims.numbers import PHASES
 from fprc.claims.of_control import OF_CONTROL
 from fprc.paper import MODELS

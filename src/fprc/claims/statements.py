@@ -1,19 +1,15 @@
 """What the paper's claims compare: numbers of results, each with its limits."""
 
 import math
-from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from scipy.stats import spearmanr
 
 from fprc.claims import numbers as n
-from fprc.claims.finding import Results, Statement
+from fprc.claims.claim import Printed, Results, Statement
 from fprc.paper import LOOPS, MODELS, PRINTED, REFERENCE_NAMES, REFERENCES
 from fprc.registry import controller_title, title_of
-
-Printed = Mapping[str, Any]
 
 _TABLES = {"Table II": "sweep", "Table III": "complex"}
 

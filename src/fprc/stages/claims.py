@@ -8,7 +8,7 @@ import pandas as pd
 
 from fprc.artifacts import read_json, write_csv, write_json
 from fprc.claims import MEMBERS, VERDICTS
-from fprc.claims.finding import Results
+from fprc.claims.claim import Results
 from fprc.claims.ledger import fit_in_words, judge_claims
 from fprc.config import PUBLISHED
 from fprc.yaml_file import read_yaml

@@ -27,6 +27,9 @@ from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
+#: Settings whose differences from the defaults are not announced.
+_NOT_COMPARED = ("source", "seed", "folders", "rig", "fitted", "calibration")
+
 
 def write_report(
     template: Sequence[str],
@@ -48,10 +51,8 @@ def write_report(
         The page's template, then those that it includes.
     ledger : sequence of str
         The claims ledger, JSON; empty if there is none.
-    tables : sequence of str
-        The tables, JSON.
-    figures : sequence of str
-        The figures, PNG.
+    tables, figures : sequence of str
+        The tables, JSON, and the figures, PNG.
     captions : str
         The figures' captions by their targets, YAML.
     sources : sequence of str
@@ -59,14 +60,9 @@ def write_report(
     missing : Mapping
         Results that the data do not allow, with reasons.
     """
-    folder = Path(html).parent
-    fitted = settings["fitted"]
-    texts = read_yaml(captions)
-    shown = [
-        _figure(picture, source, texts, folder)
-        for picture, source in zip(figures, sources, strict=True)
-    ]
-    pages = {Path(page).stem: _page(page, fitted, folder) for page in tables}
+    folder, texts = Path(html).parent, read_yaml(captions)
+    shown = [_figure(*drawn, texts, folder) for drawn in zip(figures, sources, strict=True)]
+    pages = {Path(page).stem: _page(page, settings["fitted"], folder) for page in tables}
     # a table of one seed is folded up below the same one over seeds
     for name in [name for name in pages if f"{name}_seeds" in pages]:
         one = pages[name]
@@ -76,12 +72,11 @@ def write_report(
     parts = {part["anchor"]: part for part in (*pages.values(), *shown)}
     configuration = pages.pop("table1", None)
     drawn_from = set(sources) - {"none"}
-    kinds = in_words(SOURCES[source] for source in sorted(drawn_from))
     page = (
         _environment(Path(template[0]).parent)
         .get_template(Path(template[0]).name)
         .render(
-            kinds=kinds,
+            kinds=in_words(SOURCES[source] for source in sorted(drawn_from)),
             # the workflow refuses logs of which some are simulated and others are not
             simulated="sim" in drawn_from,
             missing=missing,
@@ -115,7 +110,9 @@ def _environment(templates: Path) -> jinja2.Environment:
     return environment
 
 
-_NOT_COMPARED = ("source", "seed", "folders", "rig", "fitted", "calibration")
+def symbols(text: object) -> Markup:
+    """Return text as HTML with the paper's symbols typeset: theta_d as θ with a low d."""
+    return Markup(typeset(str(escape(text))))
 
 
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
@@ -146,31 +143,34 @@ def _claims(ledger: Sequence[str], folder: Path, shown: Container[str]) -> dict[
         "holding": holding(report["claims"]),
         "code": quote(os.path.relpath(code, folder)) if beside else "",
         "note": report["note"],
-        "ledger": {"short": "Claims", **_origin(ledger[0], folder, (".json", ".md"))},
+        "ledger": {"short": "Claims", **_origin(ledger[0], folder, ".json", ".csv")},
     }
 
 
 def _lines(pages: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple[str, str]]:
     """Return of Tables II and IV what a reader asks first, by anchor: what it is, and numbers."""
-    found = {}
-    if "table2" in pages:
-        table = pages["table2"]["table"]
-        (_, *models), (what, *cells) = table["columns"], table["data"][-1]
-        found["table2"] = f"{what} of the models [kPa]", list(zip(models, cells, strict=True))
-    if "table4" in pages:
-        columns, rows = (pages["table4"]["table"][key] for key in ("columns", "data"))
-        at = columns.index("Sweep") if "Sweep" in columns else -1
-        ours = [(row[0], row[at]) for row in rows if "paper" not in row]
-        found["table4"] = f"RMSE of tracking, {columns[at].lower()} [deg]", ours
+    found: dict[str, tuple[str, Any]] = {}
+    for table in {"table2", "table4"} & pages.keys():
+        columns, rows = (pages[table]["table"][key] for key in ("columns", "data"))
+        if table == "table2":
+            what, *cells = rows[-1]
+            found[table] = f"{what} of the models [kPa]", zip(columns[1:], cells, strict=True)
+        else:
+            at = columns.index("Sweep") if "Sweep" in columns else -1
+            numbers = ((row[0], row[at]) for row in rows if "paper" not in row)
+            found[table] = f"RMSE of tracking, {columns[at].lower()} [deg]", numbers
     return {
         pages[table]["anchor"]: (
             what,
             # the means, without interval or deviation
-            ", ".join(f"{name.removesuffix(', ours')} {re.split(' [(±]', cell)[0]}"
-                      for name, cell in cells if "paper" not in name),
+            ", ".join(
+                f"{name.removesuffix(', ours')} {re.split(' [(±]', cell)[0]}"
+                for name, cell in cells
+                if "paper" not in name
+            ),
         )
-        for table, (what, cells) in found.items()
-    }  # fmt: skip
+        for table, (what, cells) in sorted(found.items())
+    }
 
 
 def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
@@ -190,27 +190,29 @@ def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
 
 def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     table, name = read_json(path), Path(path).stem
-    title, note = table["title"], table["note"]
     kinds = _kinds(name.removesuffix("_seeds"), fitted)
     same = len(set(kinds.values())) < 2
     return {
         "anchor": name,
-        "short": title.partition(". ")[0],
+        "short": table["title"].partition(". ")[0],
         "kind": next(iter(kinds.values()), "") if same else "half fitted",
         "rows": {} if same else kinds,
-        "title": title,
-        "note": note[:1].upper() + note[1:],
+        "title": table["title"],
+        "note": table["note"][:1].upper() + table["note"][1:],
         "table": table,
         "one_seed": None,
-        **_origin(path, folder, (".csv", ".tex")),
+        **_origin(path, folder, ".csv", ".tex"),
     }
 
 
 def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path) -> dict[str, Any]:
     with Image.open(picture) as image:
         width, height = image.size
-    stem = Path(picture).stem
-    target, name = _target(stem), _readable(re.sub(r"^fig\d+_", "", stem))
+    origin = _origin(picture, folder, ".csv", ".pdf")
+    target, stem = origin["target"], Path(picture).stem.partition("_")[2]
+    # sine_0p2 reads sine, 0.2 Hz
+    words = re.sub(r"_(\d)p(\d)", r", \1.\2 Hz", stem).replace("_", " ")
+    name = re.sub(r"\b(esn|fprc)\b", lambda match: match[0].upper(), words)
     return {
         "anchor": target,
         "short": title_of_result(target),
@@ -220,37 +222,19 @@ def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path
         "height": height,
         "caption": captions.get(target, name),
         "data": SOURCES.get(source, "drawing, no data"),
-        **_origin(picture, folder, (".csv", ".pdf")),
+        **origin,
     }
 
 
-def _readable(name: str) -> str:
-    """Return the name of a figure's file as words: ``sine_0p2`` as sine, 0.2 Hz."""
-    words = re.sub(r"_(\d)p(\d)", r", \1.\2 Hz", name).replace("_", " ")
-    return re.sub(r"\b(esn|fprc)\b", lambda match: match[0].upper(), words)
-
-
-def _target(stem: str) -> str:
-    """Return the target of a file, given without folder and suffix."""
-    if stem.endswith("_seeds"):
-        return "seeds"
-    known = {"table2_timing": "timing"}
-    return known.get(stem, re.sub(r"^fig0?(\d+)_.*", r"fig\1", stem))
-
-
-def _origin(path: str, folder: Path, kinds: Sequence[str]) -> dict[str, Any]:
+def _origin(path: str, folder: Path, *kinds: str) -> dict[str, Any]:
     """Return the target that makes a result, and links to its files from the page's folder."""
-    files = map(Path(path).with_suffix, kinds)
+    files, stem = map(Path(path).with_suffix, kinds), Path(path).stem
+    known = {"table2_timing": "timing"} | dict.fromkeys([stem] * stem.endswith("_seeds"), "seeds")
     return {
-        "target": _target(Path(path).stem),
+        "target": known.get(stem, re.sub(r"^fig0?(\d+)_.*", r"fig\1", stem)),
         "files": {
             file.suffix[1:].upper(): quote(os.path.relpath(file, folder))
             for file in files
             if file.exists()
         },
     }
-
-
-def symbols(text: object) -> Markup:
-    """Return text as HTML with the paper's symbols typeset: theta_d as θ with a low d."""
-    return Markup(typeset(str(escape(text))))

@@ -7,8 +7,7 @@ import numpy as np
 import pandas as pd
 
 from fprc.artifacts import read_json, write_json
-from fprc.claims.claim import ASSUMED, COUNTED
-from fprc.claims.finding import Results
+from fprc.claims.claim import ASSUMED, COUNTED, Results
 from fprc.claims.ledger import Fit, judge_claims, members_of
 from fprc.claims.paper import CLAIMS
 from fprc.errors import FprcError

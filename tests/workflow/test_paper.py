@@ -1,0 +1,110 @@
+"""What the build of the paper, and the studies of a smoke run, have made."""
+
+import json
+import re
+
+import pandas as pd
+import pytest
+
+from fprc.yaml_file import read_yaml
+
+STUDIES = ("--snakefile", "workflow/studies/Snakefile")
+TABLES = ["table1", "table2", "table3", "table4", "table2_seeds", "table3_seeds",
+          "table4_seeds"]  # fmt: skip
+FIGURES = ["fig01_actuator", "fig02_reservoir", "fig03_apparatus", "fig04_hysteresis_actuator",
+           "fig05_hysteresis_reservoir", "fig06_esn_system", "fig07_fprc_system", "fig08_training",
+           "fig09_weights", "fig10_settings", "fig11_taps", "fig12_sine_0p2", "fig13_sine_0p5",
+           "fig14_sweep", "fig15_complex", "fig16_loops", "fig17_disturbance"]  # fmt: skip
+CONTRACT = [
+    *(f"tables/{name}.{kind}" for name in TABLES for kind in ("csv", "md", "tex")),
+    *(f"figures/{name}.{kind}" for name in FIGURES for kind in ("pdf", "png")),
+    *("timing/table2_timing.csv", "report.html", "claims.json", "claims.csv"),
+]
+
+pytestmark = pytest.mark.slow
+
+
+def test_paper_makes_whole_files_of_every_promised_output_and_says_where_the_report_is(paper):
+    project, printed = paper
+    results = project.folder / "results"
+    assert [name for name in CONTRACT if (results / name).stat().st_size <= 100] == []
+    assert not [name for name in project.files("results", "data") if ".part" in name]
+    assert "Job 0: Target all: open results/report.html" in printed
+    assert len(re.findall("Finished jobid", printed)) == 31
+
+
+def test_verdicts_of_the_paper_are_as_declared(paper, tmp_path):
+    done = paper[0].copy(tmp_path / "copy").snakemake(*STUDIES, "check")
+    assert done.returncode == 0, done.stdout
+    assert len(re.findall("Finished jobid", done.stdout)) == 1
+
+
+def test_smoke_writes_below_results_smoke_and_nowhere_else(smoked):
+    files = smoked.files("results", "data")
+    assert files
+    assert all(name.startswith("results/smoke/") for name in files)
+
+
+def test_every_rule_is_run(paper, studied):
+    files = (paper[0].folder / "workflow").rglob("*.smk")
+    texts = "".join(path.read_text(encoding="utf-8") for path in files)
+    every = set(re.findall(r"^ *(?:use rule \w+ as|rule) (\w+)", texts, flags=re.MULTILINE))
+    run = set(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", paper[1] + studied[1]))
+    # these look at results, or are of recorded logs and of the real rig
+    by_hand = {"check", "readme", "beyond_page", "drift_page", "grid", "record_on_rig"}
+    assert every - run == by_hand
+
+
+def test_profiles_name_rules_that_there_are_and_repeat_the_default(project):
+    profile, default, smoke = (
+        read_yaml(project.folder / f"profiles/{name}/config.yaml")
+        for name in ("slurm", "default", "smoke")
+    )
+    rules = project.rules(*STUDIES)
+    groups = dict(group.split("=") for group in profile["groups"])
+    assert profile["set-resources"].keys() | groups.keys() <= rules
+    assert {rule for rule in rules if rule.startswith("draw_")} <= groups.keys()
+    # which the rules obey, also in a job on a node with more cores
+    assert profile["max-threads"] == profile["cores"] == 8
+    configuration = project.folder / "profiles/smoke" / smoke.pop("configfile")
+    assert configuration.samefile(project.folder / "config/smoke.yaml")
+    assert smoke == default
+
+
+def test_fitted_rig_is_a_configuration_that_the_workflow_takes(project):
+    few = "calibration: {free: [bending.friction_kpa, drift.sigma_kpa], ranges: {}}\n"
+    (project.folder / "few.yaml").write_text(few)
+    asked = "calibrate config/smoke.yaml few.yaml --out fitted.yaml --workers 1"
+    done = project.run("fprc", *asked.split())
+    assert done.returncode == 0, done.stdout
+    assert project.planned("table2", "--configfile", "fitted.yaml")["judge"] == 3
+
+
+def test_families_stand_side_by_side(studied):
+    folder = studied[0].folder / "results/smoke/families"
+    errors = pd.read_csv(folder / "errors.csv").dropna(subset="published")
+    assert errors.groupby("rigs").size().to_dict() == dict.fromkeys(
+        ("Rig paper", "Rig dry", "Rig viscous", "Ensemble"), 26
+    )
+    claims = pd.read_csv(folder / "claims.csv")
+    held = claims[claims["rigs"] == "Ensemble"].set_index("id")
+    assert set(held["judged"]) == {2}
+    members = json.loads((folder / "members.json").read_text(encoding="utf-8"))
+    assert members["holds"] == held["holds"].astype(int).to_dict()
+
+
+def test_families_beyond_the_paper_have_every_model_and_a_verdict_on_each_claim(studied):
+    folder = studied[0].folder / "results/smoke/beyond"
+    claims = pd.read_csv(folder / "claims.csv")
+    families = ["paper", "bouc_wen", "dry", "viscous", "ensemble"]
+    ids = claims.groupby("family", sort=False)["id"].unique().map(list).to_dict()
+    every = ["W1", "W2", "W3", "W4", "B1", "B4", "B7", "B8"]
+    assert ids == dict.fromkeys(families, every)
+    # two seeds decide nothing
+    assert set(claims["verdict"]) <= {"undecided", "not judged"}
+    models = pd.read_csv(folder / "models.csv").dropna(axis="columns", how="all")
+    forward = models[models["measure"] == "forward"]
+    assert forward.groupby("family")["model"].nunique().to_dict() == {
+        "paper": 19, "bouc_wen": 14, "dry": 14, "viscous": 14, "ensemble": 14,
+    }  # fmt: skip
+    assert (forward["units"] == 2).sum() == len(forward) - 3  # the slow models have one seed
