@@ -50,13 +50,13 @@ if PLAN.on_simulated_rig:
         input:
             **SHOWN_IN_README,
             verdicts=PATHS.below("claims.json"),
-            figures=[],
+            figures=[PATHS.below("claims.csv")],
             made_from=TARGETS["report"],
         log:
             PATHS.messages("readme"),
         params:
             pages=["README.md", "docs/results.md"],
-            pictures=[],
+            pictures=["docs/claims.csv"],
         message:
             "Numbers of README.md and docs/results.md"
 

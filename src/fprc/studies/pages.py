@@ -24,12 +24,6 @@ log = logging.getLogger(__name__)
 
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?)")
 
-#: Headings of the table of the claims, by their keys.
-_CLAIMS = {
-    "id": "Id", "claim": "Claim", "verdict": "Verdict", "rig": "Fitted?", "rigs": "Rigs",
-    "ours": "Ours, 95 % interval", "limits": "Limits", "note": "Note",
-}  # fmt: skip
-
 
 def update_pages(
     figures: Sequence[str], *, pages: Sequence[str], pictures: Sequence[str], **tables: str
@@ -180,13 +174,26 @@ def _held(claims: Sequence[Mapping[str, Any]], tables: Mapping[str, str]) -> str
 
 
 def _verdicts(judged: Mapping[str, Any]) -> str:
-    """Return a table of the claims."""
-    claims = pd.DataFrame(judged["claims"])
-    claims["limits"] = [
-        "; ".join(dict.fromkeys(statement["limits"] for statement in statements))
-        for statements in claims["statements"]
-    ]
-    return f"{_as_text(claims[list(_CLAIMS)].rename(columns=_CLAIMS))}\n\n{judged['note']}"
+    """Return the claims as sentences, by kind, each with the number that decides its verdict."""
+    parts = []
+    for kind, what in KINDS.items():
+        claims = [claim for claim in judged["claims"] if claim["rig"] == kind]
+        parts += [f"### {kind.capitalize()}: {what}\n"] if claims else []
+        for claim in claims:
+            text = claim["claim"].replace("+-", "±")
+            verdicts = [statement["verdict"] for statement in claim["statements"]]
+            at = verdicts.index(claim["verdict"]) if claim["verdict"] in verdicts else 0
+            found = claim["statements"][at]
+            mean, first, last = (f"{found[key]:.3g}" for key in ("mean", "first", "last"))
+            interval = f" ({first} to {last})" if first != last else ""
+            more = f" (one of {len(verdicts)} numbers)" if len(verdicts) > 1 else ""
+            rigs = f"; holds on {claim['rigs']} rigs" if claim["rigs"] != "-" else ""
+            parts.append(
+                f"- **{claim['id']}, {claim['verdict']}.** {text[:1].upper()}{text[1:]}. "
+                f"*{found['text']}: {mean}{interval}, limit {found['limits']}{more}{rigs}.*"
+            )
+        parts += [""] if claims else []
+    return "\n".join([*parts, judged["note"]])
 
 
 def _read(page: str) -> pd.DataFrame:

@@ -7,13 +7,14 @@ import yaml
 from fprc.errors import FprcError
 from fprc.studies.pages import check_results, different_lines, replace_block, update_pages
 
-LEDGER = (
-    '{"note": "On the rig dry.", "claims": [{"id": "C1", "claim": "It is so.", "ours": "1", '
-    '"note": "Since.", "rig": "fitted", "rigs": "-", "verdict": "reproduced", '
-    '"statements": [{"limits": "below 1"}, {"limits": "below 1"}, {"limits": "above 2"}]}, '
-    '{"id": "C5", "claim": "It is fast.", "ours": "2", "note": "", "rig": "counted", "rigs": "-", '
-    '"verdict": "undecided", "statements": [{"limits": "above 95"}]}]}'
-)
+NUMBER = {"text": "errors", "mean": 0.5, "first": 0.4, "last": 0.6, "limits": "below 1"}
+LEDGER = json.dumps({"note": "On the rig dry.", "claims": [
+    {"id": "C5", "claim": "it is fast", "rig": "counted", "rigs": "-", "verdict": "undecided",
+     "statements": [{**NUMBER, "verdict": "reproduced"},
+                    {**NUMBER, "text": "times", "last": 1.1, "verdict": "undecided"}]},
+    {"id": "C1", "claim": "it is so", "rig": "fitted", "rigs": "2 of 3", "verdict": "reproduced",
+     "statements": [{**NUMBER, "verdict": "reproduced"}]},
+]})  # fmt: skip
 
 
 def block(name, content):
@@ -73,10 +74,12 @@ def test_blocks_are_replaced_and_everything_else_is_kept(project):
     assert text.startswith(head)
     assert text.endswith(tail)
     assert "\nold\n" not in text
-    rows = [re.split(r" *\| *", row)[1:-1] for row in text.splitlines() if row.startswith("| C")]
-    assert rows[-2:] == [
-        ["C1", "It is so.", "reproduced", "fitted", "-", "1", "below 1; above 2", "Since."],
-        ["C5", "It is fast.", "undecided", "counted", "-", "2", "above 95", ""],
+    # the number that decides
+    cards = [re.findall(r"C\d, [a-z]+|errors|times|[\d.]+ \([\d.]+ to .*?\)", line)
+             for line in text.splitlines() if line.startswith("- **")]  # fmt: skip
+    assert cards == [
+        ["C1, reproduced", "errors", "0.5 (0.4 to 0.6)"],
+        ["C5, undecided", "times", "0.5 (0.4 to 1.1)"],
     ]
 
 
