@@ -33,28 +33,12 @@ HERE = """
 pytestmark = pytest.mark.slow
 
 
-def daemons():
-    """Return the ids of Slurm's daemons on this machine that still run."""
-    asked = ["ps", "-e", "-o", "pid=,stat=,comm="]
-    listed = subprocess.run(asked, capture_output=True, text=True, check=True).stdout
-    rows = [line.split(maxsplit=2) for line in listed.splitlines()]
-    names = ("munged", "slurmctld", "slurmd", "slurmstepd")
-    return {int(pid) for pid, state, name in rows if name in names and not state.startswith("Z")}
-
-
-@pytest.fixture(scope="module")
-def slurm():
-    """Make sure that Slurm can run here."""
+def test_slurm_gives_the_same_bytes(project, request):
     if not list(PLUGIN.glob("snakemake_executor_plugin_slurm")):
         pytest.skip("snakemake-executor-plugin-slurm is not installed; `.ci/programs` does it")
     done = subprocess.run([sys.executable, ONE_NODE, "--why-not"], capture_output=True, text=True)
     if done.returncode:
         pytest.skip(f"Slurm: {done.stdout.strip()}; `.ci/programs` installs it on Debian, as root")
-
-
-@pytest.mark.usefixtures("slurm")
-def test_slurm_gives_the_same_bytes(project, request):
-    before = daemons()
     # not Python's timeout, which kills: the daemons must be stopped
     command = ["timeout", "1500", sys.executable, ONE_NODE, sys.executable, "-c", SNAKEMAKE]
     settings = ["--configfile", "config/smoke.yaml"]
@@ -62,11 +46,12 @@ def test_slurm_gives_the_same_bytes(project, request):
     done = project.run(*command, *HERE, *TARGETS, *settings, PYTHONPATH=path)
     assert done.returncode == 0, done.stdout
     assert done.stdout.count("has been submitted with SLURM jobid") >= 4
-    assert daemons() <= before
+    listed = subprocess.run(["ps", "-e", "-o", "stat=,comm="], capture_output=True, text=True)
+    running = {line.split()[1] for line in listed.stdout.splitlines() if not line.startswith("Z")}
+    assert not {"munged", "slurmctld", "slurmd", "slurmstepd"} & running
     assert not Path("/etc/slurm/slurm.conf").exists()
     # not earlier, so that another process makes it in the meantime
-    smoked = request.getfixturevalue("smoked")
-    local, through_slurm = smoked.untimed(), project.untimed()
+    local, through_slurm = request.getfixturevalue("smoked").untimed(), project.untimed()
     assert len(through_slurm) > 10
     assert through_slurm.keys() <= local.keys()
     assert [name for name in through_slurm if through_slurm[name] != local[name]] == []
