@@ -58,12 +58,12 @@ SHOWN = {rule for rule in RIG if rule.startswith(("tabulate", "draw"))} | {
 #: Edits that rerun the same jobs are made together: file, old text, new text.
 NOTHING = [
     ("models/features.py", "\n\n\ndef ", "\n\n\n# a comment\ndef "),
-    ("models/esn.py", '"""Return the unfitted network."""', '"""The net."""'),
+    ("models/esn.py", '"""', '"""Edited. '),
     ("cli.py", "import sys", "import sys\n\nUNUSED = 1"),
 ]
 EDITS = {
     "comment, docstring, code that no rule runs": (NOTHING, {}),
-    "ESN": ([("models/esn.py", "\n\n\nclass ", "\n\nEDITED = 1\n\n\nclass ")], ESN),
+    "ESN": ([("models/esn.py", "\n\n\n@", "\n\nEDITED = 1\n\n\n@")], ESN),
     "FPRC": ([("models/fprc.py", "\n\n\n@", "\n\nEDITED = 1\n\n\n@")], MODELS | jobs(judge=2)),
     "what computes": ([("rig/friction.py", "return force", "return 1.0 * force")], RIG),
     "what shows": ([("figures/hysteresis.py", "style.COLUMN_IN, 2.4", "style.COLUMN_IN, 2.5")],
