@@ -105,7 +105,7 @@ class SideBySide(FeatureMap):
             pairs = [(part, list(columns)) for part, columns in self.maps]
         except (TypeError, ValueError):
             pairs = []
-        if not pairs or not all(isinstance(part, FeatureMap) for part, _ in pairs):
+        if not pairs or not all(isinstance(part, FeatureMap) and own for part, own in pairs):
             raise ValueError(
                 f"SideBySide: maps = {self.maps!r:.60}; must be a list of (FeatureMap, columns)"
             )

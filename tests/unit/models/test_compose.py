@@ -103,7 +103,7 @@ def test_features_are_those_of_each_map_side_by_side():
 
 @pytest.mark.parametrize(
     ("maps", "problem"),
-    [([], "maps = []"), ([(TapFeatures(), [0, 3])], "column 3"),
+    [([], "maps = []"), ([(TapFeatures(), [])], "maps = "), ([(TapFeatures(), [0, 3])], "column 3"),
      ([(TapFeatures(), [-1])], "column -1"), ([(TapFeatures(), [True])], "column True"),
      ([(RidgeReadout(), [0])], "maps = [(RidgeReadout()"),
      ([TapFeatures()], "maps = [TapFeatures()]"), (3, "maps = 3")],
