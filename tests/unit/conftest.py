@@ -222,7 +222,6 @@ RATIOS = {
     "plays": 1.18, "plays_p_o": 1.12, "plays_fuzzy": 1.1, "nvar": 1.4, "nvar_p_o": 1.3,
     "echo": 1.35, "echo_p_o": 1.2, "trees": 1.6, "mlp": 1.5,
 }  # fmt: skip
-OFFSETS = (-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0)
 
 
 @pytest.fixture(scope="session")
@@ -261,14 +260,10 @@ def _memory(random):
 
 
 def _model(name, error):
-    reads_p_o = name.startswith("fprc") and "lowpass" not in name or name.endswith("p_o")
     loops = {"open_loop": 0.15 * error, "closed_loop": 0.08 * error}
     found = {"train": 0.9 * error, "forward": error, "reversed": 2.0 * error, **loops}
     found["blocks"] = 0.95 * error
-    shifted = {kpa: float(np.hypot(error, (5.0 + (kpa > 0)) * kpa)) for kpa in OFFSETS}
-    for kpa, moved in shifted.items():
-        if name == "fprc":
-            found |= {f"{loop}/{kpa:g}": of * moved / error for loop, of in loops.items()}
-        if reads_p_o:
-            found[f"forward/{kpa:g}"] = moved
+    if name == "fprc":
+        low = float(np.hypot(error, 10.0)) / error
+        found |= {f"{key}/-2": found[key] * low for key in ("forward", *loops)}
     return found

@@ -34,7 +34,7 @@ STUDIES = {
             "models": paper_models(SETTINGS)
             | {"fprc": SETTINGS["models"]["fprc"] | pick(BEYOND, "restarts")},
             "tracking": SETTINGS["tracking"],
-            **pick(BEYOND, "shifts_kpa", "slow"),
+            "slow": BEYOND["slow"],
         },
     },
     "online": {
@@ -44,8 +44,8 @@ STUDIES = {
         "units": min(BEYOND["units"], 10),  # fewer than eight decide nothing
     },
 }
-#: Tables of the models beyond the paper's in Markdown; the first three are CSV too.
-PAGES_BEYOND = "claims models offsets best memory worth details".split()
+#: Tables of the models beyond the paper's in Markdown; the first two are CSV too.
+PAGES_BEYOND = "claims models best memory worth details".split()
 
 
 def on_rigs(part):

@@ -1,6 +1,6 @@
 """Settings of the studies behind the paper."""
 
-from fprc.config.section import NotEmpty, Section, quantity
+from fprc.config.section import Section, quantity
 
 
 # fmt: off
@@ -11,11 +11,7 @@ class Beyond(Section):
         "first seed of the families; no fit has seen it or a later one")
     units: int = quantity(15, (1, 10000),
         "seeds of each family with one rig, and rigs of each family with many")
-    slow: int = quantity(
-        4, (1, 10000), "units that also judge what is slow: models of no claim (ESN, trees, MLP), "
-        "and a model that learns while it runs",
-    )
+    slow: int = quantity(4, (1, 10000),
+        "units that also judge slow models of no claim: ESN, trees, MLP")
     restarts: int = quantity(10, (1, 1000),
         "starts of every clustering; the lowest objective is kept")
-    shifts_kpa: NotEmpty[float] = quantity((-5, -2, 0, 2, 5), (-100, 100),
-        "constant shifts of P_o after the training")

@@ -17,7 +17,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
-from fprc.registry import COMPETITORS, SIDES, build, entry_of
+from fprc.registry import COMPETITORS, SIDES, build
 from fprc.signals import rms
 from fprc.studies.families.family import Unit
 
@@ -37,7 +37,6 @@ def judge_models(
     *,
     models: Mapping[str, Any],
     tracking: Mapping[str, Any],
-    shifts_kpa: Sequence[float],
     slow: int,
 ) -> dict[str, Any]:
     """Judge all models, or those of ``BRIEF``, on the rig of a unit.
@@ -46,8 +45,6 @@ def judge_models(
     ----------
     models, tracking : Mapping
         Sections of the configuration. The unit's family has ``every_model``.
-    shifts_kpa : sequence of float
-        Constant offsets of P_o.
     slow : int
         Number of the first units that also judge the slow models.
 
@@ -56,11 +53,11 @@ def judge_models(
     dict
         ``models``: by model ``train`` (training RMSE of the forward direction, kPa), ``forward``
         and ``reversed`` (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over
-        the four references, deg); with an offset of P_o, of a model that reads it ``forward/KPA``,
-        and of FPRC ``open_loop/KPA`` and ``closed_loop/KPA``. Of a model of ``SIDES`` ``blocks``,
-        its error on unseen blocks of both logs, kPa. A model that cannot be judged has ``failed``,
-        the message. Of ``p_o`` and ``theta``: ``memory_s`` and ``nonlinear``, capacity of degree 2
-        and above, on the sweep; of ``threshold``: ``nonlinear``.
+        the four references, deg); of FPRC with P_o 2 kPa low ``forward/-2``, ``open_loop/-2`` and
+        ``closed_loop/-2``. Of a model of ``SIDES`` ``blocks``, its error on unseen blocks of both
+        logs, kPa. A model that cannot be judged has ``failed``, the message. Of ``p_o`` and
+        ``theta``: ``memory_s`` and ``nonlinear``, capacity of degree 2 and above, on the sweep; of
+        ``threshold``: ``nonlinear``.
     """
     names: Sequence[str] = BRIEF
     if unit.family["every_model"]:
@@ -85,16 +82,12 @@ def judge_models(
             if name in blocks:
                 report["blocks"] = blocks[name]
             if name == "fprc":
-                for shift in shifts_kpa:
-                    inputs = {key: values + [0.0, shift] for key, values in followed.items()}
-                    found = _follow(bench, model, name, inputs)
-                    report |= {f"{loop}/{shift:g}": value for loop, value in found.items()}
-            if "p_o_kpa" in entry_of(name).inputs:
+                low = [0.0, -2.0]  # kPa
                 X, expected, _ = complex_.samples(name)
-                report |= {
-                    f"forward/{shift:g}": rmse(expected, model.predict(X + [0.0, shift]))
-                    for shift in shifts_kpa
-                }
+                report["forward/-2"] = rmse(expected, model.predict(X + low))
+                inputs = {key: values + low for key, values in followed.items()}
+                found = _follow(bench, model, name, inputs)
+                report |= {f"{loop}/-2": value for loop, value in found.items()}
             judged[name] = report
         except (FprcError, ValueError) as error:
             judged[name] = {"failed": in_one_line(error)}

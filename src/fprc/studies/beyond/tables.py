@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from fprc import escape
 from fprc.artifacts import read_json, write_csv, write_text
@@ -74,35 +74,26 @@ def tabulate_beyond(
     figure : sequence of str
         As PDF and as PNG.
     family : str
-        Family whose models and offsets the pages show.
+        Family whose models the pages show.
     **csv : str
-        Tables by name: ``models``, ``claims``, ``offsets``.
+        Tables by name: ``models``, ``claims``.
     """
     found = [read_json(path) for path in families]
     judged = [decide(of_family, CLAIMS, numbers_of(of_family)) for of_family in found]
     verdicts = pd.concat(judged, ignore_index=True)
-    made = {"models": models(found), "claims": verdicts[_CLAIMS], "offsets": offsets(found)}
+    made = {"models": models(found), "claims": verdicts[_CLAIMS]}
     for name, path in csv.items():
         write_csv(path, made[name])
-    of_models, of_offsets = (
-        made[name][made[name]["family"] == family] for name in ("models", "offsets")
-    )
     shown = {
         "claims": claims_page(verdicts),
         "best": best_page(found),
         "memory": memory_page(found),
         "details": details_page(verdicts),
         "worth": worth_page(verdicts),
-        "models": models_page(of_models),
-        "offsets": offsets_page(of_offsets),
+        "models": models_page(made["models"][made["models"]["family"] == family]),
     }
-    note = f"Data: {SOURCES['sim']}."
-    half = float((of_offsets["high"] - of_offsets["low"]).max() / 2.0)
-    widest = f"; the widest 95 % interval is ± {three_digits(half)} kPa or deg" if half > 0 else ""
-    notes = {"offsets": f"{note} Means{widest}."}
     for path in pages:
-        name = Path(path).stem
-        write_text(path, markdown(shown[name], notes.get(name, note)))
+        write_text(path, markdown(shown[Path(path).stem], f"Data: {SOURCES['sim']}."))
     fig, ax = style.figure(1, 1, style.PAGE_IN, 6.8)
     plot_pairs(verdicts, ax)
     style.share_legend(fig, ax)
@@ -119,7 +110,9 @@ def models(families: Families) -> pd.DataFrame:
         empty for a single one), ``units``, ``source``.
     """
     table = measured(families)
-    return _means(table[table["measure"].isin(list(MEASURES))], "model", "measure")
+    table = table[table["measure"].isin(list(MEASURES))]
+    means = means_of(table, "family", "model", "measure", count="units")
+    return means.drop(columns=["std", "min", "max"]).assign(source="sim")
 
 
 def models_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -128,40 +121,12 @@ def models_page(table: pd.DataFrame) -> pd.DataFrame:
     places = {model: place for place, model in enumerate(forward["model"])}
     ranked = table[table["model"].isin(list(places))]
     ranked = ranked.sort_values("model", key=lambda names: names.map(places), kind="stable")
-    headings = {_heading(measure): measure for measure in MEASURES}
+    headings = {words[0].upper() + words[1:]: measure for measure, words in MEASURES.items()}
     rows = {"model": ("Model", model_title)}
     page = wide(ranked, rows, "measure", headings, intervals=True)
     units = ranked.groupby("model", sort=False)["units"]
     words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
     return page.assign(Units=words.to_numpy())
-
-
-def offsets(families: Families) -> pd.DataFrame:
-    """Forward test RMSE, and tracking, where P_o is shifted after training, tidy.
-
-    Returns
-    -------
-    DataFrame
-        ``family``, ``model``, ``measure`` (forward, open_loop or closed_loop), ``offset_kpa``,
-        ``mean``, ``low``, ``high``, ``units``, ``source``; and the errors of Fuzzy-linear, which
-        has no P_o, at no offset.
-    """
-    table = measured(families)
-    parts = table["measure"].str.extract("^([a-z_]*)/?(.*)$")
-    table["measure"] = parts[0]
-    table["offset_kpa"] = pd.to_numeric(parts[1]).fillna(0.0)
-    shifted = parts[0].isin(["forward", "open_loop", "closed_loop"])
-    without = shifted & (table["model"] == "fuzzy_linear")
-    return _means(table[(parts[1] != "") | without], "model", "measure", "offset_kpa")
-
-
-def offsets_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per model and measure of one family, one column per offset; means alone."""
-    headings = {f"{kpa:+g}" if kpa else "0": kpa for kpa in sorted(table["offset_kpa"].unique())}
-    places = {measure: place for place, measure in enumerate(MEASURES)}
-    ordered = table.sort_values("measure", key=lambda names: names.map(places), kind="stable")
-    rows = {"model": ("Model", model_title), "measure": ("Error", _heading)}
-    return wide(ordered, rows, "offset_kpa", headings)
 
 
 def best_page(families: Families) -> pd.DataFrame:
@@ -205,17 +170,6 @@ def memory_page(families: Families) -> pd.DataFrame:
         heading = f"{'P_o' if model == 'p_o' else 'theta'}: {words[measure]}"
         page.setdefault(family_title(family), {})[heading] = format_mean(ends, "mean")
     return pd.DataFrame(page).T.reset_index(names="Rigs")
-
-
-def _heading(measure: str) -> str:
-    words = MEASURES[measure]
-    return words[:1].upper() + words[1:]
-
-
-def _means(table: pd.DataFrame, *keys: str) -> pd.DataFrame:
-    """Return the mean over the units of each family, and its interval, for values of the keys."""
-    means = means_of(table, "family", *keys, count="units")
-    return means.drop(columns=["std", "min", "max"]).assign(source="sim")
 
 
 def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
@@ -262,11 +216,6 @@ def _decimal_ticks(ax: Axes, low: float, high: float) -> None:
     high = np.nanmax([high, EQUIVALENT_WITHIN]) * 1.03
     low, high = max(low, 1 / _WIDEST), min(high, _WIDEST)  # three units can have any interval
     ax.set_xlim(low, high)
-    ticks = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.5, 2, 2.5, 3, 4, 5]
-    kept = [1.0]
-    for tick in sorted((t for t in ticks if low <= t <= high), key=lambda tick: abs(np.log(tick))):
-        if min(abs(np.log(tick / other)) for other in kept) > 0.06 * np.log(high / low):
-            kept.append(tick)
-    ax.set_xticks(sorted(kept))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_major_locator(FixedLocator([0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5]))
+    ax.xaxis.set_major_formatter("{x:g}")
     ax.xaxis.set_minor_locator(NullLocator())

@@ -40,7 +40,7 @@ def tracking():
 @pytest.fixture(scope="module")
 def judge(on_rig, tracking):
     """Return what judges a unit, of a family with every model or not."""
-    how = {"models": SETTINGS["models"], "tracking": tracking, "shifts_kpa": [-2.0, 0.0]}
+    how = {"models": SETTINGS["models"], "tracking": tracking}
 
     def call(every=False, number=0):
         unit = Unit(number, {"every_model": every}, on_rig, SEED)
@@ -83,7 +83,6 @@ def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, tracki
     bench = Track(Tracking(**tracking), control, on_rig.rig, SEED)
     expected = rms_of(tracking_errors(bench, fprc, {"open_loop": False, "closed_loop": True}))
     for loop, errors in expected.items():
-        assert own[f"{loop}/0"] == own[loop]
         assert own[f"{loop}/-2"] == pytest.approx(math.sqrt(np.mean(np.square([*errors.values()]))))
         assert own[f"{loop}/-2"] > 1.02 * own[loop]
     assert set(judged["fuzzy_linear"]) == {"train", "forward", "reversed", *expected}
@@ -92,7 +91,6 @@ def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, tracki
 def test_shifted_p_o_is_the_models_input(judged, fprc, logs):
     X, y, _ = logs["complex"].samples("fprc")
     own = judged["fprc"]
-    assert own["forward/0"] == own["forward"]
     assert own["forward/-2"] == pytest.approx(rmse(y, fprc.predict(X - [0.0, 2.0])))
 
 

@@ -15,7 +15,7 @@ from fprc.studies.beyond.claims import CLAIMS, numbers_of
 from fprc.studies.verdicts import claims_page, decide, details_page
 from fprc.tables.text import markdown
 
-CSV = ("models", "claims", "offsets")
+CSV = ("models", "claims")
 PAGES = (*CSV, "best", "memory", "details", "worth")
 
 
@@ -53,8 +53,7 @@ def test_means_and_intervals_are_over_units(families):
 
 
 def test_pages_survive_a_family_with_nothing(families, verdicts):
-    made = ((tables.models_page, tables.models), (tables.offsets_page, tables.offsets))
-    pages = [page(rows_of(make(families), "broken")) for page, make in made]
+    pages = [tables.models_page(rows_of(tables.models(families), "broken"))]
     pages += [page(few) for few in (verdicts, rows_of(verdicts, "broken"))
               for page in (claims_page, details_page)]  # fmt: skip
     for page in pages:
@@ -71,20 +70,6 @@ def test_models_begin_with_the_lowest_error(families):
     assert page["Model"].iloc[0] == "FPRC"
     assert errors[0] == pytest.approx(best["mean"], rel=5e-3)
     assert page["Units"].eq("12").all()
-
-
-def test_offsets_have_their_columns(families):
-    table = tables.offsets(families)
-    page = tables.offsets_page(rows_of(table, "dry")).set_index(["Model", "Error"])
-    assert list(page) == ["-5", "-2", "-1", "0", "+1", "+2", "+5"]
-    own = table[(table["family"] == "dry") & (table["offset_kpa"] == -2.0)]
-    of_error = {"Forward test [kPa]": "forward", "Open loop [deg]": "open_loop",
-                "Closed loop [deg]": "closed_loop"}  # fmt: skip
-    for measure, key in of_error.items():
-        assert page.loc[("Fuzzy-linear", measure)].ne("-").sum() == 1
-        low = own[(own["model"] == "fprc") & (own["measure"] == key)]["mean"]
-        shown = float(page.loc[("FPRC", measure), "-2"])
-        assert shown == pytest.approx(low.item(), rel=5e-3)
 
 
 def test_mark_beside_a_verdict_says_whom_the_fit_favours(verdicts):
