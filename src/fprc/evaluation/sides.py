@@ -57,32 +57,32 @@ class Recordings(NamedTuple):
     lengths: Sequence[int]  #: samples of each recording
     rate_hz: float
 
+    def parts(self, values: np.ndarray) -> list[np.ndarray]:
+        """Return those of all samples recording by recording."""
+        return np.split(values, np.cumsum(self.lengths)[:-1])
+
     def thinned(self) -> "Recordings":
         """Return the means of groups of samples, at least ``RATE_HZ`` of them a second."""
         size = max(1, int(self.rate_hz / RATE_HZ * (1.0 + _ROUNDING)))
-        ends = np.cumsum(self.lengths)[:-1]
-        lengths = [length // size for length in self.lengths]
 
         def means(values: np.ndarray) -> np.ndarray:
-            parts = zip(np.split(values, ends), lengths, strict=True)
-            groups = [part[: count * size].reshape(count, size) for part, count in parts]
-            return np.concatenate(groups).mean(axis=1)
+            wholes = (part[: len(part) // size * size] for part in self.parts(values))
+            return np.concatenate([part.reshape(-1, size) for part in wholes]).mean(axis=1)
 
-        return Recordings(
-            means(self.theta), means(self.p_o), means(self.target), lengths, self.rate_hz / size
-        )
+        theta, p_o, target = map(means, (self.theta, self.p_o, self.target))
+        lengths = [length // size for length in self.lengths]
+        return Recordings(theta, p_o, target, lengths, self.rate_hz / size)
 
     def shifted(self, shares: float) -> "Recordings":
         """Return them with P_o of each recording rotated by a share of its length."""
-        parts = np.split(self.p_o, np.cumsum(self.lengths)[:-1])
-        rotated = [np.roll(part, round(shares * len(part))) for part in parts]
+        rotated = [np.roll(part, round(shares * len(part))) for part in self.parts(self.p_o)]
         return self._replace(p_o=np.concatenate(rotated))
 
     def folds(self) -> list[Fold]:
         """Return training rows and rows of each block; the first seconds are in none of them."""
         purge, warm = (round(seconds * self.rate_hz) for seconds in (PURGE_S, WARM_UP_S))
         shortest = math.ceil((1.0 - _ROUNDING) * PURGES * purge)
-        parts = np.split(np.arange(sum(self.lengths)), np.cumsum(self.lengths)[:-1])
+        parts = self.parts(np.arange(sum(self.lengths)))
         kept = [part[min(warm, len(part) // 2) :] for part in parts]
         rows = np.concatenate(kept)
         folds = split_blocks(list(map(len, kept)), BLOCKS, shortest, purge)
@@ -213,9 +213,8 @@ def shifts_of(recordings: Recordings, period_s: float | None) -> list[float]:
 
 def period_of(recordings: Recordings) -> float | None:
     """Return after which time theta repeats itself, s; None if it does not in any recording."""
-    ends = np.cumsum(recordings.lengths)[:-1]
     periods = []
-    for theta in np.split(recordings.theta, ends):
+    for theta in recordings.parts(recordings.theta):
         away = distances(theta)
         left = np.flatnonzero(away > AWAY)
         back = left[0] + np.flatnonzero(away[left[0] :] < REPEATS) if left.size else left
@@ -228,8 +227,8 @@ def period_of(recordings: Recordings) -> float | None:
 def p_o_repeats(recordings: Recordings, period_s: float) -> bool:
     """Return whether P_o of any recording comes back to itself with the motion."""
     lag = round(period_s * recordings.rate_hz)
-    parts = np.split(recordings.p_o, np.cumsum(recordings.lengths)[:-1])
-    return any(distances(part)[lag] < AWAY for part in parts if lag <= len(part) // 2)
+    parts = [part for part in recordings.parts(recordings.p_o) if lag <= len(part) // 2]
+    return any(distances(part)[lag] < AWAY for part in parts)
 
 
 def distances(signal: np.ndarray) -> np.ndarray:

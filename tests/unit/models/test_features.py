@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 from scipy.signal import lfilter
+from sklearn.base import clone
 
 from fprc.models import NVAR, EchoStates, LowpassBank, PlayOperators, TapFeatures, kernels
 
@@ -147,6 +148,31 @@ def test_steps_of_a_network_of_any_size_give_its_states(r, halves):
     steps = [features.step(x) for x in X]
     assert features._W_r.dtype == (np.float32 if halves else np.float64)
     assert_allclose(steps, features.transform(X), rtol=1e-11, atol=1e-14)
+
+
+MAPS = [EchoStates(r=12, washout=30, random_state=1), TapFeatures(), PlayOperators()]
+
+
+@given(st.lists(st.integers(5, 20), min_size=1, max_size=5), st.sampled_from(MAPS))
+def test_features_equal_a_stream_that_is_reset_at_each_recording(lengths, features):
+    X = 30.0 * np.random.default_rng(sum(lengths)).normal(size=(sum(lengths), 2))
+    features = clone(features).fit(X)
+    starts, stepped = np.cumsum([0, *lengths]), []
+    for k, x in enumerate(X):
+        if k in starts:
+            features.reset()
+        stepped.append(features.step(x))
+    assert_allclose(features.transform(X, lengths), stepped, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "problem"),
+    [([60, 3, 37], "recording 2 of 3: n_samples = 3 is")]
+    + [(wrong, "100 samples") for wrong in ([60], [60, 50], [60, 40, 0], [103, -3], [])],
+)
+def test_lengths_that_do_not_suit_the_log_or_the_taps_are_refused(lengths, problem):
+    with pytest.raises(ValueError, match=problem):
+        TapFeatures().fit(log(100)).transform(log(100), lengths)
 
 
 def log(size):

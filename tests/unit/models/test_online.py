@@ -79,6 +79,14 @@ def test_what_is_remembered_is_saved_and_loaded(model, tmp_path):
     np.testing.assert_array_equal(loaded.information_, found.information_)
 
 
+def test_what_is_remembered_is_of_each_recording_alone():
+    X = [30.0 * np.random.default_rng(n).normal(size=(n, 2)) for n in (40, 50)]
+    model = clone(MODELS["fprc"]).fit(X[0], X[0][:, 0])
+    alone = sum(model.remember(x).information_ for x in X)
+    both = model.remember(np.concatenate(X), [40, 50]).information_
+    np.testing.assert_allclose(both, alone, rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     "spoil",
     [np.zeros_like, np.negative, lambda info: info - 2.0 * np.diag(np.diag(info))],
