@@ -112,59 +112,47 @@ def decide(found: Mapping[str, Any], ratios: Sequence[float]) -> tuple[str, str,
     """Return the verdict, why it is not decided, and which length would decide, s.
 
     Yes: the whole interval of the ratio lies below 1/1.05, P_o beats all its shifts, and does not
-    repeat with the motion. No: the
-    whole interval lies above 1/1.05. Otherwise it is not decided, for the one reason that matters
-    most.
+    repeat with the motion. No: the whole interval lies above 1/1.05. Otherwise it is not decided,
+    for the one reason that matters most.
     """
     margin, mean, high = math.log(MARGIN), math.log(found["ratio"]), math.log(found["high"])
-    beaten = sum(found["with"]["error"] < error for error in found["shifts"])
-    repeats = (
-        f"The motion repeats every {found['period_s']:.3g} s, so each part has a twin in the rest: "
-        "record one that does not repeat."
-        if found["period_s"]
-        else ""
-    )
+    shifts, needed_s = found["shifts"], None
+    beaten = sum(found["with"]["error"] < error for error in shifts)
     if len(ratios) < LEAST_UNITS:
         needed_s = WARM_UP_S + LEAST_UNITS * PURGES * PURGE_S
         return UNDECIDED, f"The recording is too short: it takes {_time(needed_s)}.", needed_s
     if math.log(found["low"]) > -margin:
         return NO, "", None
-    if high < -margin:
-        if not found["p_o_repeats"] and found["shifts"] and beaten == len(found["shifts"]):
-            return YES, "", None
-        as_well = (
-            f"P_o of another time does as well in {len(found['shifts']) - beaten} of "
-            f"{len(found['shifts'])} trials: it tells the time, not what the chamber remembers."
+    if high < -margin and not found["p_o_repeats"] and shifts and beaten == len(shifts):
+        return YES, "", None
+    if found["period_s"]:
+        reason = (
+            f"The motion repeats every {found['period_s']:.3g} s, so each part has a twin in the "
+            "rest: record one that does not repeat."
         )
-        return UNDECIDED, repeats or as_well, None
-    if repeats:
-        return UNDECIDED, repeats, None
-    if found["explained"] < LITTLE:
-        return (
-            UNDECIDED,
-            f"theta explains only {100 * found['explained']:.0f} % of P_exp: check the columns.",
-            None,
+    elif high < -margin:
+        reason = (
+            f"P_o of another time does as well in {len(shifts) - beaten} of {len(shifts)} trials: "
+            "it tells the time, not what the chamber remembers."
         )
-    needed_s = found["duration_s"] * ((high - mean) / abs(mean + margin)) ** 2
-    if needed_s <= MOST_TIMES * found["duration_s"]:
+    elif found["explained"] < LITTLE:
+        share = 100.0 * found["explained"]
+        reason = f"theta explains only {share:.0f} % of P_exp: check the columns."
+    else:
+        needed_s = found["duration_s"] * ((high - mean) / abs(mean + margin)) ** 2
+        best, worst = np.exp(np.quantile(ratios, (_ENDS, 1.0 - _ENDS)))
         reason = (
             f"The recording is too short: if its ratio, {found['ratio']:.2f}, stays, it takes "
             f"{_time(needed_s)} of this motion."
+            if needed_s <= MOST_TIMES * found["duration_s"]
+            else f"Its parts disagree: the ratio is below {best:.2f} in a quarter of them and "
+            f"above {worst:.2f} in another."
         )
-        return UNDECIDED, reason, needed_s
-    best, worst = np.exp(np.quantile(ratios, (_ENDS, 1.0 - _ENDS)))
-    reason = (
-        f"Its parts disagree: the ratio is below {best:.2f} in a quarter of them and above "
-        f"{worst:.2f} in another."
-    )
     return UNDECIDED, reason, needed_s
 
 
 def _time(seconds: float) -> str:
-    if seconds < 100.0:
-        return f"{math.ceil(seconds)} s"
-    minutes = math.ceil(seconds / 60.0)
-    return f"{minutes} minutes"
+    return f"{math.ceil(seconds)} s" if seconds < 100.0 else f"{math.ceil(seconds / 60.0)} minutes"
 
 
 def family_title(family: str, with_p_o: bool) -> str:
@@ -181,9 +169,7 @@ def first_line(found: Mapping[str, Any], unit: str) -> str:
         f"({family_title(found[side]['family'], side == 'with')})"
         for side in ("with", "without")
     ]
-    line = f"{found['verdict']}: with P_o {sides[0]}, without {sides[1]}."
+    more = found["reason"]
     if found["verdict"] == NO and found["period_s"]:
-        line += (
-            f" The motion repeats every {found['period_s']:.3g} s; on another one it may differ."
-        )
-    return f"{line} {found['reason']}".rstrip()
+        more = f"The motion repeats every {found['period_s']:.3g} s; on another one it may differ."
+    return f"{found['verdict']}: with P_o {sides[0]}, without {sides[1]}. {more}".rstrip()

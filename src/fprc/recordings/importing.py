@@ -12,7 +12,7 @@ from fprc.config.load import explained
 from fprc.config.section import Section
 from fprc.errors import ConfigError
 from fprc.logs.quality import other_quantity
-from fprc.recordings.names import SECONDS, factor_of, likely_channel
+from fprc.recordings.names import SECONDS, factor_of
 from fprc.yaml_file import read_yaml
 
 #: Text that YAML may have parsed as a number, as in ``unit: 1`` and ``column: 3``.
@@ -181,11 +181,7 @@ def _valid(section: Any, content: Any, path: Path | str, *above: str) -> Any:
 
 
 def _explained(item: Mapping[str, Any]) -> str:
-    *above, last = map(str, item["loc"] or [""])
-    likely = likely_channel(last) if above == ["channels"] else None
-    if item["type"] == "extra_forbidden" and likely and likely.strength > 1:
-        return f"channels.{last}: unknown key; did you mean channels.{likely.channel}?"
     if item["input"] == "?":
-        key = ".".join([*above, last])
+        key = ".".join(map(str, item["loc"]))
         return f"{key} = ?: the draft did not find it; give it, or delete the line"
     return explained(item, ImportMap, "docs/own-data.md")

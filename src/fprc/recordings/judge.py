@@ -81,53 +81,40 @@ def judge(
     # gaps are in the notes of the recording
     failed = [name for name, check in checks.items() if not check["passed"] and name != "gaps"]
     doubts = [f"{name}: {checks[name]['finding']}" for name in failed]
-    unlike = contradictions(mapping, table)
+    stops = []
     for name, spec in mapping.columns.items():
-        values = recording.channels[name] / (factor_of(spec["unit"], unit_of(name)) or 1.0)
-        others = other_units(name, spec["unit"], values)
-        if others and name not in unlike and spec["scale"] == 1.0:
+        quantity, column = unit_of(name), table.pick(spec["column"])
+        factor = factor_of(spec["unit"], quantity) or 1.0
+        stated = stated_unit(spec["column"], column.label, column.unit)
+        # a scale, or a note, says that the map is meant as it is
+        meant = spec["scale"] != 1.0 or spec["note"] or spec["unit"] == "1"
+        others = other_units(name, spec["unit"], recording.channels[name] / factor)
+        if stated and not meant and (stated.quantity, stated.factor) != (quantity, factor):
+            stops.append(
+                f"channels.{name}: the file says {stated.text} of {spec['column']}, the map "
+                f"{spec['unit']}: correct unit, or say in note why it is right"
+            )
+        elif others and spec["scale"] == 1.0:
             doubts.append(
                 f"{name}: its size is unusual; is {spec['column']} in {in_words(others, 'or')}?"
             )
-    stops = [f"{line}: correct unit, or say in note why it is right" for line in unlike.values()]
+        outside = checks["range"]["samples"].get(name, 0)
+        if outside > MOST_OUTSIDE * len(time_s):
+            stops.append(
+                f"{name}: {outside} samples are outside its possible range: correct unit, scale or "
+                "offset in the map"
+            )
     if mapping.sample_rate_hz is None and not LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
         stops.append(
             f"time: {rate_hz:.4g} Hz are unusual: check time.unit = {mapping.time.unit}; if it is "
             "right, give sample_rate_hz"
         )
-    outside = {
-        name: count
-        for name, count in checks["range"]["samples"].items()
-        if count > MOST_OUTSIDE * len(time_s)
-    }
-    stops += [
-        f"{name}: {count} samples are outside its possible range: correct unit, scale or offset in "
-        "the map"
-        for name, count in outside.items()
-    ]
     channels = {
         word: (recording.channels[name], units[name])
         for word, name in (("theta", "theta_deg"), ("P_exp", TARGETS[target]), ("P_o", "p_o_kpa"))
         if name in recording.channels
     }
     return Judgement(words, doubts, [*stops, *_unfit(time_s, rate_hz, channels)])
-
-
-def contradictions(mapping: ImportMap, table: Table) -> dict[str, str]:
-    """Say by channel which units of a map are not those that the file states.
-
-    A scale, or a note, says that the map is meant as it is.
-    """
-    found = {}
-    for name, spec in mapping.columns.items():
-        column = table.pick(spec["column"])
-        stated = stated_unit(spec["column"], column.label, column.unit)
-        asked = (unit_of(name), factor_of(spec["unit"], unit_of(name)))
-        meant = spec["scale"] != 1.0 or spec["note"] or spec["unit"] == "1"
-        if stated and not meant and (stated.quantity, stated.factor) != asked:
-            unlike = f"the file says {stated.text} of {spec['column']}, the map {spec['unit']}"
-            found[name] = f"channels.{name}: {unlike}"
-    return found
 
 
 def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:

@@ -5,7 +5,7 @@ import unicodedata
 from functools import cache
 from typing import Any, NamedTuple
 
-from fprc.channels import CHANNELS
+from fprc.channels import RAW_CHANNELS
 
 #: Units of time in s, coarsest first, and the words for them.
 SECONDS = {"d": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -71,6 +71,8 @@ _SPELLINGS = {
 _BARE = set(_SPELLINGS) - {"n", "grad", "度", "at", "pa"}
 _LETTERS = set("shdVANm°%K")
 _REFERENCE = r"\b(?:abs|absolute|absolut|rel|relative|relativ|gauge|gage)\b\.?|\((?:g|a|abs|rel)\)"
+#: Units of pressure that say in their last letter whether they are gauge or absolute.
+_GAUGE = r"(bar|psi|kpa|mbar)[ag]$"
 
 
 class Unit(NamedTuple):
@@ -101,36 +103,30 @@ def parse_unit(text: str) -> Unit | None:
     """Return the unit that a text is, perhaps with a factor; None if it is none."""
     text = unicodedata.normalize("NFKC", text).strip().replace("µ", "u").replace("μ", "u")
     text = re.sub(_REFERENCE, "", text, flags=re.IGNORECASE).strip()
-    plain = re.sub(r"(bar|psi|kpa|mbar)[ag]$", r"\1", text.lower())
-    known_spelling = _SPELLINGS.get(plain.replace("^", "").replace("·", ""))
-    plain = known_spelling or plain
-    for known, seconds in SECONDS.items():
-        if re.fullmatch(_TIME_UNITS[known], plain):
-            return Unit(known, "s", seconds)
+    plain = re.sub(_GAUGE, r"\1", text.lower())
+    known = _SPELLINGS.get(plain.replace("^", "").replace("·", ""))
+    for unit, seconds in SECONDS.items():
+        if re.fullmatch(_TIME_UNITS[unit], plain):
+            return Unit(unit, "s", seconds)
     multiple = re.match(r"[x×*]?\s*(\d[\d.]*(?:e[+-]?\d+|\^[+-]?\d+)?)\s*[x×*]?\s*(\D.*)", text)
     if multiple and (inner := parse_unit(multiple[2])):
         base, _, power = multiple[1].partition("^")
         return inner._replace(multiple=float(base) ** float(power or 1))
-    for spelled in (known_spelling,) if known_spelling else (text, plain):
+    for spelled in (known,) if known else (text, plain):
         if re.fullmatch(r"[A-Za-z°%][\w°%/*^ .-]*", spelled) is None:
             continue
         try:
-            unit = _registry().Unit(spelled.replace("^", "**"))
+            one = _registry().Quantity(1.0, spelled.replace("^", "**"))
         except Exception:  # noqa: S112  pint raises many types
             continue
-        return _converted(unit, spelled)
+        words = re.sub(r"milli|micro", "", str(one.units))
+        if words in ("degree", "radian", "arcminute", "arcsecond", "turn"):
+            return Unit(spelled, "deg", float(one.to("deg").magnitude))
+        for quantity in ("kPa", "V"):
+            if one.is_compatible_with(quantity):
+                return Unit(spelled, quantity, float(one.to(quantity).magnitude))
+        return Unit(spelled, str(one.units), 1.0)
     return None
-
-
-def _converted(unit: Any, text: str) -> Unit | None:
-    ureg = _registry()
-    words = re.sub(r"milli|micro", "", str(unit))
-    if words in ("degree", "radian", "arcminute", "arcsecond", "turn"):
-        return Unit(text, "deg", float(ureg.Quantity(1.0, unit).to("deg").magnitude))
-    for quantity in ("kPa", "V"):
-        if unit.is_compatible_with(quantity):
-            return Unit(text, quantity, float(ureg.Quantity(1.0, unit).to(quantity).magnitude))
-    return Unit(text, str(unit), 1.0)
 
 
 def is_unit(text: str) -> bool:
@@ -150,10 +146,10 @@ def unit_in(name: str) -> Unit | None:
     words = re.findall(r"[^\W\d_]+(?:/(?:s|min|[cm]?m2)\b)?\d*|[°%]", re.sub(_REFERENCE, "", name))
     for word in reversed(words):
         humps = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\W", word)
-        for bare in dict.fromkeys((word, "".join(humps[-2:]), "".join(humps[-1:]))):
-            spelled = re.sub(r"(bar|psi|kpa|mbar)[ag]$", r"\1", bare.lower())
+        for bare in (word, "".join(humps[-2:]), "".join(humps[-1:])):
             # PA and MA may be ports, and p_a a part of a name
-            if bare == "Pa" or (spelled in _BARE and bare not in ("MA", "MM", "NM")):
+            known = re.sub(_GAUGE, r"\1", bare.lower()) in _BARE and bare not in ("MA", "MM", "NM")
+            if bare == "Pa" or known:
                 return parse_unit(bare)
     return None
 
@@ -185,16 +181,15 @@ def has(name: str, what: str) -> bool:
 def known_words(text: str) -> bool:
     """Return whether a text has a Japanese or Chinese word for what a recording has."""
     words = "|".join(_WORDS[key] for key in ("time", "angle", "pressure", "command", "chamber"))
-    wide = [word.strip("~") for word in words.split("|") if not word.isascii()]
-    return any(word in text for word in wide if len(word) > 1 and ord(word[0]) > 0x2FFF)
+    wide = [word for word in re.findall(r"[^~|]+", words) if ord(word[0]) > 0x2FFF]
+    return any(word in text for word in wide if len(word) > 1)
 
 
 @cache
 def _has_word(name: str, words: str) -> bool:
     # bendAngle are two words
     apart = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name)
-    plain = _plain(apart.replace("µ", "u").replace("μ", "u"))
-    separate = re.sub(r"[\W_]+", "_", plain)
+    separate = re.sub(r"[\W_]+", "_", _plain(apart.replace("µ", "u").replace("μ", "u")))
     pattern = _plain(words).replace("~", r"[^\W_]*")
     return bool(re.search(rf"(?<![^\W_])(?:{pattern})(?![^\W_])", separate))
 
@@ -210,50 +205,38 @@ def likely_channel(name: str, label: str = "", unit: str = "") -> Guess | None:
 
     A column whose unit is of another quantity fits none.
     """
-    kinds = ("command", "sensor", "valve")
-    if any(name == channel.name and channel.kind in kinds for channel in CHANNELS):
+    if name in RAW_CHANNELS[1:]:
         return Guess(name, 4)
     words = f"{name} {label}"
     stated = parse_unit(unit) if unit else unit_in(label) or unit_in(name)
     quantity = stated.quantity if stated else None
     if quantity not in (None, "kPa", "deg") or (stated is None and has(words, "other")):
         return None
-    channel = _channel_of(words, quantity)
-    if channel is None:
+    channel, named = "", True  # whether a word names it, and not the unit alone
+    angle, command, wanted = (has(words, what) for what in ("angle", "command", "wanted"))
+    pressure = quantity == "kPa" or has(words, "pressure")
+    if quantity != "kPa" and (angle or quantity) and (wanted or (angle and command)):
         return None
-    named = channel[1]
-    return Guess(channel[0], 2 * named + (stated is not None))
-
-
-def _channel_of(words: str, quantity: str | None) -> tuple[str, bool] | None:
-    """Return a channel, and whether a word names it and not the unit alone."""
-    if quantity in (None, "deg"):
-        angle = has(words, "angle")
-        if (angle or quantity) and (has(words, "wanted") or (angle and has(words, "command"))):
-            return None
-        if has(words, "phi"):
-            return "phi_deg", True
-        if angle or quantity:
-            return "theta_deg", angle
-    pressure = bool(quantity) or has(words, "pressure")
-    command = has(words, "command")
-    if has(words, "inner"):
-        return "p_i_command_kpa" if command else "p_i_kpa", True
-    if has(words, "sealed") or (pressure and has(words, "chamber") and not command):
-        return "p_o_kpa", True
-    if command:
-        return "p_exp_command_kpa", True
-    if pressure and not has(words, "wanted"):
-        return "p_exp_kpa", has(words, "pressure")
-    return None
+    if quantity != "kPa" and has(words, "phi"):
+        channel = "phi_deg"
+    elif quantity != "kPa" and (angle or quantity):
+        channel, named = "theta_deg", angle
+    elif has(words, "inner"):
+        channel = "p_i_command_kpa" if command else "p_i_kpa"
+    elif has(words, "sealed") or (pressure and has(words, "chamber") and not command):
+        channel = "p_o_kpa"
+    elif command:
+        channel = "p_exp_command_kpa"
+    elif pressure and not wanted:
+        channel, named = "p_exp_kpa", has(words, "pressure")
+    return Guess(channel, 2 * named + (stated is not None)) if channel else None
 
 
 def reference_of(name: str) -> str | None:
     """Return ``absolute`` or ``gauge`` if a pressure's name says which it is."""
-    if has(name, "absolute") or re.search(r"(?i)(bar|psi|kpa)\s*\(a\)", name):
-        return "absolute"
-    if has(name, "gauge") or re.search(r"(?i)(bar|psi|kpa)\s*\(g\)", name):
-        return "gauge"
+    for reference, letter in (("absolute", "a"), ("gauge", "g")):
+        if has(name, reference) or re.search(rf"(?i)(bar|psi|kpa)\s*\({letter}\)", name):
+            return reference
     return None
 
 

@@ -1,7 +1,5 @@
 """`fprc import` from a file to a raw log."""
 
-import logging
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,13 +10,11 @@ from hypothesis import strategies as st
 from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
 from fprc.config import Settings
-from fprc.errors import ConfigError, LogError, OutputError
-from fprc.experiments.data import Data, read_data, refuse_mixture
+from fprc.errors import ConfigError, OutputError
+from fprc.experiments.data import select_channels
 from fprc.logs import assess, read_raw
-from fprc.recordings import import_recording
 from fprc.recordings.draft import _line
 from fprc.recordings.import_recording import import_or_draft
-from fprc.stages.preprocess import preprocess
 
 pytestmark = pytest.mark.slow
 
@@ -70,19 +66,6 @@ def test_import_needs_to_know_which_log_it_writes(bring):
         bring(experiment=None, test_from_s=5)
 
 
-def test_import_that_fails_leaves_the_earlier_log(bring, monkeypatch):
-    raw = bring()
-    before = raw.read_bytes()
-
-    def fail(*arguments, **named):
-        raise ZeroDivisionError
-
-    monkeypatch.setattr(import_recording, "write_raw", fail)
-    with pytest.raises(ZeroDivisionError):
-        bring()
-    assert raw.read_bytes() == before
-
-
 @pytest.mark.parametrize("name", [r"$\frac{$", "$x$ `b` | <i>", "=1, a\x1b[2J", "日本"])
 def test_column_of_any_name_is_imported_and_drawn(tmp_path, name):
     table = pd.DataFrame({"t": np.arange(20) / 200.0, name: np.arange(20.0), "p": np.ones(20)})
@@ -109,26 +92,14 @@ def test_gap_that_is_filled_is_noted_in_the_log(bring):
     assert "filled by linear interpolation: 1, about 300 samples" in noted
 
 
-def test_newtons_are_not_taken_for_kilopascals_and_not_mixed_with_them(bring, caplog):
+def test_newtons_are_not_taken_for_kilopascals(bring):
     force = {"column": "p_i_kpa", "unit": 1, "scale": 10, "note": "motor force F [N]"}
-    raw = bring({"theta_deg": ANGLE, "p_exp_kpa": force})
-    log = read_raw(raw, **RATE)
+    log = read_raw(bring({"theta_deg": ANGLE, "p_exp_kpa": force}), **RATE)
     record = assess(log, LIMITS, 200.0)
     assert log.channels["p_exp_kpa"].max() > LIMITS.pressure_range_kpa[1]
     assert record["notes"] == {"p_exp_kpa": "not in kPa: motor force F [N]"}
     assert record["checks"]["range"]["passed"]
-    data, quality = raw.with_name("data.h5"), raw.with_name("quality.json")
-    preprocess(
-        str(raw), str(data), str(quality),
-        experiment="sweep", target="command", sample_rate_hz=200.0, limits=LIMITS.model_dump(),
-    )  # fmt: skip
-    with caplog.at_level(logging.WARNING):
-        data = read_data(str(data))
-    assert (data.unit, data.attributes["theta_unit"]) == ("N", "deg")
-    refuse_mixture(data, data)
-    plain = Data(data.channels, data.attributes | {"p_target_unit": "kPa"})
-    with pytest.raises(LogError, match="training log is in N, that of the test log in kPa"):
-        refuse_mixture(data, plain)
+    assert select_channels(log, "command").unit == "N"
 
 
 @pytest.mark.usefixtures("undrawn")

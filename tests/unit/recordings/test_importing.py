@@ -57,10 +57,6 @@ def test_small_map_has_defaults_and_numbers_of_yaml_serve_as_names(read):
     ("content", "message"),
     [
         (SMALL | {"sample_rate": 100}, "sample_rate: unknown key; did you mean sample_rate_hz?"),
-        (
-            with_channel("angle", column="P", unit="deg"),
-            "channels.angle: unknown key; did you mean channels.theta_deg?",
-        ),
         (SMALL | {"csv": {"zzz": 1}}, "csv.zzz: unknown key; the keys are separator, decimal, "),
         (
             with_channel("p_o_kpa", column="P", unit="kPa", ofset=1),

@@ -141,33 +141,19 @@ def test_further_recordings_are_judged_too_at_the_slowest_rate(recording, stoppe
 
 @pytest.mark.parametrize(
     ("own_hz", "given_hz", "used_hz"),
-    [
-        (50, 200, 200.0),
-        (50.01, None, 50.0),  # a quartz is that good
-        (1000 / 7, None, 1000 / 7),
-        (1000, None, 200.0),
-    ],
+    [(50, 200, 200.0), (50.01, None, 50.0), (1000 / 7, None, 1000 / 7), (1000, None, 200.0)],
 )
 def test_models_work_at_the_rate_of_the_recording(
-    tmp_path, stopped, capsys, own_hz, given_hz, used_hz
+    recording, stopped, tmp_path, own_hz, given_hz, used_hz
 ):
-    time_s = np.arange(round(41 * own_hz)) / own_hz
-    noise = np.random.default_rng(0).standard_normal(len(time_s))
-    columns = {"t": time_s, "angle": 20.0 * np.sin(2.0 * time_s), "memory": np.sin(time_s)}
-    columns["force"] = columns["angle"] + 20.0 * columns["memory"] + noise
-    pd.DataFrame(columns).to_csv(tmp_path / "log.csv", index=False)
-    mapping = {"time": {"column": "t"}, "channels": CHANNELS}
-    mapping |= {"sample_rate_hz": given_hz} if given_hz else {}
-    (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
+    whole = pd.concat(20 * [pd.read_csv(tmp_path / "log.csv")])[: round(60 * own_hz)]
+    whole.assign(t=np.arange(len(whole)) / own_hz).to_csv(tmp_path / "log.csv", index=False)
     (tmp_path / "few.yaml").write_text("{}")
-    assert run(tmp_path, str(tmp_path / "map.yaml")) == 130
+    assert run(tmp_path, recording(**({"sample_rate_hz": given_hz} if given_hz else {}))) == 130
     recordings, models = stopped.call_args.args[:2]
-    assert log_of(tmp_path, "sweep").attributes["sample_rate_hz"] == pytest.approx(used_hz)
     assert recordings.rate_hz == pytest.approx(used_hz, rel=1e-12)
-    assert recordings.lengths == [pytest.approx(41 * used_hz, abs=9)]
     # the answer scales settings itself, to the rate that it works at
     assert models["fprc"]["epsilon"] == pytest.approx(0.01)
-    assert ("fprc.epsilon 0.01 to" in capsys.readouterr().err) == (used_hz != 200.0)
 
 
 @pytest.mark.usefixtures("stopped")

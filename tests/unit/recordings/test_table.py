@@ -76,39 +76,28 @@ def test_parts_have_the_names_that_matlab_gives_them(read, matlab_files):
     assert all(table.pick(name).values.tolist() == v.tolist() for name, v in expected.items())
 
 
-def test_empty_and_non_numeric_parts_leave_the_rest_of_the_file(read, matlab_files):
-    nothing = np.zeros((0, 0))
+def test_what_is_no_column_of_matlab_leaves_the_rest_and_is_told(read, matlab_files):
+    nothing, q = np.zeros((0, 0)), np.arange(30.0).reshape(10, 3)
     table = read(
         {
-            "x": Y,
-            "none": nothing,
+            "run": {"q": q, "y": Y, "a": nothing},
             "cells": matlab_files.Cells((1, 2), [nothing, Y]),
-            "run": {"a": nothing, "b": Y},
             "name": "arm",
             "video": np.zeros((2, 3, 4)),
             "rate": np.ones((1, 1)),
         }
     )
-    assert sorted(columns(table)) == ["cells{2}", "run.b", "x"]
-    assert {"none", "cells{1}", "run.a", "video", "rate"} <= set(table.others)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("run.q", "did you mean run.q[:, "),
-        ("run.q[:,2]", "did you mean run.q[:, 2]?"),
-        ("run.Q[:, 1]", "did you mean run.q[:, 1]?"),
-        ("run(3).y", "did you mean run.y?"),
-        ("none", "cannot be a channel: empty"),
-    ],
-)
-def test_wrong_column_is_refused_with_the_right_ones(read, text, message):
-    q = np.arange(30.0).reshape(10, 3)
-    table = read({"run": {"q": q, "y": Y}, "none": np.zeros((0, 0))})
-    with pytest.raises(LogError) as caught:
-        table.pick(text)
-    assert message in str(caught.value)
+    assert sorted(table.columns) == ["cells{2}", *(f"run.q[:, {k}]" for k in range(3)), "run.y"]
+    assert {"cells{1}", "run.a", "video", "rate"} <= set(table.others)
+    for text, message in {
+        "run.q": "did you mean run.q[:, ",
+        "run.q[:,2]": "did you mean run.q[:, 2]?",
+        "run(3).y": "did you mean run.y?",
+        "run.a": "cannot be a channel: empty",
+    }.items():
+        with pytest.raises(LogError) as caught:
+            table.pick(text)
+        assert message in str(caught.value)
 
 
 def test_timeseries_of_matlab_are_numbers_or_one_line_says_how_to_save_them(tmp_path):

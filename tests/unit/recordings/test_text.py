@@ -67,20 +67,6 @@ def test_table_of_any_names_comes_back_as_it_was_written(
         assert np.array_equal(np.column_stack([c.values for c in found.columns.values()]), numbers)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "t,a\n0,1\n2,3\n", "t,a,\n0,1,\n2,3,\n", "t,a,\n0,1\n2,3\n", "t,a\n0,1,\n2,3,\n",
-        "\ufefft,a\n0,1\n2,3\n", "t,a\r\n0,1\r\n2,3\r\n\r\n", "sep=;\nt;a\n0;1\n2;3\n",
-        "# made in 2019, by, hand\n\nt,a\n\n0,1\n# half time \"\n2,3\n% end\n",
-        "t , a\n0 , 1\n2 , 3\n", "  t \t a  \n 0   1.0\n 2\t3  \n", "t|a\n0|1\n2|3\nEOF\n",
-        'made by a "logger\nt,a\ns,mm\n0,1\n2,3\n',
-    ],
-)  # fmt: skip
-def test_one_table_written_in_several_ways(table, text):
-    assert columns(table(text)) == {"t": [0, 2], "a": [1, 3]}
-
-
 MOTION = np.random.default_rng(1).normal(50.0, 20.0, (40, 3))
 #: Clocks: the text of a sample's time.
 CLOCKS = {
@@ -139,12 +125,6 @@ def test_numbers_of_any_layout_are_those_that_were_written(
     assert len(found.unusable) == bool(between)
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "utf-8-sig", "utf-16", "utf-16-le"])
-def test_letters_of_other_encodings_are_read(table, encoding):
-    text = "t,angle [°]\n" + 90 * "0,1\n"
-    assert list(table(text.encode(encoding)).columns)[1] == "angle [°]"
-
-
 #: Text, the decimal mark declared or None, and what p is: numbers, or None if it is refused.
 DECIMALS = {
     "comma": ("t;p\n0;1,25\n1;2\n", None, [1.25, 2.0]),
@@ -186,22 +166,25 @@ def test_last_line_without_a_line_end_is_left_out_with_a_note(table, last):
     assert len(found.notes) == bool(last)
 
 
-def test_columns_without_or_with_the_same_name_are_told_apart(table):
-    assert list(columns(table("t,a,\n0,1,5\n1,2,\n"))) == ["t", "a", "2"]
-    assert list(columns(table("t,a,a\n0,1,5\n1,2,6\n"))) == ["t", "a", "a (2)"]
-
-
-def test_lines_of_header_and_data_may_be_given(table):
-    found = table("t,x\n7,8\nt,x\ns,mm\n0,1.5\n1,2.5\n", header_line=3, data_line=5)
-    assert columns(found) == {"t": [0, 1], "x": [1.5, 2.5]}
-    assert found.lines.tolist() == [5, 6]
-
-
-def test_line_that_is_no_sample_is_named_and_a_column_of_words_too(table):
-    found = table("t,x,who\n" + "0,1.5,me\n" * 20 + "pump\n" + "1,2,5 hose\n" * 20)
-    assert found.unusable == ("line 22: 'pump'",)
-    assert list(found.columns) == ["t", "x"]
-    assert "line 2 holds 'me'" in found.others["who"]
+@pytest.mark.parametrize(
+    ("text", "options", "expected"),
+    [
+        ("t,a,\n0,1,5\n1,2,\n", {}, {"t": [0, 1], "a": [1, 2], "2": [5, None]}),
+        ("t,a,a\n0,1,5\n1,2,6\n", {}, {"t": [0, 1], "a": [1, 2], "a (2)": [5, 6]}),
+        ("t , a\n0 , 1\n2 , 3\n", {}, {"t": [0, 2], "a": [1, 3]}),
+        ("sep=;\nt;a\n0;1\n2;3\n", {}, {"t": [0, 2], "a": [1, 3]}),
+        ("t|a\n0|1\n2|3\nEOF\n", {}, {"t": [0, 2], "a": [1, 3]}),
+        ('made by a "logger\nt,a\ns,mm\n0,1\n2,3\n', {}, {"t": [0, 2], "a": [1, 3]}),
+        ("t,x\n7,8\nt,x\ns,mm\n0,1.5\n1,2.5\n", {"header_line": 3, "data_line": 5},
+         {"t": [0, 1], "x": [1.5, 2.5]}),
+        ("t,x,who\n0,1,me\n1,2,me\n", {}, {"t": [0, 1], "x": [1, 2]}),
+    ],
+)  # fmt: skip
+def test_columns_have_the_names_above_them(table, text, options, expected):
+    found = columns(table(text, **options))
+    assert list(found) == list(expected)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(found[name], np.array(values, float))
 
 
 @pytest.mark.parametrize(
