@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import stdtr
 
-from fprc.signals import interval_of_mean
+from fprc.intervals import interval_of_mean
 
 SUPERIOR = "superior"
 EQUIVALENT = "equivalent"

@@ -15,9 +15,9 @@ from pandas import DataFrame
 
 from fprc import escape
 from fprc.figures import style
+from fprc.intervals import mean_and_std
 from fprc.paper import GRID_SETTINGS
 from fprc.registry import title_of
-from fprc.signals import mean_and_std
 
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
 _TITLES = {"a": "Errors of FPRC", "b": "Errors", "c": "Execution times, batch"}

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from fprc.intervals import half_interval, mean_and_std
 from fprc.paper import ERRORS, MODELS, PRINTED
 from fprc.registry import title_of
-from fprc.signals import half_interval, mean_and_std
 from fprc.tables.text import format_mean, spread
 
 #: Titles of Tables II and III, by the log that trains.

@@ -5,8 +5,8 @@ from typing import Any
 
 import pandas as pd
 
+from fprc.intervals import mean_and_std
 from fprc.registry import title_of
-from fprc.signals import mean_and_std
 from fprc.tables.text import spread, three_digits
 
 

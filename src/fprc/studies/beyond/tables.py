@@ -13,8 +13,8 @@ from fprc import escape
 from fprc.artifacts import read_json, write_csv, write_text
 from fprc.evaluation.paired import EQUIVALENT_WITHIN
 from fprc.figures import style
+from fprc.intervals import interval_of_mean
 from fprc.paper import SOURCES
-from fprc.signals import interval_of_mean
 from fprc.studies.beyond.claims import (
     BEST_MEASURES,
     CLAIMS,
