@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.signals import LEVEL, interval_of_mean
+from fprc.intervals import LEVEL, interval_of_mean
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
