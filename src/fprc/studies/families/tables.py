@@ -13,7 +13,6 @@ from fprc.claims.paper import CLAIMS
 from fprc.errors import FprcError
 from fprc.paper import ERRORS, REFERENCE_NAMES, SOURCES
 from fprc.registry import controller_title, title_of
-from fprc.studies.verdicts import family_title
 from fprc.tables.models import over_seeds
 from fprc.tables.text import format_mean, spread, write_table
 from fprc.tables.tracking import tracking_over_seeds
@@ -39,12 +38,12 @@ def tabulate_families(
     models: Sequence[str],
     grids: Sequence[str],
     controls: Sequence[str],
+    ensemble: str,
     *,
     named: Mapping[str, Fit],
     errors: Sequence[str],
     claims: Sequence[str],
     members: str,
-    **judged: str,
 ) -> None:
     """Judge every family; write its errors beside the printed ones, and the verdicts.
 
@@ -52,50 +51,45 @@ def tabulate_families(
     ----------
     models, grids, controls : sequence of str
         Results over seeds, rig by rig; every named rig has the same number of them.
+    ensemble : str
+        Result of ``judge_tables`` on the ensemble.
     named : Mapping
         What each named rig was fitted to, see ``judge_claims``.
     errors, claims : sequence of str
         The tables to write, as CSV and as Markdown: see ``family_errors`` and ``family_claims``.
     members : str
-        What ``members_of`` returns of the family of many rigs, as JSON.
-    **judged
-        Families of many rigs, by their names: results of ``judge_tables``.
+        What ``members_of`` returns of the ensemble, as JSON.
 
     Raises
     ------
     FprcError
-        No rig of a family could be judged.
+        No rig of the ensemble could be judged.
     """
     printed = read_yaml(published)
     # one rig with the results of its seeds, grids among them, or many rigs without grids
-    families: list[tuple[str, Fit, list[Results]]] = []
+    families: dict[str, tuple[Fit, list[Results]]] = {}
     for k, (name, fitted) in enumerate(named.items()):
         of_models, of_grids, of_control = (
             [read_json(path) for path in np.array_split(paths, len(named))[k]]
             for paths in (models, grids, controls)
         )
-        rig = Results(of_models, of_grids, of_control, {}, {})
-        families.append((f"Rig {name}", fitted, [rig]))
-    for name, path in judged.items():
-        report = read_json(path)
-        cells = report["cells"]
-        good = [
-            Results([cell["compared"]], [], [cell["measured"]], {}, {})
-            for cell in cells
-            if "failed" not in cell
-        ]
-        if not good:
-            raise FprcError(
-                f"{name}: none of the {len(cells)} rigs could be judged; the first: "
-                f"{cells[0]['failed']}"
-            )
-        families.append((family_title(name).capitalize(), {"to": report["fitted"]}, good))
-        write_json(members, members_of(good, printed, JUDGED_BY_RIG))
+        families[f"Rig {name}"] = fitted, [Results(of_models, of_grids, of_control, {}, {})]
+    report = read_json(ensemble)
+    good = [
+        Results([cell["compared"]], [], [cell["measured"]], {}, {})
+        for cell in report["cells"]
+        if "failed" not in cell
+    ]
+    if not good:
+        raise FprcError(f"{ensemble}: no rig could be judged: {report['cells'][0]['failed']}")
+    families["Ensemble"] = {"to": report["fitted"]}, good
+    write_json(members, members_of(good, printed, JUDGED_BY_RIG))
     of_errors = pd.concat(
-        family_errors(rigs, printed).assign(rigs=title) for title, _, rigs in families
+        family_errors(rigs, printed).assign(rigs=title) for title, (_, rigs) in families.items()
     )
     of_claims = pd.concat(
-        family_claims(rigs, fitted, printed).assign(rigs=title) for title, fitted, rigs in families
+        family_claims(rigs, fitted, printed).assign(rigs=title)
+        for title, (fitted, rigs) in families.items()
     )
     heads = {"number": "Number", "paper": "Paper", "id": "Id", "claim": "Claim"}
     for table, rows, note, files in (
@@ -103,7 +97,7 @@ def tabulate_families(
         (of_claims, ["id", "claim"], _CLAIMS_NOTE, claims),
     ):
         page = table.pivot(index=rows, columns="rigs", values="text")
-        page = page.reindex(index=table.set_index(rows).index.unique(), columns=table.rigs.unique())
+        page = page.reindex(index=table.set_index(rows).index.unique(), columns=[*families])
         page = page.fillna("-").reset_index().rename(columns=heads)
         tidy = table.drop(columns=["text", "paper"], errors="ignore").assign(source="sim")
         tidy.insert(0, "rigs", tidy.pop("rigs"))

@@ -10,6 +10,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from fprc.artifacts import read_json
 from fprc.figures import style
 from fprc.paper import REFERENCES, SOURCES
+from fprc.registry import title_of
 from fprc.signals import rms
 from fprc.studies.verdicts import Claim, Pair, claims_page, decide, family_title, wide
 from fprc.tables.text import write_table
@@ -19,55 +20,38 @@ LOOPS = {"open": "open loop", "closed": "closed loop"}
 
 #: Columns of the page of errors: loop, and whether the model learns.
 _HEADINGS = {
-    "Open loop, as trained": ("open", False),
-    "Open loop, learning": ("open", True),
-    "Closed loop, as trained": ("closed", False),
-    "Closed loop, learning": ("closed", True),
+    f"{words.capitalize()}, {how}": (loop, learns)
+    for loop, words in LOOPS.items()
+    for learns, how in ((False, "as trained"), (True, "learning"))
 }
 
-#: Growth of the error that D1 allows.
-_MOST = 1.10
 
-#: Models, as readers see them.
-_TITLES = {
-    "fprc": "FPRC", "fprc_lowpass": "FPRC on low-passed theta_d", "fuzzy_linear": "Fuzzy-linear",
-    "pd": "PD alone",
-}  # fmt: skip
-
-
-def _pair(
-    text: str,
-    ours: tuple[str, str, bool],
-    theirs: tuple[str, str, bool],
-    loop: str = "closed",
-    reference: str = "all",
-    limit: float = 1.0,
+def _over(
+    text: str, ours: str, other: str, learns: bool, loop: str, reference: str, limit: float = 1.0
 ) -> Pair:
-    """Compare two models, each with its condition and whether it learns."""
-    return Pair((*ours, loop, reference), (*theirs, loop, reference), text, limit=limit)
+    """Return learning FPRC under a condition over a model under none."""
+    return Pair(
+        ("fprc", ours, True, loop, reference), (other, "none", learns, loop, reference), text, limit
+    )
 
 
-_LEARNING = ("fprc", "none", True)
 CLAIMS = {
     "D1": Claim(
         "learning keeps tracking within 10 % of the undisturbed for offsets of P_o up to 5 kPa",
         [
-            _pair(f"{offset}, {words}", ("fprc", offset, True), _LEARNING, loop, limit=_MOST)
+            _over(f"{offset}, {words}", offset, "fprc", True, loop, "all", 1.10)
             for loop, words in LOOPS.items()
             for offset in ("-5 kPa", "+5 kPa")
         ],
     ),
     "D2": Claim(
         "with learning, P_o still beats low-passed theta_d",
-        [
-            _pair(words, _LEARNING, ("fprc_lowpass", "none", True), loop)
-            for loop, words in LOOPS.items()
-        ],
+        [_over(words, "none", "fprc_lowpass", True, loop, "all") for loop, words in LOOPS.items()],
     ),
     "D3": Claim(
         "learning FPRC with PD beats PD alone, at 0.5 Hz and in the sweep",
         [
-            _pair(words, _LEARNING, ("pd", "none", False), reference=reference)
+            _over(words, "none", "pd", False, "closed", reference)
             for reference, words in (("sine_0p5", "0.5 Hz"), ("sweep", "sweep"))
         ],
     ),
@@ -126,7 +110,7 @@ def tabulate_online(
     of_page = first[(first["model"] == "fprc") | (first["condition"] == _words("none"))]
     page = wide(
         of_page,
-        {"model": ("Model", _TITLES.__getitem__), "condition": ("Changed since the training", str)},
+        {"model": ("Model", _title), "condition": ("Changed since the training", str)},
         ["loop", "learns"],
         _HEADINGS,
     )
@@ -151,6 +135,10 @@ def errors_of(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     numbers = {"mean_deg": "mean", "low_deg": "min", "high_deg": "max", "units": "count"}
     table = overall["rmse_deg"].agg(**numbers).reset_index().assign(source="sim")
     return table.assign(condition=table["condition"].map(_words))
+
+
+def _title(name: str) -> str:
+    return "PD alone" if name == "pd" else title_of(name)
 
 
 def _words(condition: str) -> str:

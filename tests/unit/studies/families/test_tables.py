@@ -106,6 +106,8 @@ def test_named_rigs_are_judged_on_all_seeds_and_others_one_by_one(compared, judg
     errors = pd.read_csv(compared["errors"][0]).set_index(["rigs", "number"])
     dry = errors.loc["Rig dry"].filter(regex="^Table III?, ", axis="index")
     assert dry["middle"].tolist() == pytest.approx([1.1] * 18)
+    sums = errors.loc["Rig viscous", "middle"].filter(like="deviation")
+    assert sums.tolist() == pytest.approx([0.2, 0.2, 0.0, 0.0, 0.0])
     drawn = errors.loc["Ensemble"]
     expected = np.quantile([0.5, 0.9, 2.0], (0.5, 0.025, 0.975))
     assert drawn.iloc[0][["middle", "low", "high"]].tolist() == pytest.approx(expected)
@@ -132,68 +134,9 @@ def test_tables_show_every_family(compared):
 def test_set_of_which_no_rig_could_be_judged_is_an_error(reports_of, judged, tmp_path):
     drawn = tmp_path / "drawn.json"
     drawn.write_text(json.dumps({"cells": [{"unit": 0, "seed": 0, "failed": "it diverged"}]}))
-    with pytest.raises(FprcError, match="ensemble.*it diverged"):
+    with pytest.raises(FprcError, match="drawn.*it diverged"):
         stage.tabulate_families(
             **reports_of({"dry": 0.1}), ensemble=str(drawn), members="",
             errors=[str(tmp_path / "errors.csv")], claims=[], named={"dry": {"to": []}},
         )  # fmt: skip
     assert not (tmp_path / "errors.csv").exists()
-
-
-# --- errors of one rig ---------------------------------------------------------------------------
-
-PRINTED_ERRORS = {
-    **{
-        table: {"esn": {"train_rmse_kpa": [train, 0.1], "validation_rmse_kpa": [train, 0.1],
-                        "test_rmse_kpa": test}}
-        for table, train, test in (("table_2_models", 10.0, 20.0), ("table_3_reversed", 8.0, 40.0))
-    },
-    "table_4_tracking_rmse_deg": {"fprc": {"sweep": 2.0}, "fprc_pd": {"sweep": 1.0}},
-}  # fmt: skip
-
-
-def models_of(train, test):
-    return {
-        "source": "sim",
-        "models": [
-            {"model": "esn", "trained_on": log, "unit": "kPa", "source": "sim",
-             "train_rmse_kpa": [train - 1.0, train + 1.0], "test_rmse_kpa": test,
-             "validation_rmse_kpa": [train, train]}
-            for log in ("sweep", "complex")
-        ],
-    }  # fmt: skip
-
-
-def control_of(opened, closed):
-    runs = {"sweep/fprc": opened, "sweep/fprc_pd": closed, "sweep/pd": 30.0}
-    return {"source": "sim", "rmse_deg": runs}
-
-
-@pytest.fixture
-def table():
-    return stage.rig_errors(
-        [models_of(11.0, 18.0), models_of(13.0, 22.0)],
-        [control_of(1.5, 1.1), control_of(2.5, 1.3)],
-        PRINTED_ERRORS,
-    )
-
-
-def test_every_printed_error_has_a_row(table):
-    printed = table.dropna(subset="published")
-    assert len(printed) == 2 * 3 + 2
-    means = printed.set_index("number")["middle"]
-    assert means["Table II, ESN, Training RMSE [kPa]"] == pytest.approx(12.0)
-    assert means["Table III, ESN, Test RMSE [kPa]"] == pytest.approx(20.0)
-    assert means["Table IV, FPRC, Sweep [deg]"] == pytest.approx(2.0)
-    assert (printed["low"] < printed["middle"]).all()
-
-
-def test_sums_are_of_each_table_and_loop(table):
-    off = (table["middle"] / table["published"] - 1.0).abs()
-    tables = off[table["number"].str.contains("Table I+,")]
-    sums = table.set_index("number")["middle"]
-    assert sums["Tables II and III, median deviation"] == pytest.approx(np.median(tables))
-    assert sums["Tables II and III, largest deviation"] == pytest.approx(np.max(tables))
-    assert sums["Table IV, open loop, largest deviation"] == pytest.approx(0.0)
-    for which in ("median", "largest"):
-        assert sums[f"Table IV, closed loop, {which} deviation"] == pytest.approx(0.2)
