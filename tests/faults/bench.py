@@ -21,6 +21,16 @@ LOGGED = 4096
 BOARDS = {"input_device": f"AIO000-{os.getpid()}", "output_device": f"AIO001-{os.getpid()}"}
 #: Time without a heartbeat after which the stand-in for a watchdog relay releases, s.
 RELAY_S = 0.5
+_COUNTS = (
+    "calls",
+    "fail_at",
+    "fail_count",
+    "fail_code",
+    "failures",
+    "writes",
+    "stall_us",
+    "opened",
+)
 
 
 class Layout(ctypes.Structure):
@@ -29,14 +39,7 @@ class Layout(ctypes.Structure):
     _fields_ = (
         ("inputs", ctypes.c_double * 16),
         ("outputs", ctypes.c_double * 16),
-        ("calls", ctypes.c_int64),
-        ("fail_at", ctypes.c_int64),
-        ("fail_count", ctypes.c_int64),
-        ("fail_code", ctypes.c_int64),
-        ("failures", ctypes.c_int64),
-        ("writes", ctypes.c_int64),
-        ("stall_us", ctypes.c_int64),
-        ("opened", ctypes.c_int64),
+        *((name, ctypes.c_int64) for name in _COUNTS),
         ("angles", ctypes.c_double * 2),
         ("i2c_fault", ctypes.c_int64),
         ("watchdog", ctypes.c_int64),
@@ -44,6 +47,15 @@ class Layout(ctypes.Structure):
         ("log", (ctypes.c_double * 3) * LOGGED),
         ("init_us", ctypes.c_int64),
     )
+
+    def fail(self, count=1, skip=0, code=777):
+        """Let calls of the driver fail after the next ``skip``."""
+        self.fail_at, self.fail_count, self.fail_code = self.calls + 1 + skip, count, code
+
+    def logged(self):
+        """Return time, channel and voltage of every write to the output board."""
+        assert self.writes <= LOGGED, "the log of writes is a ring; make the run shorter"
+        return [(row[0], int(row[1]), row[2]) for row in self.log[: self.writes]]
 
 
 def compile_driver(folder: Path) -> Path:
@@ -54,6 +66,12 @@ def compile_driver(folder: Path) -> Path:
     return library
 
 
+def mapped(path):
+    """Return the shared memory in a file."""
+    with path.open("r+b") as file:
+        return Layout.from_buffer(mmap.mmap(file.fileno(), 0))
+
+
 class Bench:
     """Simulated rig wired to the shared memory that the fake driver and the fake bus use.
 
@@ -62,12 +80,10 @@ class Bench:
 
     def __init__(self, path: Path, settings: dict, *, seed: int = 1, run: int = 0):
         path.write_bytes(bytes(ctypes.sizeof(Layout)))
-        with path.open("r+b") as file:
-            self._map = mmap.mmap(file.fileno(), 0)
-        self.shared = Layout.from_buffer(self._map)
+        self.shared = mapped(path)
+        self.fail, self.writes = self.shared.fail, self.shared.logged
         rate_hz = settings["control"]["sample_rate_hz"]
-        self.period_s = 1.0 / rate_hz
-        self.tick = 0
+        self.period_s, self.tick = 1.0 / rate_hz, 0
         self.rig = SimulatedRig(settings["rig"], seed=seed, run=run, sample_rate_hz=rate_hz)
         self._transducers = [settings["hardware"][name] for name in ("p_exp", "p_i", "p_o")]
         self._show()
@@ -90,11 +106,6 @@ class Bench:
         """Simulate the rig for this time."""
         self.wait_for(self.tick + round(seconds / self.period_s))
 
-    def fail(self, count: int = 1, skip: int = 0, code: int = 777) -> None:
-        """Let calls of the driver fail after the next ``skip``."""
-        shared = self.shared
-        shared.fail_at, shared.fail_count, shared.fail_code = shared.calls + 1 + skip, count, code
-
     def statistics(self) -> dict:
         jitter = ("jitter_p50_s", "jitter_p99_s", "jitter_p99_9_s", "jitter_max_s")
         return {"ticks": self.tick + 1, "overruns": 0} | dict.fromkeys(jitter, 0.0)
@@ -105,12 +116,6 @@ class Bench:
         for channel, (kpa, own) in enumerate(zip(pressures, self._transducers, strict=True)):
             self.shared.inputs[channel] = kpa / own["gain_kpa_per_v"] + own["zero_v"]
         self.shared.angles[:] = [now.theta_deg, now.phi_deg]
-
-    def writes(self) -> list[tuple[float, int, float]]:
-        """Return time, channel and voltage of every write to the output board."""
-        count = self.shared.writes
-        assert count <= LOGGED, "the log of writes is a ring; make the run shorter"
-        return [(row[0], int(row[1]), row[2]) for row in self.shared.log[:count]]
 
 
 def main() -> None:

@@ -1,23 +1,5 @@
-/* Stand-in for Contec's libcaio.so: the same symbols, on a file in shared memory.
-
-   With FAKE_CHATTY in the environment it prints, as some drivers do.
-   The file is named by FAKE_BENCH. Its layout, all little-endian:
-     0    double   in[16]      voltages that the input board reads
-     128  double   out[16]     voltages that the output board holds
-     256  int64    calls       calls of the driver so far
-     264  int64    fail_at     number of the call that fails next, 0 for none
-     272  int64    fail_count  how many calls fail from then on
-     280  int64    fail_code
-     288  int64    failures    calls that did fail
-     296  int64    writes      writes to the output board
-     304  int64    stall_us    time that every read takes
-     312  int64    opened      boards that are open
-     320  double   angles[2], int32 fault: of the fake I2C bus
-     344  int64    watchdog    output that a watchdog relay listens to, 0 for no relay
-     352  char     failed[32]  name of the call that failed last
-     384  double   log[4096][3] time of CLOCK_MONOTONIC, channel, volts of each write
-     98688  int64  init_us     time that opening a board takes
-*/
+/* Stand-in for Contec's libcaio.so: the same symbols, on a file in shared memory that FAKE_BENCH
+   names. With FAKE_CHATTY in the environment it prints, as some drivers do. */
 #include <fcntl.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -28,14 +10,15 @@
 
 #define LOGGED 4096
 
-struct bench {
-    double in[16], out[16];
-    int64_t calls, fail_at, fail_count, fail_code, failures, writes, stall_us, opened;
-    double angles[2];
-    int64_t i2c_fault, watchdog;
-    char failed[32];
-    double log[LOGGED][3];
-    int64_t init_us;
+struct bench { // little-endian; bench.py has the same
+    double in[16], out[16]; // voltages that the input board reads, and the output board holds
+    int64_t calls, fail_at, fail_count, fail_code, failures, // which calls fail, from 1; 0 for none
+        writes, stall_us, opened; // time that every read takes; boards that are open
+    double angles[2];             // of the fake I2C bus, at 320
+    int64_t i2c_fault, watchdog;  // at 336; output that a watchdog relay listens to
+    char failed[32];              // name of the call that failed last
+    double log[LOGGED][3];        // time of CLOCK_MONOTONIC, channel, volts of each write
+    int64_t init_us;              // time that opening a board takes
 };
 
 static struct bench *bench;
@@ -101,17 +84,15 @@ long AioExit(short id)
 
 long AioResetDevice(short id) { return device("AioResetDevice", id); }
 
-long AioSetAiRangeAll(short id, short range)
+static long range_all(const char *name, short id, short range)
 {
-    long code = device("AioSetAiRangeAll", id);
+    long code = device(name, id);
     return code ? code : range ? 11000 : 0;
 }
 
-long AioSetAoRangeAll(short id, short range)
-{
-    long code = device("AioSetAoRangeAll", id);
-    return code ? code : range ? 11000 : 0;
-}
+long AioSetAiRangeAll(short id, short range) { return range_all("AioSetAiRangeAll", id, range); }
+
+long AioSetAoRangeAll(short id, short range) { return range_all("AioSetAoRangeAll", id, range); }
 
 long AioMultiAiEx(short id, short channels, float *volts)
 {

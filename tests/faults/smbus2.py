@@ -1,132 +1,84 @@
 """Stand-in for smbus2 without I2C: put this folder on PYTHONPATH.
 
 The sensor is written from the manufacturer's driver, without using fprc, so it tests fprc
-independently.
-
-The environment variable FAKE_BENCH names a file that another process updates continuously;
-without it there is no bus. Little-endian, at these offsets:
-
-====  =======  ======================================================
-320   float64  angle of the sensor 0x12, deg
-328   float64  angle of the sensor at every other address, deg
-336   int32    fault of both: 0 none, 1 dropout, 2 freeze, 3 spike of
-               +90 deg, 4 wrong packet type, 5 bytes in the wrong order,
-               6 packet cut short
-====  =======  ======================================================
+independently. The environment variable FAKE_BENCH names the shared memory (see fake_caio.c), which
+has the angles of the sensor 0x12 and of one at any other address, and the fault of both; without
+it there is no bus.
 """
 
-import ctypes
 import errno
 import mmap
 import os
 import struct
 from collections import deque
-from collections.abc import Callable
 
-THETA, PHI, FAULT = 320, 328, 336
-LENGTH = 3
+ANGLES, FAULT = 320, 336
 #: Codes of an answer: a bend sample; a stretch sample; no answer, the lines stay high.
 SAMPLE, STRETCH, NOTHING = 0x00, 0x03, 0xFF
-#: By the codes of the shared memory, 0 for none.
+#: By the codes of the shared memory.
 FAULTS = (None, "dropout", "freeze", "spike", "type", "order", "length")
 
 
 class FakeBus:
-    """Bus with ``i2c_rdwr`` as of smbus2; messages are smbus2's or like them.
+    """Bus with ``i2c_rdwr`` on which one sensor answers, with a new sample at each reading.
 
-    Every reading takes a new sample: the sensor's own rate is not imitated.
-
-    Parameters
-    ----------
-    angle_deg : callable
-        Gives the true angle, which an uncalibrated sensor tells.
-    address : int
-        The only address that answers.
-
-    Attributes
-    ----------
-    state : str
-        standby or running; samples come in the latter only.
-    ticks : int or None
-        Sample time as commanded, 1/16384 s.
-    fault : str or None
-        One of ``FAULTS``, until it is set to None.
-    exchanged : deque of (str, bytes)
-        ``write`` or ``read`` and the bytes; the latest 100 000.
+    ``angle_deg()`` gives the true angle, which an uncalibrated sensor tells; ``ticks`` is the
+    sample time as commanded, 1/16384 s; ``exchanged`` has ``write`` or ``read`` and the bytes.
     """
 
-    def __init__(self, angle_deg: Callable[[], float], *, address: int = 0x12):
-        self._angle_deg = angle_deg
-        self._address = address
+    def __init__(self, angle_deg, *, address=0x12):
+        self._angle_deg, self._address = angle_deg, address
         self.fault = self.ticks = self._last = None
         self.state = "standby"
         self.exchanged = deque(maxlen=100_000)
 
-    def i2c_rdwr(self, *messages) -> None:
-        """Exchange messages; OSError if no device answers."""
+    def i2c_rdwr(self, *messages):
         for message in messages:
             if self.fault == "dropout" or message.addr != self._address:
                 raise OSError(errno.EREMOTEIO, os.strerror(errno.EREMOTEIO))
-            if message.flags & 1:
-                answer = self._answer()[: message.len]
-                message.len = len(answer)
-                for k, byte in enumerate(answer):
-                    message.buf[k] = bytes([byte])
-                self.exchanged.append(("read", answer))
+            if message.reads:
+                message.content = self._answer()[: message.len]
             else:
-                self.exchanged.append(("write", bytes(message)))
-                self._obey(bytes(message))
+                self._obey(*message.content)
+            self.exchanged.append(("read" if message.reads else "write", bytes(message)))
 
-    def _answer(self) -> bytes:
+    def _answer(self):
         if self.state != "running":
-            return bytes([NOTHING] * LENGTH)
+            return bytes([NOTHING] * 3)
         if self._last is not None and self.fault == "freeze":
             return self._last
-        angle_deg = self._angle_deg()
-        if self.fault == "spike":
-            angle_deg += 90.0
+        angle_deg = self._angle_deg() + (90.0 if self.fault == "spike" else 0.0)
         counts = min(max(round(angle_deg * 64), -32768), 32767)
         code = STRETCH if self.fault == "type" else SAMPLE
         self._last = packet = struct.pack("<Bh", code, counts)
-        if self.fault == "order":
-            return packet[1:] + packet[:1]
-        if self.fault == "length":
-            return packet[:-1]
-        return packet
+        changed = {"order": packet[1:] + packet[:1], "length": packet[:-1]}
+        return changed.get(self.fault, packet)
 
-    def _obey(self, packet: bytes) -> None:
-        match tuple(packet):
-            case (0x00, on, 0) if on in (0, 1):
-                self.state = "running" if on else "standby"
-            case (0x01, low, high):
-                self.ticks = low + 256 * high
-            case _:
-                raise ValueError(f"the sensor has no command {packet.hex(' ')}")
+    def _obey(self, code, low, high):
+        if code == 0x00 and (low, high) in ((0, 0), (1, 0)):
+            self.state = "running" if low else "standby"
+        elif code == 0x01:
+            self.ticks = low + 256 * high
+        else:
+            raise ValueError(f"the sensor has no command {code:02x} {low:02x} {high:02x}")
 
 
 class i2c_msg:  # noqa: N801, smbus2's name
-    """One message, with the attributes of smbus2's."""
+    """One message, as smbus2's."""
 
-    def __init__(self, addr, flags, content):
-        self.addr, self.flags, self.len = addr, flags, len(content)
-        self.buf = ctypes.create_string_buffer(content, len(content))
+    def __init__(self, addr, reads, content):
+        self.addr, self.reads, self.len, self.content = addr, reads, len(content), content
 
     @staticmethod
     def read(address, length):
-        return i2c_msg(address, 1, bytes(length))
+        return i2c_msg(address, True, bytes(length))
 
     @staticmethod
     def write(address, buf):
-        return i2c_msg(address, 0, bytes(buf))
+        return i2c_msg(address, False, bytes(buf))
 
     def __bytes__(self):
-        return self.buf.raw[: self.len]
-
-    def __len__(self):
-        return self.len
-
-    def __iter__(self):
-        return iter(bytes(self))
+        return self.content
 
 
 class SMBus:
@@ -144,16 +96,13 @@ class SMBus:
         self._bench.close()
 
     def i2c_rdwr(self, *messages):
-        (code,) = struct.unpack_from("<i", self._bench, FAULT)
         for message in messages:
-            sensor = self._sensor(message.addr)
-            sensor.fault = FAULTS[code]
-            sensor.i2c_rdwr(message)
-
-    def _sensor(self, address):
-        if address not in self._sensors:
-            offset = THETA if address == 0x12 else PHI
-            self._sensors[address] = FakeBus(
-                lambda: struct.unpack_from("<d", self._bench, offset)[0], address=address
+            at = ANGLES + 8 * (message.addr != 0x12)
+            sensor = self._sensors.setdefault(
+                message.addr,
+                FakeBus(
+                    lambda at=at: struct.unpack_from("<d", self._bench, at)[0], address=message.addr
+                ),
             )
-        return self._sensors[address]
+            sensor.fault = FAULTS[self._bench[FAULT]]
+            sensor.i2c_rdwr(message)

@@ -4,7 +4,6 @@ No time is asserted; the measurements go into the fault matrix.
 """
 
 import json
-import mmap
 import os
 import select
 import signal
@@ -15,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import BOARDS, Layout
+from bench import BOARDS, mapped
 
 from fprc.apparatus.recovery import read_journal
 from fprc.channels import RAW_CHANNELS
@@ -54,8 +53,7 @@ def shared(tmp_path_factory, compiled_driver):
         [sys.executable, FOLDER / "bench.py", path], stdout=subprocess.PIPE, env=environment(path)
     ) as rig:
         assert rig.stdout.readline() == b"ready\n"
-        with path.open("r+b") as file:
-            layout = Layout.from_buffer(mmap.mmap(file.fileno(), 0))
+        layout = mapped(path)
         layout.path = path
         yield layout
         rig.terminate()
@@ -82,20 +80,18 @@ class Program:
 
     def __init__(self, rig, folder, driver, verb, *, armed=True, seconds=10.0, raw="", **hardware):
         self.rig, self.raw = rig, folder / raw / "sweep.h5"
-        config = folder / "bench.yaml"
-        hardware = {
-            "boards": {"library": str(driver)} | BOARDS | hardware.pop("boards", {}),
-            "limits": LIMITS | hardware.pop("limits", {}),
-            "loop": {"stalled_s": 10.0} | hardware.pop("loop", {}),
-            "valves": hardware.pop("valves", {}),
+        own = {
+            "boards": {"library": str(driver)} | BOARDS,
+            "limits": LIMITS,
+            "loop": {"stalled_s": 10.0},
         }
+        own |= {name: own.get(name, {}) | given for name, given in hardware.items()}
         sweep = {"duration_s": seconds, "amplitude_kpa": 50.0, "offset_kpa": 50.0}
-        config.write_text(json.dumps({"experiments": {"sweep": sweep}, "hardware": hardware}))
+        config = folder / "bench.yaml"
+        config.write_text(json.dumps({"experiments": {"sweep": sweep}, "hardware": own}))
         command = ["-c", "import sys; from fprc.cli import main; sys.exit(main())", "rig", *verb]
-        if verb[0] == "run":
-            command += ["--out", str(self.raw)]
-        if armed:
-            command.append("--armed")
+        command += ["--out", str(self.raw)] if verb[0] == "run" else []
+        command += ["--armed"] if armed else []
         self.process = subprocess.Popen(
             [sys.executable, *command, "--config", str(config)],
             env=environment(rig.path),
@@ -105,23 +101,15 @@ class Program:
             preexec_fn=hear,
         )
 
-    def writes(self):
-        return [(row[0], int(row[1]), row[2]) for row in self.rig.log[: self.rig.writes]]
-
     def is_in_mid_run(self):
         wait_until(lambda: self.rig.writes > 60 or self.process.poll() is not None, "the run")
         assert self.process.poll() is None, self.process.stderr.read().decode()
 
     def loop(self):
         """Return the number of the process that drives the rig."""
-        for stat in Path("/proc").glob("[0-9]*/stat"):
-            try:
-                after_name = stat.read_text().rpartition(")")[2].split()
-            except OSError:  # ended meanwhile
-                continue
-            if int(after_name[1]) == self.process.pid:
-                return int(stat.parent.name)
-        raise AssertionError("no process drives the rig")
+        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children")
+        (child,) = children.read_text().split()
+        return int(child)
 
     def end(self):
         """Wait for the end of both processes; return exit code and output."""
@@ -154,9 +142,7 @@ def split(writes):
     """Return the rows of the ticks, and those that vent at the end."""
     rows = [row[1:] for row in writes]
     assert rows[:2] == VENTED
-    end = len(rows)
-    while end > 2 and rows[end - 1][1] in (0.0, 5.0):
-        end -= 1
+    end = next(k for k in range(len(rows), 2, -1) if rows[k - 1][1] not in (0.0, 5.0))
     return writes[2:end], writes[end:]
 
 
@@ -165,7 +151,7 @@ def add(matrix, program, faulted_s, fault, ends, again=0, rescued=None):
 
     The samples are in the journal, unless ``rescued`` is their number in a log.
     """
-    ticks, venting = split(program.writes())
+    ticks, venting = split(program.rig.logged())
     assert list(program.rig.outputs[:2]) == [0.0, 0.0]
     assert [row[1:] for row in venting][-2:] == VENTED
     findings = None if rescued else program.journal()[2]
@@ -176,8 +162,7 @@ def add(matrix, program, faulted_s, fault, ends, again=0, rescued=None):
     assert samples >= 20
     pairs = zip(venting, venting[1:], strict=False)
     safe_s = next(b[0] for a, b in pairs if [a[1:], b[1:]] == VENTED)
-    lost_at_most = "at most 1" if again else 0
-    matrix.add(fault, ends, lost=lost_at_most, measured=took(faulted_s, safe_s))
+    matrix.add(fault, ends, lost="at most 1" if again else 0, measured=took(faulted_s, safe_s))
     assert lost in ((0, 1) if again else (0,))
     return findings
 
@@ -202,7 +187,7 @@ def test_run_that_ends_well_leaves_a_log_that_can_be_read_and_not_written(start,
     assert np.ptp(log.channels["p_exp_kpa"]) > 50.0
     assert [path.stat().st_mode & 0o222 for path in program.raw.parent.glob("sweep*")] == [0, 0]
     assert rig.opened == 0
-    rows = [row[1:] for row in split(program.writes())[1]]
+    rows = [row[1:] for row in split(program.rig.logged())[1]]
     assert rows == [(0, 5.0), (1, 5.0)] + VENTED * (len(rows) // 2 - 1)
 
 
@@ -220,12 +205,8 @@ def send(name, *, loop=False, group=False):
     return happen
 
 
-def fail(rig, calls):
-    rig.fail_code, rig.fail_count, rig.fail_at = 777, calls, rig.calls + 1
-
-
 def fail_for_a_moment(program):
-    fail(program.rig, 12)
+    program.rig.fail(12)
 
 
 def every_reading_takes(microseconds):
@@ -260,7 +241,7 @@ def stop_both(program):
 
 
 def kill_the_loop_while_the_board_fails(program):
-    fail(program.rig, 1 << 40)
+    program.rig.fail(1 << 40)
     os.kill(program.loop(), signal.SIGKILL)
     heard = b""
     while b"THE CHAMBERS COULD NOT BE VENTED" not in heard:
@@ -383,7 +364,7 @@ def test_board_that_takes_long_to_open_is_waited_for_but_not_without_end(start, 
     assert list(rig.outputs[:2]) == [0.0, 0.0]
     assert program.journal()[2].samples == 0
     return matrix.add("opening a board never ends", "the guardian, after opening_s = 1 s",
-                      measured=took(faulted_s, program.writes()[1][0]))  # fmt: skip
+                      measured=took(faulted_s, program.rig.logged()[1][0]))  # fmt: skip
 
 
 def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig, matrix):
@@ -451,7 +432,7 @@ def test_third_ctrl_c_ends_a_loop_that_hangs_and_the_guardian_vents(start, rig):
 def test_loop_without_a_guardian_keeps_the_boards_until_it_has_vented(start, rig):
     program = start("run", "sweep", valves={"vent_s": 60.0})
     program.is_in_mid_run()
-    fail(rig, 1 << 40)
+    rig.fail(1 << 40)
     program.process.kill()
     program.process.wait(PATIENCE_S)
     code, output = start("check").end()

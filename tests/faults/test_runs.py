@@ -7,7 +7,7 @@ import pytest
 
 from fprc.apparatus import process
 from fprc.apparatus.recovery import read_journal
-from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, TRACKING_CHANNELS
+from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, SENSORS, TRACKING_CHANNELS
 from fprc.config.settings import Control, Signal
 from fprc.config.tracking import Tracking
 from fprc.experiments.hysteresis import acquire
@@ -21,23 +21,14 @@ PRESSURE_STEP_KPA = 20.0 / 2**16 * 250.0
 ANGLE_STEP_DEG = 1.0 / 64.0
 
 
-def differences(found, expected, name, step):
-    """Check that two records agree within a few steps of a converter."""
-    difference = np.abs(found - expected)
-    assert np.ptp(expected) > 0.0
-    assert difference.max() <= 4.01 * step, name
-    assert np.mean(difference > 0.5 * step) < 0.2, name
-
-
 def compare(found, expected):
-    for name, step in (
-        ("p_exp_kpa", PRESSURE_STEP_KPA),
-        ("p_i_kpa", PRESSURE_STEP_KPA),
-        ("p_o_kpa", PRESSURE_STEP_KPA),
-        ("theta_deg", ANGLE_STEP_DEG),
-        ("phi_deg", ANGLE_STEP_DEG),
-    ):
-        differences(found[name], expected[name], name, step)
+    """Check that two records agree within a few steps of a converter."""
+    for name in SENSORS:
+        step = PRESSURE_STEP_KPA if name.endswith("_kpa") else ANGLE_STEP_DEG
+        difference = np.abs(found[name] - expected[name])
+        assert np.ptp(expected[name]) > 0.0
+        assert difference.max() <= 4.01 * step, name
+        assert np.mean(difference > 0.5 * step) < 0.2, name
     assert found["time_s"] == pytest.approx(expected["time_s"], abs=1e-9)
 
 
