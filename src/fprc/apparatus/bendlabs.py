@@ -21,13 +21,7 @@ _SETTLE_S = 2e-3
 
 
 def open_bus(number: int) -> Any:
-    """Open an I2C bus with smbus2, and store its ``number`` on it for messages.
-
-    Raises
-    ------
-    DeviceError
-        smbus2 is missing, the bus is missing, or this user may not open it.
-    """
+    """Open an I2C bus with smbus2, and store its ``number`` on it for messages."""
     try:
         bus = _smbus2().SMBus(number)
     except OSError as error:
@@ -44,15 +38,6 @@ class BendSensor:
     """One sensor on an open bus; every method raises DeviceError if it does not answer.
 
     angle = packet / 64 * gain + offset_deg
-
-    Parameters
-    ----------
-    bus : smbus2.SMBus
-        Only ``i2c_rdwr`` is used; see ``open_bus``.
-    address : int
-        I2C address; that of the factory is 0x12.
-    gain, offset_deg : float
-        Calibration.
     """
 
     def __init__(self, bus: Any, address: int, *, gain: float = 1.0, offset_deg: float = 0.0):

@@ -45,11 +45,6 @@ def check_rig(settings: Mapping[str, Any], armed: bool, stop: Stop) -> int:
     """Read every sensor at rest; if armed, also fill and vent one chamber after the other.
 
     Logs the readings and all problems; returns 0 if there is no problem, else 1.
-
-    Raises
-    ------
-    DeviceError
-        Lists the parts that do not answer.
     """
     settings = {**settings, "hardware": _with_check_limits(settings["hardware"])}
     rate_hz = settings["control"]["sample_rate_hz"]

@@ -24,13 +24,7 @@ _SIGNATURES = {
 
 
 def load_library(path: str = "") -> ctypes.CDLL:
-    """Load the driver, by default that of its usual name, and declare the types of its calls.
-
-    Raises
-    ------
-    DeviceError
-        The library is missing, or is not this driver.
-    """
+    """Load the driver, by default that of its usual name, and declare the types of its calls."""
     name = path or "libcaio.so"
     try:
         library = ctypes.CDLL(name)
@@ -48,19 +42,9 @@ def load_library(path: str = "") -> ctypes.CDLL:
 class Board:
     """One analog board, range +- 10 V: opened by the constructor, released by ``close``.
 
-    Each method raises DeviceError if the driver reports an error.
-
-    Parameters
-    ----------
-    library : str
-        Shared library; see ``load_library``.
-    name : str
-        Device name, such as AIO001.
-    kind : {"Ai", "Ao"}
-        Whether its inputs are read, or its outputs written.
-    reset : bool
-        Whether to reset the board to its power-on state; if not, its outputs hold their
-        voltages until the first write.
+    ``name`` is the device name, such as AIO001; ``kind`` is Ai to read its inputs, Ao to write its
+    outputs. Without ``reset`` its outputs hold their voltages until the first write. Each method
+    raises DeviceError if the driver reports an error.
     """
 
     def __init__(self, library: str, name: str, kind: str, *, reset: bool = True):

@@ -178,10 +178,7 @@ class _Venting(threading.Thread):
 def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) -> str:
     """Vent until the sensors confirm it or the user gives up; return the outcome as text.
 
-    Parameters
-    ----------
-    received : sequence of int
-        Signals to this process; a SIGINT more gives up.
+    ``received`` has the signals to this process; a SIGINT more gives up.
     """
     before, began_s = received.count(signal.SIGINT), time.monotonic()
     venting, printed_s = _Venting(hardware), began_s

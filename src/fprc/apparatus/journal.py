@@ -38,31 +38,9 @@ class Journal:
     last sync, and the loop does not wait for the disk. Before each sync the thread checks that the
     file was not deleted, moved, replaced, cut or unmounted; after that, ``append`` raises.
 
-    As a context manager it closes itself; an exception marks it incomplete.
-
-    Parameters
-    ----------
-    path : Path
-        Its name ends in ``.journal``; an existing file is never overwritten.
-    names : sequence of str
-        Channels, as a raw log has them.
-    attributes : Mapping
-        Those that ``write_raw`` requires, and any others; ``started``, the present time (UTC),
-        is added.
-    sync_s : float, default=0.5
-        Time between two syncs to the disk, above 0.
-
-    Attributes
-    ----------
-    samples : int
-        Samples appended.
-    attributes : dict
-        As given, with ``started``.
-
-    Raises
-    ------
-    LogError
-        The file exists or cannot be written.
+    As a context manager it closes itself; an exception marks it incomplete. Each method raises
+    LogError. ``names`` and ``attributes`` are those of a raw log; ``started``, the present time
+    (UTC), is added to the latter.
     """
 
     def __init__(
@@ -108,20 +86,9 @@ class Journal:
         self._syncing.start()
 
     def append(self, tick: int, row: Sequence[float]) -> None:
-        """Append one sample.
+        """Append a sample: its tick, which must increase, and one number per channel.
 
-        Parameters
-        ----------
-        tick : int
-            Tick of the sample; must increase.
-        row : sequence of float
-            One number per channel, in the order of ``names``.
-
-        Raises
-        ------
-        LogError
-            It cannot be written, earlier samples could not be synced, or the file was lost.
-            Samples already written stay readable unless it was.
+        LogError: it cannot be written, earlier samples could not be synced, or the file was lost.
         """
         if self._problem:
             raise LogError(self._problem)
@@ -139,18 +106,8 @@ class Journal:
     def close(self, reason: str = "", **statistics: Any) -> None:
         """Write the end mark and close the file; a second call does nothing.
 
-        Parameters
-        ----------
-        reason : str
-            Why the run did not reach its planned end; empty if it did.
-        **statistics
-            Statistics of the run, for its raw log.
-
-        Raises
-        ------
-        LogError
-            A sample or the end mark could not be written, samples could not be synced, or the
-            file was lost. The end mark, if there is one, says so.
+        ``reason`` tells why the run did not reach its planned end; empty if it did. LogError: as
+        for ``append``, or the end mark cannot be written. The mark, if there is one, says so.
         """
         if self._closing.is_set():
             return

@@ -20,17 +20,8 @@ def locked(boards: Sequence[str]) -> Iterator[list[int]]:
     """Hold the locks of boards; the operating system releases them if the process ends.
 
     A lock is an abstract socket of Linux: its name exists once for all users of a computer, without
-    a file that could be deleted or that a user could not write to.
-
-    Yields
-    ------
-    list of int
-        File descriptors. A process that inherits them also holds the locks until it ends.
-
-    Raises
-    ------
-    DeviceError
-        A board is in use; or this is not Linux.
+    a file that could be deleted or that a user could not write to. Yields the file descriptors: a
+    process that inherits them also holds the locks until it ends.
     """
     if sys.platform != "linux":
         raise DeviceError("the real rig can be driven only from Linux; nothing was moved")

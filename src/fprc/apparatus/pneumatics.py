@@ -36,16 +36,8 @@ class NotVentedError(DeviceError):
 class Valves:
     """Both proportional valves on the output board, and the optional heartbeat output.
 
-    Parameters
-    ----------
-    reset : bool
-        Whether to reset the board, and to vent both chambers.
-
-    Raises
-    ------
-    DeviceError
-        The driver or the board cannot be opened; or the driver reports an error: raised by every
-        method, after trying its other writes.
+    With ``reset`` the board is reset and both chambers are vented. Each method raises DeviceError
+    if the driver reports an error, after trying its other writes.
     """
 
     def __init__(self, hardware: Mapping[str, Any], *, reset: bool):
@@ -90,13 +82,7 @@ class Valves:
 
 
 class Pressures:
-    """The three pressure sensors on the input board.
-
-    Raises
-    ------
-    DeviceError
-        The driver or the board cannot be opened, or the driver reports an error.
-    """
+    """The three pressure sensors on the input board."""
 
     def __init__(self, hardware: Mapping[str, Any]):
         boards, names = hardware["boards"], ("p_exp", "p_i", "p_o")

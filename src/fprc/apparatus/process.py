@@ -64,13 +64,8 @@ def record(
     """Run an experiment on the real rig and write its raw log, read-only.
 
     During the run its samples also go to a journal beside the log, named after the log and the
-    time, which is kept. The log of a run that was stopped has another name than ``raw``.
-
-    Raises
-    ------
-    ControlError, DeviceError
-        The run was refused or stopped, or its log cannot be written; names the file that has the
-        samples.
+    time, which is kept. The log of a run that was stopped has another name than ``raw``; the
+    ControlError names it. DeviceError: a part cannot be opened.
     """
     experiment = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")

@@ -39,24 +39,14 @@ def refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
 
 
 def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
-    """Return the experiment of that name.
-
-    Parameters
-    ----------
-    settings : Mapping
-        The whole configuration.
-    model : str
-        File of the fitted model, for a closed-loop run.
+    """Return the experiment of that name, with the model in a file if it needs one.
 
     Raises
     ------
-    ConfigError
-        There is no such experiment, its commands are beyond ``hardware.limits``, or the file holds
-        another model than the experiment's.
-    ControlError
-        The reference is impossible, or a model is needed and there is none.
     FprcError
-        The file holds no model, was changed, or its model makes no step.
+        There is no such experiment, its commands are beyond ``hardware.limits``, its reference is
+        impossible; the model is missing, was changed, is another than the experiment's, was trained
+        at another rate or in other units, or makes no step.
     """
     refuse_unknown(name, settings)
     if name in EXPERIMENTS:

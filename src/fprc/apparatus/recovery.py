@@ -40,18 +40,8 @@ class Findings(NamedTuple):
 def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any], Findings]:
     """Read a journal, even if it is truncated, damaged, or still being written.
 
-    Returns
-    -------
-    channels : dict of ndarray
-        Every sample whose checksum is right, by tick.
-    attributes : dict
-        As given to ``Journal``.
-    findings : Findings
-
-    Raises
-    ------
-    LogError
-        The file cannot be opened, is not a journal, or its header is damaged.
+    Returns the channels, with every sample whose checksum is right, by tick; the attributes; and
+    what was found. LogError: it cannot be opened, is no journal, or its header is damaged.
     """
     data = read_given(path, error=LogError, most_bytes=LARGEST_JOURNAL_BYTES)
     line = data[: data.find(b"\n", len(MAGIC)) + 1]
@@ -123,12 +113,7 @@ def _content(line: bytes, types: Mapping[str, type], seed: int = 0) -> tuple[Any
 def recover(journal: Path | str, raw: Path | str) -> Findings:
     """Write the readable samples of a journal as a raw log; the journal is not changed.
 
-    Raises
-    ------
-    LogError
-        See ``read_journal``; also, no sample can be read.
-    OutputError
-        See ``refuse_output``.
+    Errors are those of ``read_journal`` and ``refuse_output``; LogError also if there is no sample.
     """
     refuse_output(raw, ".h5")
     channels, attributes, findings = read_journal(journal)
@@ -140,12 +125,6 @@ def recover(journal: Path | str, raw: Path | str) -> Findings:
 
 
 def state_of(reason: str, statistics: Mapping[str, Any], lost: int = 0) -> dict[str, Any]:
-    """Return the attributes of a log that tell how its run ended.
-
-    Parameters
-    ----------
-    reason : str
-        Why the run is not complete; empty if it is.
-    """
+    """Return the attributes of a log that tell how its run ended, complete without a reason."""
     state = {"statistics": statistics, "complete": not reason, "lost_samples": lost}
     return state | ({"incomplete_reason": reason} if reason else {})

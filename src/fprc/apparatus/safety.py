@@ -17,17 +17,8 @@ class CheckedRig:
     than the rig can move between two samples, or stays constant for too long
     (a working sensor has noise).
 
-    Parameters
-    ----------
-    device : Device
-        The rig.
-    limits : Mapping
-        As in ``fprc.config.hardware.Limits``.
-    period_s : float
-        Time between two samples, s. The limits on jumps are per period: after a
-        missed tick a reading may change by more.
-    phi : bool
-        Whether the reservoir has an angle sensor.
+    ``limits`` are as in ``fprc.config.hardware.Limits``. Those on jumps are per period: after a
+    missed tick a reading may change by more.
     """
 
     def __init__(
@@ -45,15 +36,7 @@ class CheckedRig:
         self._changed_s: dict[str, float] = {}
 
     def read(self) -> Readings:
-        """Return the readings.
-
-        Raises
-        ------
-        SafetyError
-            Lists every reading beyond its limits, with the key of the limit.
-        DeviceError
-            The device failed.
-        """
+        """Return the readings; SafetyError lists each beyond its limits, with the limit's key."""
         now = self._device.read()
         last, self._last = self._last or now, now
         periods = max((now.time_s - last.time_s) / self._period_s, 1.0)
@@ -85,13 +68,7 @@ class CheckedRig:
         return now
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Set the voltages of both valves.
-
-        Raises
-        ------
-        SafetyError
-            A voltage is outside 0 to 10 V; nothing was written.
-        """
+        """Set the voltages of both valves; SafetyError, before any is written: not 0 to 10 V."""
         for name, volts in (("actuator", main_v), ("reservoir", reservoir_v)):
             if not 0.0 <= volts <= HIGHEST_V:
                 raise SafetyError(f"valve of the {name}: {volts} V is outside 0 to {HIGHEST_V:g} V")

@@ -42,14 +42,9 @@ def on_rig(
 ) -> Session:
     """Open the real rig with its safety limits and clock; run a law; make it safe and release it.
 
-    Parameters
-    ----------
-    law, samples, **recording
-        See ``fprc.control.run``.
-    stop : Stop
-        Also tells whether the guardian was heard lately; if not, it does not vent in our place.
-    moves : bool, default=True
-        Whether the law's voltages are written; otherwise the sensors are only read.
+    Unless the law ``moves`` the rig, its voltages are not written. ``stop`` also tells whether the
+    guardian was heard lately; if not, it does not vent in our place. ``law``, ``samples`` and
+    ``recording`` are those of ``fprc.control.run``.
 
     Raises
     ------
@@ -127,11 +122,7 @@ class Stop:
     """Reason to stop: a signal, or a guardian that ended or is silent.
 
     The loop asks at every tick, and each time the guardian gets a heartbeat if one is due.
-
-    Parameters
-    ----------
-    stalled_s : float
-        Longest time between heartbeats from the guardian, s.
+    ``stalled_s`` is the longest time between the guardian's.
     """
 
     def __init__(self, stalled_s: float) -> None:

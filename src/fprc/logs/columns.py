@@ -108,15 +108,8 @@ def gather_columns(
 ) -> tuple[Columns, list[str]]:
     """Read those of the named channels that can be read; return them and the problems.
 
-    Parameters
-    ----------
-    attributes : tuple of str
-        Required attributes; all others are read too.
-
-    Raises
-    ------
-    LogError
-        The file cannot be opened, or is cut short.
+    ``attributes`` are required, all others are read too. LogError: the file cannot be opened, or
+    is cut short.
     """
     channels: dict[str, np.ndarray] = {}
     problems = []
@@ -146,13 +139,7 @@ def gather_columns(
 
 
 def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:
-    """Return the samples of a channel, and what is wrong with them.
-
-    Raises
-    ------
-    LogError
-        It has none that can be read. The message names neither file nor channel.
-    """
+    """Return the samples of a channel, and what is wrong with them; LogError if there are none."""
     dataset = file.get(name)
     if not isinstance(dataset, h5py.Dataset):
         every = [os.fsdecode(name) for name in file]  # bytes: the name is not UTF-8
@@ -191,12 +178,8 @@ def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:
 def open_hdf5(path: Path) -> h5py.File:
     """Open an HDF5 file for reading, also one whose writer in SWMR mode was killed or still runs.
 
-    Raises
-    ------
-    LogError
-        Another program has the file open, or never closed it.
-    OSError
-        It is no HDF5, cut short or damaged.
+    LogError: another program has the file open, or never closed it. OSError: it is no HDF5, cut
+    short or damaged.
     """
     try:
         return h5py.File(path, "r")
@@ -240,15 +223,9 @@ def _opened(path: Path) -> Iterator[h5py.File]:
 
 
 def refuse_never_written(dataset: h5py.Dataset) -> None:
-    """Check that every number of a dataset was written.
+    """Raise LogError if some numbers of a dataset were never written.
 
-    For numbers never written the library returns fill values, of which a small file can declare any
-    number.
-
-    Raises
-    ------
-    LogError
-        Some numbers were never written. The message does not name the dataset.
+    For these the library returns fill values, of which a small file can declare any number.
     """
     status = dataset.id.get_space_status()
     if dataset.size and status != h5py.h5d.SPACE_STATUS_ALLOCATED:
