@@ -26,7 +26,7 @@ from fprc.models import Learning, Online, SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256
 from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback
-from fprc.signals import random_pushes, reference_angle, rms, settled
+from fprc.signals import random_pushes, reference_angle, settled
 
 log = logging.getLogger(__name__)
 
@@ -225,28 +225,18 @@ def columns_for(name: str, inputs: np.ndarray) -> np.ndarray:
 
 def tracking_errors(
     bench: Track, model: SequenceModel, loops: Mapping[str, float]
-) -> dict[str, dict[str, np.ndarray]]:
-    """Return theta - theta_d with P_ff of one model over each reference of Table IV, deg.
+) -> dict[str, dict[str, float]]:
+    """Return the RMSE with P_ff of one model over each reference of Table IV, deg.
 
-    The settling time is left out. ``loops`` has for the name under which errors are returned what
-    multiplies the gains of the feedback, or 0 without feedback.
+    ``loops`` has for the name under which errors are returned what multiplies the gains of the
+    feedback, or 0 without feedback.
     """
-    errors: dict[str, dict[str, np.ndarray]] = {name: {} for name in loops}
+    errors: dict[str, dict[str, float]] = {name: {} for name in loops}
     for reference in REFERENCES:
         inputs = bench.inputs(reference)
-        settle_s = bench.tracking.reference(reference).settle_s
         for name, gains in loops.items():
             pd = bench.control.pd.changed(**{key: gains * gain for key, gain in bench.control.pd})
             loop = bench._replace(control=bench.control.changed(pd=pd))
             precomputed = loop.precompute(model, inputs)
-            run = settled(loop.simulate(reference, precomputed, feedback=gains > 0.0), settle_s)
-            errors[name][reference] = run["theta_deg"] - run["theta_d_deg"]
+            errors[name][reference] = loop.error(reference, precomputed, feedback=gains > 0.0)
     return errors
-
-
-def rms_of(errors: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, dict[str, float]]:
-    """Return the root mean squares of ``tracking_errors``, deg."""
-    return {
-        name: {reference: rms(found) for reference, found in loop.items()}
-        for name, loop in errors.items()
-    }

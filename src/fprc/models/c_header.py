@@ -125,20 +125,17 @@ def _readout(readout: BaseEstimator) -> tuple[str, dict[str, np.ndarray]] | None
 
 
 def _describe_inputs(model: SequenceModel) -> list[str]:
-    features = model.features_
+    features, lines = model.features_, []
     references = features.count_references() if isinstance(features, TapFeatures) else None
-    names = getattr(model, "feature_names_in_", [""] * model.n_features_in_)
     units = getattr(model, "units_", None)
-    lines = []
-    for i, name in enumerate(names):
+    for i, name in enumerate(getattr(model, "feature_names_in_", [""] * model.n_features_in_)):
         kind, unit = f"column {i} of the training log, counted from 0", ""
         if references is not None:
             kind, unit = ("theta_d", ", deg") if i < references else ("P_o", ", kPa")
         if units is not None:
             unit = f", {_comment(units[1 + i])}"
-        lines.append(
-            f" *   x[{i}]: {kind}{unit}" + (f" (column {_comment(str(name))})" if name else "")
-        )
+        column = f" (column {_comment(str(name))})" if name else ""
+        lines.append(f" *   x[{i}]: {kind}{unit}{column}")
     return lines
 
 

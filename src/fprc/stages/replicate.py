@@ -9,7 +9,7 @@ from fprc.experiments.comparison import compare_models, errors_over_starts
 from fprc.experiments.grids import evaluate_grids
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import CrossValidation, RigSettings
-from fprc.experiments.tracking import Track, measure_control, rms_of, tracking_errors
+from fprc.experiments.tracking import Track, measure_control, tracking_errors
 from fprc.paper import REFERENCES
 from fprc.registry import controllers
 
@@ -51,7 +51,7 @@ def replicate(
     bench = Track(Tracking(**tracking), settings.control, settings.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     loops = {"fprc": 0.0, "fprc_pd": 1.0}
-    tracked = [rms_of(tracking_errors(bench, model, loops)) for model in started[:_TRACKED]]
+    tracked = [tracking_errors(bench, model, loops) for model in started[:_TRACKED]]
     over_starts = {
         f"{reference}/{name}": [errors[name][reference] for errors in tracked]
         for reference in REFERENCES

@@ -19,7 +19,7 @@ from fprc.experiments.data import Data
 from fprc.experiments.grids import normalised, shares_of, weight_shares
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import CrossValidation, RigSettings
-from fprc.experiments.tracking import Track, rms_of, tracking_errors
+from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import SequenceModel, TakagiSugenoReadout
 from fprc.paper import DIRECTIONS, MODELS
 from fprc.registry import build
@@ -115,7 +115,7 @@ def _tracked(
     on_rig: RigSettings, seed: int, model: SequenceModel, tracking: Mapping[str, Any]
 ) -> dict[str, dict[str, float]]:
     bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, seed)
-    return rms_of(tracking_errors(bench, model, LOOPS))
+    return tracking_errors(bench, model, LOOPS)
 
 
 def _adapted(models: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from fprc.config.tracking import Tracking
 from fprc.evaluation import rmse
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
-from fprc.experiments.tracking import Track, rms_of, tracking_errors
+from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import FPRC
 from fprc.registry import COMPETITORS
 from fprc.studies.beyond import contest as contests
@@ -81,7 +81,7 @@ def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, tracki
     shifted = on_rig.control.feedforward.changed(p_o_shift_kpa=-2.0)
     control = on_rig.control.changed(feedforward=shifted)
     bench = Track(Tracking(**tracking), control, on_rig.rig, SEED)
-    expected = rms_of(tracking_errors(bench, fprc, {"open_loop": False, "closed_loop": True}))
+    expected = tracking_errors(bench, fprc, {"open_loop": False, "closed_loop": True})
     for loop, errors in expected.items():
         assert own[f"{loop}/-2"] == pytest.approx(math.sqrt(np.mean(np.square([*errors.values()]))))
         assert own[f"{loop}/-2"] > 1.02 * own[loop]
