@@ -1,6 +1,6 @@
 """Memory and capacity of a reservoir's state, for an input that may be correlated."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations_with_replacement
 from math import comb
 from typing import NamedTuple
@@ -21,30 +21,19 @@ _RANK = 1e-9
 _BLOCKS, _ALPHA = 10, 1e-6
 
 
-class Target(NamedTuple):
-    """One polynomial of lagged inputs, and how much of it a state holds."""
-
-    lags: tuple[int, ...]  #: samples, one for each factor: its degree is their number
-    capacity: float  #: share of its variance that the state explains, above chance
-    threshold: float  #: highest share that a shifted state explains
-
-
 class Capacity(NamedTuple):
     """Memory and capacity of a state."""
 
     degrees: np.ndarray  #: sum of the capacities of each degree, from 1
-    targets: Sequence[Target]
+    #: Share of the variance of each product of lagged inputs that the state explains, above chance,
+    #: by the lags of its factors, samples.
+    targets: Mapping[tuple[int, ...], float]
     rank: int  #: of the state: the sum of all capacities cannot exceed it
     lags_s: np.ndarray  #: lags of the memory curve, s
     #: Share of the variance of each lagged input that the state adds to the input's own taps, on
     #: unseen blocks; 0 where a shifted state adds as much.
     memory: np.ndarray
     memory_s: float  #: area under the curve, s
-
-    @property
-    def total(self) -> float:
-        """Sum of the capacities of all degrees."""
-        return float(self.degrees.sum())
 
 
 def capacity(
@@ -134,8 +123,8 @@ def capacity(
     chance = np.max([_memory(other, past[:, :taps], spaced) for other in moved], axis=0)
     memory = np.where(curve > np.maximum(chance, 0.0), curve, 0.0)
     sums = np.zeros(degree)
-    for target in targets:
-        sums[len(target.lags) - 1] += target.capacity
+    for factors, share in targets.items():
+        sums[len(factors) - 1] += share
     area = float(memory.sum()) * spacing / rate_hz
     lags_s = np.arange(lags) * spacing / rate_hz
     return Capacity(sums, targets, rank, lags_s, memory, area)
@@ -152,7 +141,7 @@ def filtered_capacity(signal: np.ndarray, theta: np.ndarray, rate_hz: float) -> 
 def _capacities(
     states: np.ndarray, moved: Sequence[np.ndarray], past: np.ndarray, spacing: int, degree: int,
     most: int,
-) -> tuple[list[Target], int]:  # fmt: skip
+) -> tuple[dict[tuple[int, ...], float], int]:  # fmt: skip
     names = [*_products(past.shape[1], degree, most)]
     products = np.column_stack([past[:, list(name)].prod(axis=1) for name in names])
     goals, sizes = np.linalg.qr(np.column_stack([np.ones(len(products)), products]))
@@ -164,11 +153,9 @@ def _capacities(
     by_chance = np.array([((_basis(other).T @ goals) ** 2).sum(axis=0) for other in moved])
     mean, highest = by_chance.mean(axis=0), by_chance.max(axis=0)
     above = np.where(left & (found > highest), (found - mean) / np.maximum(1.0 - mean, _RANK), 0.0)
-    targets = [
-        Target(tuple(spacing * lag for lag in name), float(share), float(limit))
-        for name, share, limit in zip(names, np.clip(above, 0.0, 1.0), highest, strict=True)
-    ]
-    return targets, basis.shape[1]
+    shares = np.clip(above, 0.0, 1.0).tolist()
+    lags = [tuple(spacing * lag for lag in name) for name in names]
+    return dict(zip(lags, shares, strict=True)), basis.shape[1]
 
 
 def _products(lags: int, degree: int, most: int) -> Iterator[tuple[int, ...]]:

@@ -106,17 +106,7 @@ class Part(NamedTuple):
 
 
 #: Verdicts on what is compared with a limit and not with another model, as readers see them.
-_WORDS = {SUPERIOR: "holds", INFERIOR: "does not hold"}
-
-
-def verdict_in_words(verdict: str, turned: str = "", limit: float = 1.0) -> str:
-    """Return a verdict as readers see it, on two models or on a model and a limit.
-
-    One that became undecided since subsets disagree is what it ``turned`` from, and unstable.
-    """
-    decided = turned or verdict
-    words = decided if limit == 1.0 else _WORDS.get(decided, decided)
-    return f"{words}, unstable" if turned else words
+_ON_A_LIMIT = {SUPERIOR: "holds", INFERIOR: "does not hold"}
 
 
 def decide_together(
@@ -151,9 +141,9 @@ def decide_together(
         One for each part of a claim: its text and ``Part.ends``; of a claim that is not judged one,
         in which these are None. Of the claim ``verdict``; ``p``, the lowest level that decides it,
         adjusted over all claims; ``level``, at which each part was judged; ``stable``, the share of
-        the subsets that give the same verdict, or None; ``turned``, the verdict that too few of the
-        subsets give, if that made it undecided; ``words``, the verdict as readers see it;
-        ``units``, of the part that has the fewest; ``dropped``, units without a pair.
+        the subsets that give the same verdict, or None; ``words``, the verdict as readers see it,
+        unstable if too few of the subsets give it; ``units``, of the part that has the fewest;
+        ``dropped``, units without a pair.
 
     References
     ----------
@@ -176,7 +166,7 @@ def decide_together(
         adjusted, levels = holm(p)
     rows = []
     for k, (name, (text, parts)) in enumerate(claims.items()):
-        level, stable, turned = float(levels[k]), None, ""
+        level, stable = float(levels[k]), None
         shown: list[dict[str, Any]] = [dict.fromkeys(("part", "mean", "low", "high"))]
         verdict = NOT_JUDGED
         if units[k] > 1:
@@ -185,10 +175,11 @@ def decide_together(
             shown = [{"part": part.text, **part.ends(level)} for part in parts]
         if 1 < units[k] < LEAST_UNITS:
             verdict = UNDECIDED
-        elif verdict not in (NOT_JUDGED, UNDECIDED):
+        words = verdict if parts[0].limit == 1.0 else _ON_A_LIMIT.get(verdict, verdict)
+        if verdict not in (NOT_JUDGED, UNDECIDED):
             stable = _share_of_subsets(parts, level, verdict, left_out)
             if stable < AGREEING:
-                verdict, turned = UNDECIDED, verdict
+                verdict, words = UNDECIDED, f"{words}, unstable"
         of_claim = {
             "id": name,
             "claim": text,
@@ -196,8 +187,7 @@ def decide_together(
             "p": float(adjusted[k]),
             "level": level,
             "stable": stable,
-            "turned": turned,
-            "words": verdict_in_words(verdict, turned, parts[0].limit),
+            "words": words,
             "units": units[k],
             "dropped": max(part.dropped for part in parts),
         }
