@@ -19,10 +19,12 @@ COMPLETE, SOME_LOST = 0, 3
 def check(paths: Sequence[str], *, json_: bool = False) -> int:
     """Check raw logs and say what is wrong with them."""
     limits = Quality()
+    how: dict[str, Any] = {"sample_rate_hz": None, "rate_tolerance": limits.rate_tolerance}
     records = []
     for path in paths:
         try:
-            records.append(record := _record(path, limits))
+            log = read_raw(path, experiment=None, **how)
+            records.append(record := assess(log, limits, log.attributes["sample_rate_hz"]))
         except LogError as error:
             print(f"error: {error}", file=sys.stderr)
             records.append({"log": path, "error": str(error)})
@@ -57,11 +59,6 @@ def _page(path: str, record: Mapping[str, Any]) -> list[str]:
         )
         lines.append(f"  {'loop':28} {', '.join(shown)}")
     return lines
-
-
-def _record(path: str, limits: Quality) -> dict[str, Any]:
-    log = read_raw(path, experiment=None, sample_rate_hz=None, rate_tolerance=limits.rate_tolerance)
-    return assess(log, limits, log.attributes["sample_rate_hz"])
 
 
 def repair(source: str, *, out: str) -> int:

@@ -155,7 +155,7 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
     if kind == "extra_forbidden":
         return f"{key}: unknown key; {_nearest(above, last, defaults, page)}"
     message = item["msg"].removeprefix("Value error, ").replace("a valid tuple", "a list")
-    message = re.sub("^(Input|String) should", "must", message)
+    message = re.sub("^(Input|String|Keys) should", "must", message)
     if kind == "model_type":
         message = "must hold keys and values"
     # the messages of our checks name the value where that helps
