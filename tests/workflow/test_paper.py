@@ -2,12 +2,15 @@
 
 import json
 import re
+import shutil
+from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from fprc.yaml_file import read_yaml
 
+ROOT = Path(__file__).parents[2]
 STUDIES = ("--snakefile", "workflow/studies/Snakefile")
 TABLES = ["table1", "table2", "table3", "table4", "table2_seeds", "table3_seeds",
           "table4_seeds"]  # fmt: skip
@@ -33,8 +36,10 @@ def test_paper_makes_whole_files_of_every_promised_output_and_says_where_the_rep
     assert len(re.findall("Finished jobid", printed)) == 31
 
 
-def test_verdicts_of_the_paper_are_as_declared(paper, tmp_path):
-    done = paper[0].copy(tmp_path / "copy").snakemake(*STUDIES, "check")
+def test_verdicts_are_as_declared_and_the_numbers_of_the_readme_as_built(paper, tmp_path):
+    copy = paper[0].copy(tmp_path / "copy")
+    shutil.copy(ROOT / "README.md", copy.folder)
+    done = copy.snakemake(*STUDIES, "check")
     assert done.returncode == 0, done.stdout
     assert len(re.findall("Finished jobid", done.stdout)) == 1
 

@@ -1,6 +1,6 @@
 """Numbers of the result files that the claims are judged on, an array with a value per seed."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import reduce
 from operator import getitem
 from typing import Any
@@ -23,16 +23,21 @@ _FEW = 0.3
 
 def error(results: Results, trained_on: str, model: str, phase: str) -> np.ndarray:
     """Return a model's error, kPa, averaged over the folds."""
-    return np.array([np.mean(report[PHASES[phase]]) for report in _of(results, trained_on, model)])
+    return _of(results, trained_on, model, lambda report: np.mean(report[PHASES[phase]]))
 
 
-def _of(results: Results, trained_on: str, model: str) -> list[Mapping[str, Any]]:
-    return [
-        report
-        for replicate in results.replicates
-        for report in replicate["models"]
-        if (report["trained_on"], report["model"]) == (trained_on, model)
-    ]
+def _of(
+    results: Results, trained_on: str, model: str, number: Callable[[Mapping[str, Any]], Any]
+) -> np.ndarray:
+    """Return a number of the reports of a model, one per seed."""
+    return np.array(
+        [
+            number(report)
+            for replicate in results.replicates
+            for report in replicate["models"]
+            if (report["trained_on"], report["model"]) == (trained_on, model)
+        ]
+    )
 
 
 def ratio(results: Results, trained_on: str, model: str, other: str, phase: str) -> np.ndarray:
@@ -40,31 +45,22 @@ def ratio(results: Results, trained_on: str, model: str, other: str, phase: str)
     return error(results, trained_on, model, phase) / error(results, trained_on, other, phase)
 
 
-def ratio_of_phases(
-    results: Results, trained_on: str, model: str, phase: str, other: str
-) -> np.ndarray:
-    """Return a model's error in a phase over that in another one."""
-    return error(results, trained_on, model, phase) / error(results, trained_on, model, other)
-
-
 def second_over_first_half(
     results: Results, trained_on: str, model: str, phase: str = "test"
 ) -> np.ndarray:
     """Return the error in the second half of the training or test log over that in the first."""
-    halves = [report[f"{phase}_halves_rmse_kpa"] for report in _of(results, trained_on, model)]
-    first, second = np.transpose(halves)
-    return second / first
+    key = f"{phase}_halves_rmse_kpa"
+    return _of(results, trained_on, model, lambda report: report[key][1] / report[key][0])
 
 
 def seen_error(results: Results, trained_on: str, model: str) -> np.ndarray:
     """Return a model's test error at frequencies and angles of its training log, kPa."""
-    return np.array([report["seen_test_rmse_kpa"] for report in _of(results, trained_on, model)])
+    return _of(results, trained_on, model, lambda report: report["seen_test_rmse_kpa"])
 
 
 def spread_over_folds(results: Results, trained_on: str, model: str, phase: str) -> np.ndarray:
     """Return the standard deviation of a model's error over the folds, kPa."""
-    reports = _of(results, trained_on, model)
-    return np.array([np.std(report[PHASES[phase]], ddof=1) for report in reports])
+    return _of(results, trained_on, model, lambda report: np.std(report[PHASES[phase]], ddof=1))
 
 
 def variation_among_rules(results: Results, feature: str) -> np.ndarray:
@@ -117,18 +113,9 @@ def sizes(results: Results, setting: str) -> list[float]:
     return sorted({cell[setting] for cell in cells if cell["model"] == "fprc"})
 
 
-def halves(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rows, one per seed, that choose a setting, and those that judge it.
-
-    A seed that did both would favour the setting that is chosen. A single seed has to do both.
-    """
-    half = len(rows) // 2
-    return rows[:half] if half else rows, rows[half:]
-
-
-def taps(cells: Sequence[Mapping[str, Any]], tap: str, phase: str) -> tuple[np.ndarray, np.ndarray]:
+def taps(report: Mapping[str, Any], tap: str, phase: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the sizes of one tap, and the errors with each, a column per size of the other."""
-    found = {(cell["n_u"], cell["n_y"]): np.mean(cell[PHASES[phase]]) for cell in cells}
+    found = {(cell["n_u"], cell["n_y"]): np.mean(cell[PHASES[phase]]) for cell in report["taps"]}
     n_u, n_y = (np.unique(sizes) for sizes in zip(*found, strict=True))
     errors = np.array([[found[u, y] for y in n_y] for u in n_u])
     return (n_u, errors) if tap == "n_u" else (n_y, errors.T)
@@ -136,18 +123,17 @@ def taps(cells: Sequence[Mapping[str, Any]], tap: str, phase: str) -> tuple[np.n
 
 def tap_trend(results: Results, tap: str, phase: str) -> np.ndarray:
     """Return the rank correlation of an error with one tap size, averaged over the other's."""
-    trends = []
-    for report in results.grids:
-        ranks = rankdata(np.column_stack(taps(report["taps"], tap, phase)), axis=0)
-        trends.append(np.corrcoef(ranks, rowvar=False)[0, 1:].mean())
-    return np.array(trends)
+    ranks = [
+        rankdata(np.column_stack(taps(report, tap, phase)), axis=0) for report in results.grids
+    ]
+    return np.array([np.corrcoef(rank, rowvar=False)[0, 1:].mean() for rank in ranks])
 
 
 def thirds_of_taps(results: Results, tap: str, phase: str) -> list[np.ndarray]:
     """Return the mean errors with few, a medium number of, and many taps."""
     rows = []
     for report in results.grids:
-        _, errors = taps(report["taps"], tap, phase)
+        _, errors = taps(report, tap, phase)
         few = max(round(_FEW * len(errors)), 1)
         parts = np.split(errors.mean(axis=1), [few, len(errors) - few])
         rows.append([part.mean() for part in parts])

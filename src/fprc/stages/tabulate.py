@@ -12,7 +12,6 @@ from fprc.logs.quality import warnings
 from fprc.paper import SOURCES
 from fprc.registry import title_of
 from fprc.tables import models as tables
-from fprc.tables import timing as times_of
 from fprc.tables import tracking
 from fprc.tables.text import failed, write_table
 from fprc.yaml_file import read_yaml
@@ -113,7 +112,7 @@ def tabulate_seeds(
 def tabulate_times(times: str, timing: Sequence[str], *, left_out: Mapping[str, str]) -> None:
     """Table II, execution times."""
     report = read_json(times)
-    table = times_of.timing(report, read_yaml(PUBLISHED))
+    table = tables.timing(report, read_yaml(PUBLISHED))
     note = (
         f"mean ± standard deviation of {table['repeats'].max()} alternating repeats, of whole logs "
         f"{table['repeats'].min()}, on {report['cpu']}, {report['threads']} thread.\n"
@@ -122,5 +121,5 @@ def tabulate_times(times: str, timing: Sequence[str], *, left_out: Mapping[str, 
         "once. The paper does not say which mode it timed, nor on which machine."
         f"{_without(left_out)}"
     )
-    page = times_of.timing_page(table)
+    page = tables.timing_page(table)
     write_table(table, page, note, *timing, title="Table II, execution times")

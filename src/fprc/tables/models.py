@@ -1,4 +1,4 @@
-"""Tables I to III: settings and errors of the models."""
+"""Tables I to III: settings, errors and execution times of the models."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,7 +9,7 @@ import pandas as pd
 from fprc.intervals import half_interval, mean_and_std
 from fprc.paper import ERRORS, MODELS, PRINTED
 from fprc.registry import title_of
-from fprc.tables.text import format_mean, spread
+from fprc.tables.text import format_mean, spread, three_digits
 
 #: Titles of Tables II and III, by the log that trains.
 TITLES = {
@@ -137,3 +137,52 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
             for metric in ERRORS
         ]
     return pd.DataFrame(page)
+
+
+#: Keys of the printed times, by phase, and their unit, s.
+_PRINTED_TIMES = {"train": ("train_time_s", 1.0), "test": ("test_time_ms", 1e-3)}
+
+
+def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFrame:
+    """Table II, execution times in s and us per sample, both modes, tidy."""
+    rows = []
+    for entry in report["times"]:
+        mean, std = mean_and_std(entry["seconds"])
+        key, unit_s = _PRINTED_TIMES[entry["phase"]]
+        printed = published["table_2_models"].get(entry["model"], {}).get(key)
+        theirs = [unit_s * value for value in printed] if printed else [None, None]
+        rows.append(
+            {
+                "model": entry["model"],
+                "metric": f"{entry['phase']}_time",
+                "mode": entry["mode"],
+                "unit": "s",
+                "mean": mean,
+                "std": std,
+                "us_per_sample": 1e6 * mean / entry["samples"],
+                "samples": entry["samples"],
+                "repeats": len(entry["seconds"]),
+                "published_mean": theirs[0],
+                "published_std": theirs[1],
+                "threads": report["threads"],
+                "cpu": report["cpu"],
+                "source": report["source"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def timing_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the times as a page."""
+    phases = {"train_time": "Training", "test_time": "Test"}
+    return pd.DataFrame(
+        {
+            "Model": title_of(row.model),
+            "Phase": phases[row.metric],
+            "Mode": row.mode,
+            "Ours [s]": spread(row.mean, row.std),
+            "Ours [us per sample]": three_digits(row.us_per_sample),
+            "Paper [s]": spread(row.published_mean, row.published_std) or "-",
+        }
+        for row in table.itertuples()
+    )

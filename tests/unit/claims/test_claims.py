@@ -629,31 +629,6 @@ def test_what_a_rig_may_have_been_searched_for_has_words_or_is_a_claim():
     assert all(words.count(part) == 1 for part in ("C8", "II and III", "Table IV", "C1b"))
 
 
-def noisy_grids(noise):
-    """Grids of some seeds whose test errors differ by noise alone, shape (seeds, sizes)."""
-    return [
-        {
-            setting: [
-                cell("fprc", ([1.0], [1.0], 10.0 * np.exp(value)), **{setting: size})
-                for size, value in enumerate(row, start=1)
-            ]
-            for setting in ("epsilon", "n_c")
-        }
-        for row in noise
-    ]
-
-
-def test_step_is_chosen_on_the_first_half_of_the_seeds_and_judged_on_the_others():
-    # the first two of five seeds fall from 1 to 2 and rise from 2 to 3; the others rise twice
-    rows = np.log([[3.0, 1.0, 2.0]] * 2 + [[1.0, 1.1, 3.0]] * 3)
-    results = Results([], noisy_grids(rows), [], {}, {})
-    (found,) = judge_claims(results, PUBLISHED, {}, [BY_ID["C9c"]])
-    statements = [(row["text"], round(row["mean"], 3)) for row in found["statements"]]
-    assert statements[:2] == [
-        ("test at epsilon 3 / 2", round(3.0 / 1.1, 3)), ("test at epsilon 2 / 1", 1.1)
-    ]  # fmt: skip
-
-
 def test_claim_that_no_fit_decides_and_that_holds_on_every_member_is_not_informative(ideal):
     results = Results(**vars(ideal))
     members = {

@@ -17,8 +17,14 @@ from fprc.logs import Columns
 from fprc.registry import MODELS
 from fprc.stages import tabulate
 from fprc.stages.draw_loops import draw_loops
-from fprc.tables import timing
-from fprc.tables.models import comparison, comparison_page, configuration, over_seeds
+from fprc.tables.models import (
+    comparison,
+    comparison_page,
+    configuration,
+    over_seeds,
+    timing,
+    timing_page,
+)
 from fprc.tables.text import spread, write_table
 from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
 
@@ -191,10 +197,10 @@ def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones
         for phase in ("train", "test")
     ]
     times = {"source": "sim", "cpu": "A & B_1 100 %", "threads": 1, "times": entries}
-    table = timing.timing(times, PUBLISHED)
+    table = timing(times, PUBLISHED)
     numbers = table[["mean", "std", "us_per_sample", "repeats"]].to_numpy().tolist()
     assert numbers == [pytest.approx([2.0, 2.0**0.5, 2000.0, 2])] * 2
-    assert timing.timing_page(table).to_numpy().tolist() == [
+    assert timing_page(table).to_numpy().tolist() == [
         ["ESN", "Training", "batch", "2.00 ± 1.41", "2000", "16.6 ± 3.28"],
         ["ESN", "Test", "batch", "2.00 ± 1.41", "2000", "8.93 ± 1.80"],
     ]
