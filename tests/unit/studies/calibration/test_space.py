@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from fprc.config import Settings, check
 from fprc.config.rig import LONGEST_LAG_S, Rig, squeeze_lag, stiffest_squeeze
 from fprc.errors import ConfigError
-from fprc.studies.calibration.space import Free, decode, encode, free_parameters
+from fprc.studies.calibration.space import Free, decode, free_parameters
 
 shares = st.floats(0.0, 1.0)
 ranges = st.tuples(st.floats(1e-4, 1e3), st.floats(1.01, 1e4)).map(
@@ -60,32 +60,11 @@ def test_weights_that_leave_room_are_taken_as_they_are(shares):
 
 
 @given(in_the_cube)
-def test_rig_that_was_judged_comes_back_with_its_weights(point):
-    judged = decode(point, FULL_RIG, ALL)
-    again = decode(encode(judged, ALL), judged, ALL)
-    for section in ("bending", "reservoir"):
-        weights = judged[section].pop("slip_weight")
-        # weights that were scaled down and rounded may exceed their limit by the rounding
-        assert again[section].pop("slip_weight") == pytest.approx(weights, abs=2e-4)
-    assert again == judged
-
-
-def complaints(rig):
-    """Return what is wrong with a rig, by its path; the check of the squeeze has none."""
-    try:
-        Rig.model_validate(rig)
-    except ValidationError as error:
-        return {".".join(map(str, item["loc"])) for item in error.errors()}
-    return set()
-
-
-@given(in_the_cube)
-def test_resolved_rig_is_valid_unless_no_damping_suits_lag_and_step(point):
+def test_rig_of_a_point_is_valid_unless_no_damping_suits_lag_and_step(point):
     found = decode(point, FULL_RIG, ALL)
-    refused = complaints(found)
-    # the range of the damping, or the rules of the squeeze
-    assert refused <= {"reservoir.squeeze_damping_kpa_s_per_ml", ""}
-    if refused:
+    try:
+        Rig.model_validate(found)
+    except ValidationError:
         least = found["step_s"] * stiffest_squeeze(found) / 0.48
         lag = squeeze_lag(found) * least / found["reservoir"]["squeeze_damping_kpa_s_per_ml"]
         assert lag > 0.99 * LONGEST_LAG_S
