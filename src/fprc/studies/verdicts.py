@@ -13,12 +13,6 @@ from fprc.tables.text import format_mean, three_digits
 
 #: Symbol after a verdict, by the model or signal that the fit of its rigs favours.
 SYMBOLS = {"FPRC": "†", "P_o": "‡"}
-#: Headings of the page of details, by the columns of the table.
-_DETAILS = {
-    "id": "Id", "title": "Rigs", "words": "Verdict", "mean": "Mean", "interval": "Interval",
-    "p": "p", "stable": "Subsets that agree", "units": "Units", "dropped": "Units lost",
-}  # fmt: skip
-
 #: Numbers of a family, one per simulated rig; one level of the index is the ``unit``.
 Numbers = Mapping[tuple[Any, ...], pd.Series]
 
@@ -100,39 +94,15 @@ def decide(
     return pd.DataFrame(rows).astype(dict.fromkeys(("mean", "low", "high", "stable"), float))
 
 
-def by_claim(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """Return a row for each claim and family, claim by claim.
-
-    ``mean`` and ``interval`` are the numbers of all parts of the claim, see ``decide``, as text.
-    """
-    ends = zip(verdicts["low"], verdicts["high"], strict=True)
-    table = verdicts.assign(
-        mean=list(map(three_digits, verdicts["mean"])),
-        interval=[f"{three_digits(low)} to {three_digits(high)}" for low, high in ends],
-    )
-    merged = dict.fromkeys(table, "first") | dict.fromkeys(("mean", "interval"), ", ".join)
-    rows = table.groupby(["id", "title"], sort=False).agg(merged).reset_index(drop=True)
-    return rows.sort_values("id", kind="stable")
-
-
 def claims_page(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Return one row per claim: its verdict in each family, and the means of its parts."""
-    rows = by_claim(verdicts)
+    table = verdicts.assign(mean=list(map(three_digits, verdicts["mean"])))
+    rows = table.groupby(["id", "claim", "title"], sort=False).agg(
+        {"words": "first", "mean": ", ".join}
+    )
     texts = (rows["words"] + " " + rows["mean"]).str.rstrip()
-    page = rows.assign(text=texts).pivot(index=["id", "claim"], columns="title", values="text")
-    return page[verdicts["title"].unique()].reset_index(names=["Id", "Claim"])
-
-
-def details_page(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """Return what each verdict rests on: intervals, p, agreeing subsets, units."""
-    rows = by_claim(verdicts[verdicts["verdict"] != NOT_JUDGED])
-    texts = {
-        "p": ["< 0.001" if p < 0.001 else three_digits(p) for p in rows["p"]],
-        "stable": ["-" if pd.isna(part) else f"{100 * part:.0f} %" for part in rows["stable"]],
-        "units": rows["units"].astype(str),
-        "dropped": rows["dropped"].astype(str),
-    }
-    return rows.assign(**texts)[list(_DETAILS)].rename(columns=_DETAILS)
+    page = texts.unstack("title")[verdicts["title"].unique()]
+    return page.sort_index().reset_index(names=["Id", "Claim"])
 
 
 def wide(

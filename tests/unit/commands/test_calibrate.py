@@ -16,8 +16,7 @@ FILES = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]
 #: What is known of a fit.
 SUMMARY = {
     "date": "2030-01-02", "software": "fprc 9.8.7", "fit": ["tables"], "seed": 3, "full_count": 8,
-    "printed": {}, "residuals": {}, "brief": {"median": 0.05},
-    "parameters": [],
+    "brief": {"median": 0.05}, "shares": {},
 }  # fmt: skip
 
 

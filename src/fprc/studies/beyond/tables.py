@@ -24,7 +24,7 @@ from fprc.studies.beyond.claims import (
     model_title,
     numbers_of,
 )
-from fprc.studies.verdicts import claims_page, decide, details_page, family_title, wide
+from fprc.studies.verdicts import claims_page, decide, family_title, wide
 from fprc.tables.models import means_of
 from fprc.tables.text import format_mean, markdown, three_digits
 
@@ -88,7 +88,6 @@ def tabulate_beyond(
         "claims": claims_page(verdicts),
         "best": best_page(found),
         "memory": memory_page(found),
-        "details": details_page(verdicts),
         "worth": worth_page(verdicts),
         "models": models_page(made["models"][made["models"]["family"] == family]),
     }

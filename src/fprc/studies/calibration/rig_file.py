@@ -23,22 +23,18 @@ def parameter_file(rig: Mapping[str, Any], summary: Mapping[str, Any], name: str
     name : str
         Name of the rig.
     """
-    near = [p["path"] for p in summary["parameters"] if not 0.02 <= p["share"] <= 0.98]
-    edges = textwrap.fill(f"Within 2 % of an end of their range: {', '.join(near) or 'none'}.", 98)
+    near = [path for path, share in summary["shares"].items() if not 0.02 <= share <= 0.98]
     head = _HEAD.format(
         **summary,
         written=WRITTEN,
+        count=len(summary["shares"]),
         limits="\n".join(
             f"  {name}: {100 * share:.1f} %, at most {100 * LIMITS[name]:.0f}"
             for name, share in summary["brief"].items()
         ),
-        count=len(summary["parameters"]),
-        rows="\n".join(
-            f"  {measure}/{key}: {summary['printed'][measure][key]:g}, {100 * value:+.1f} %"
-            for measure, residuals in summary["residuals"].items()
-            for key, value in residuals.items()
+        edges=textwrap.fill(
+            f"Within 2 % of an end of their range: {', '.join(near) or 'none'}.", 98
         ),
-        edges=edges,
     )
     values = {
         "fitted": {"name": name, "to": list(summary["fit"])},
@@ -54,10 +50,8 @@ Parameters of the simulated rig that differ from their defaults. {written}
 ({software}, {date}); docs/rigs.md explains it.
 
 Fitted over {count} parameters, from the ranges of `calibration` alone, with the seed {seed}, to the
-terms that `fitted.to` names. Everything else is predicted.
-Full models on {full_count} seeds of the fit: deviations from print in brief, beside the limits of a
-default rig, and each printed number (tables in kPa, loops in deg) with its deviation:
+terms that `fitted.to` names. Everything else is predicted. How far the full models on {full_count}
+seeds of the fit are from print, errors of Tables II and III, open and closed loop of Table IV:
 {limits}
-{rows}
 {edges}
 """

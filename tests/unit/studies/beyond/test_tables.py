@@ -12,11 +12,11 @@ from scipy.stats import t
 
 from fprc.studies.beyond import tables
 from fprc.studies.beyond.claims import CLAIMS, numbers_of
-from fprc.studies.verdicts import claims_page, decide, details_page
+from fprc.studies.verdicts import claims_page, decide
 from fprc.tables.text import markdown
 
 CSV = ("models", "claims")
-PAGES = (*CSV, "best", "memory", "details", "worth")
+PAGES = (*CSV, "best", "memory", "worth")
 
 
 @pytest.fixture(scope="module")
@@ -54,8 +54,7 @@ def test_means_and_intervals_are_over_units(families):
 
 def test_pages_survive_a_family_with_nothing(families, verdicts):
     pages = [tables.models_page(rows_of(tables.models(families), "broken"))]
-    pages += [page(few) for few in (verdicts, rows_of(verdicts, "broken"))
-              for page in (claims_page, details_page)]  # fmt: skip
+    pages += [claims_page(verdicts), claims_page(rows_of(verdicts, "broken"))]
     for page in pages:
         assert markdown(page, "Note.").count("\n|") == len(page) + 2
         assert "nan" not in page.to_string().lower().split()
@@ -81,18 +80,6 @@ def test_mark_beside_a_verdict_says_whom_the_fit_favours(verdicts):
     assert not page["drawn"].str.contains("[†‡]").any()
     # fitted as well, but there is no verdict
     assert page.loc["B1", "broken"] == "not judged"
-
-
-def test_details_say_on_what_a_verdict_rests(verdicts):
-    page = details_page(verdicts).set_index(["Id", "Rigs"])
-    part = verdicts[verdicts["id"] == "B1"].iloc[0]
-    assert page.loc[("B1", "dry")].tolist() == [
-        "superior†‡", f"{part['mean']:.3f}", f"{part['low']:.3f} to {part['high']:.3f}",
-        "< 0.001", "100 %", "12", "0",
-    ]  # fmt: skip
-    assert page.loc[("B7", "sparse"), ["Units", "Subsets that agree"]].tolist() == ["3", "-"]
-    # not judged, so there is nothing to show
-    assert "broken" not in page.index.get_level_values("Rigs")
 
 
 def test_tidy_claims_have_a_row_for_each_part(verdicts):
