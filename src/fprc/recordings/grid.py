@@ -88,6 +88,7 @@ def locate(
     counted = [k for k in range(width) if 2 * sum(_is_number(row[k]) for row in later) > len(later)]
     samples = [n for n, fields in table.items() if all(is_value(fields[k]) for k in counted)]
     first = data_line or min(samples or table)
+    table = {n: fields for n, fields in table.items() if n >= first}
     if width > 1 and all(not fields[-1] for fields in table.values()):
         width -= 1
     above = [n for n in sorted(rows, reverse=True) if n < first and any(rows[n])]
@@ -98,7 +99,7 @@ def locate(
     share = sum(map(is_value, cells)) / len(cells)
     if width == 1 and (share < 1.0 or (decimal is None and any("," in cell for cell in cells))):
         return Place()  # it has another separator
-    in_table = share * len(table) / sum(map(any, below.values()))
+    in_table = share * len(table) / sum(any(fields) for n, fields in below.items() if n >= first)
     return Place((round(in_table, 2), bool(names)), width, first, names, units)
 
 

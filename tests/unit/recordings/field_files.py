@@ -113,7 +113,7 @@ def _groups(file):
 
 def _lvm(mark, x_columns, body, units="deg\tkPa\tkPa", channels=3, delta="0.01"):
     zero = f"0{mark}0"
-    labels = {"No": "X_Value\tangle\tpressure\tp_o", "One": "X_Value\tangle\tpressure\tp_o",
+    labels = {"No": "X_Value\tangle\tpressure\tp_o", "One": "X_Value\tangle 1\tpressure 1\tp_o",
               "Multi": "X_Value\tangle\tX_Value\tpressure\tX_Value\tp_o"}  # fmt: skip
     return (
         "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\n"
