@@ -142,7 +142,7 @@ def _names_in(line: str, fields: list[str], width: int, asked: bool) -> list[str
     """Return the names in a line, one for each column; none if it has not as many."""
     stripped = line.strip().lstrip("#%/").strip()
     others = [_WITH_BRACKET.findall(stripped)]
-    if line.strip()[:1] in ("#", "%", "/"):
+    if re.match(r"\s*(?:#|%|//)", line):
         stripped = re.sub(r"^\w+:\s+", "", stripped)
         others = [re.split(mark, stripped) for mark in (r"\s*[,;|\t]\s*", r"\s{2,}|\t", r"\s+")]
         fields = [fields[0].lstrip("#%/ "), *fields[1:]]
