@@ -23,6 +23,7 @@ class Recording(NamedTuple):
     notes: tuple[str, ...] = ()  #: samples that were left out, and gaps that will be filled
 
 
+@np.errstate(all="ignore")  # numbers that overflow are refused
 def gather(table: Table, mapping: ImportMap) -> Recording:
     """Select, convert and cut the channels of a file.
 
@@ -93,8 +94,7 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
         """Return a channel in the unit of a raw log."""
         spec, given = specs[name], values[name][kept]
         factor = factor_of(spec["unit"], unit_of(name)) or 1.0
-        with np.errstate(over="ignore", invalid="ignore"):
-            scaled = (given * spec["scale"] + spec["offset"]) * factor
+        scaled = (given * spec["scale"] + spec["offset"]) * factor
         bad = np.flatnonzero(~(np.abs(scaled) <= LARGEST))  # NaN is neither
         if bad.size:
             raise LogError(

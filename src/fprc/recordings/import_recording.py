@@ -17,7 +17,7 @@ from fprc.recordings.gather import Recording, gather
 from fprc.recordings.importing import ImportMap, read_csv, read_map
 from fprc.recordings.judge import judge
 from fprc.recordings.picture import draw_recording
-from fprc.recordings.resample import refuse_length, resample
+from fprc.recordings.resample import resample
 from fprc.recordings.table import read_table
 
 #: Rate of a raw log unless its map gives one, Hz.
@@ -62,21 +62,13 @@ def import_mapped(mapping: ImportMap, source: str, raw: str) -> None:
     recording = gather(table, mapping)
     found = judge(recording, mapping, table, Settings().quality, mapping.target("measured"))
     rate_hz = mapping.sample_rate_hz or RATE_HZ
-    samples = resampled(recording, rate_hz, source)
+    samples = resample(recording.time_s, recording.channels, rate_hz, source)
     write_log(recording, samples, mapping, source, raw)
     draw_recording(recording, mapping, picture)
     doubts = [f"doubtful: {line}" for line in (*found.doubts, *found.stops)]
     lines = [*found.words, *doubts, *table.notes, *recording.notes]
     print("\n".join([f"{source}:", *(f"  {line}" for line in lines)]))
     print(f"{raw}: {len(samples[0])} samples at {rate_hz:g} Hz; beside it its picture, .png")
-
-
-def resampled(
-    recording: Recording, rate_hz: float, path: str
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return times and channels at a rate; refuse a recording that is too short or too long."""
-    refuse_length(path, recording.time_s, rate_hz)
-    return resample(recording.time_s, recording.channels, rate_hz)
 
 
 def write_log(

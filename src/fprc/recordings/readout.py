@@ -29,13 +29,14 @@ from fprc.provenance import sha256
 from fprc.recordings.answer import answer_recordings
 from fprc.recordings.clock import rate_of
 from fprc.recordings.gather import gather
-from fprc.recordings.import_recording import is_imported, resampled, write_log
+from fprc.recordings.import_recording import is_imported, write_log
 from fprc.recordings.importing import read_map
 from fprc.recordings.judge import judge
 from fprc.recordings.memory import draw_memory, judge_memory
 from fprc.recordings.paper_models import MODELS, judge_claims, judge_models, sentences
 from fprc.recordings.picture import draw_recording
-from fprc.recordings.readout_page import Recorded, rates_in_words, report_page
+from fprc.recordings.readout_page import Recorded, report_page
+from fprc.recordings.resample import resample
 from fprc.recordings.table import read_table
 from fprc.registry import SIDES
 
@@ -104,7 +105,10 @@ def report_readout(
         for k, path in enumerate(train, 2)
     }
     gathered = {name: gather(tables[path], part) for name, (path, part) in parts.items()}
-    logs = {name: resampled(one, rate_hz, parts[name][0]) for name, one in gathered.items()}
+    logs = {
+        name: resample(one.time_s, one.channels, rate_hz, parts[name][0])
+        for name, one in gathered.items()
+    }
     lengths = [len(time_s) for time_s, _ in logs.values()]
     theta, p_o, p_exp = (
         np.concatenate([channels[name] for _, channels in logs.values()])
@@ -117,7 +121,6 @@ def report_readout(
             f"{source}: {sum(lengths) / rate_hz:.3g} s are too short to judge anything; at least "
             f"{WARM_UP_S + LEAST_BLOCKS * PURGES * PURGE_S:g} s are needed"
         )
-    print(rates_in_words(recorded_hz, rate_hz, settings), file=sys.stderr)
     raw = {name: folder / f"raw/{name}.h5" for name in parts}
     for log in raw.values():
         refuse_output(log, ".h5", ours=is_imported)
@@ -131,7 +134,7 @@ def report_readout(
         report = described | _judge(recordings, settings, unit)
         write_json(answered, report)
         draw_memory(report["memory"], str(folder / "readout/memory.png"))
-        write_text(page, report_page(recorded, map_, settings, report, recorded_hz, rate_hz))
+        write_text(page, report_page(recorded, map_, settings, report, rate_hz))
         doubts = [f"Doubtful: {line}" for one in recorded.values() for line in one.found.doubts]
         lines = [report["answer"]["words"], *doubts, *sentences(report["claims"]), str(page)]
         print("\n".join(lines))

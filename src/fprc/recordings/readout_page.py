@@ -1,6 +1,6 @@
 """Page of `fprc readout`: the answer, what it rests on, and the paper's models, in words."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 
 from fprc.config import from_files
-from fprc.evaluation.rates import settings_at
 from fprc.evaluation.sides import SHIFTS
 from fprc.paper import SOURCES
 from fprc.recordings.answer import MARGIN, family_title
@@ -34,7 +33,6 @@ def report_page(
     map_file: str,
     settings: Mapping[str, Any],
     report: Mapping[str, Any],
-    recorded_hz: Sequence[float],
     rate_hz: float,
 ) -> str:
     """Return the report as Markdown, with links to the pictures of each recording, by file."""
@@ -69,6 +67,8 @@ def report_page(
         }
         for cell in report["cells"]
     )
+    default = from_files([]).model_dump(mode="json")["models"] == settings["models"]
+    own = "the paper's" if default else "the paper's, except for those given"
     lines = [
         f"# Is P_o worth a second sensor in {names}?",
         f"**{verdict}**:{rest}",
@@ -92,7 +92,8 @@ def report_page(
         *(f"- {line}" for line in memory_in_words(report["memory"])),
         "![memory and capacity of P_o](readout/memory.png)",
         "## The paper's models",
-        rates_in_words(recorded_hz, rate_hz, settings),
+        f"Settings are {own}; those that count samples are scaled to {rate_hz:g} Hz, the rate of "
+        "the models. Taps keep their number.",
         *(f"- {line}" for line in sentences(report["claims"])),
         "Each ratio is the geometric mean over blocks; below 1 it favours FPRC. The chance that "
         "any of these verdicts is wrong is kept at 5 % (Holm).",
@@ -105,24 +106,3 @@ def report_page(
         lines += [f"- {word}" for word in (*one.found.words, *one.recording.notes)]
         lines += [f"![it](raw/recording_{number}.png)"]
     return "\n\n".join(lines) + "\n"
-
-
-def rates_in_words(
-    recorded_hz: Sequence[float], rate_hz: float, settings: Mapping[str, Any]
-) -> str:
-    """Return the rates of recordings and models, and which settings of the models are changed."""
-    recorded = ", ".join(f"{hz:g}" for hz in dict.fromkeys(recorded_hz))
-    line = f"Sample rates: recorded at {recorded} Hz; the models use {rate_hz:g} Hz."
-    before, after = settings["models"], settings_at(settings, rate_hz)["models"]
-    if before != from_files([]).model_dump(mode="json")["models"]:
-        line += " Settings are as in the paper, except for those given."
-    if before == after:
-        return f"{line} Settings in samples are for that rate: none was scaled."
-    changes = [
-        f"{section}.{key} {before[section][key]:g} to {after[section][key]:.4g}"
-        for section, key in (("fprc", "epsilon"), ("esn", "gamma"), ("esn", "washout"))
-    ]
-    return (
-        f"{line} Settings in samples were scaled to the same time: {', '.join(changes)}; taps keep "
-        "their number."
-    )

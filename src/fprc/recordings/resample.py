@@ -20,7 +20,7 @@ _HALF_TAPS = (STOP_DB - 7.95) / (2.285 * math.pi * (STOP - PASS)) / 2.0
 
 
 def resample(
-    time_s: np.ndarray, channels: Mapping[str, np.ndarray], rate_hz: float
+    time_s: np.ndarray, channels: Mapping[str, np.ndarray], rate_hz: float, path: object = ""
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return times and channels on a uniform grid that begins at the first sample.
 
@@ -33,44 +33,31 @@ def resample(
     flat up to 0.8 of the new Nyquist frequency and at -70 dB above it; then every n-th sample is
     kept. For the low-pass, the recording is extended by point reflection in each of its end points.
 
-    Parameters
-    ----------
-    time_s : ndarray of shape (n_samples,)
-        Time stamps, increasing.
-    channels : Mapping
-        Arrays of shape (n_samples,).
+    Raises
+    ------
+    LogError
+        The recording is shorter than a sample, or takes more than ``MOST_POINTS``.
     """
-    factor, aligned = _refinement(time_s, rate_hz)
-    samples = math.floor((time_s[-1] - time_s[0]) * rate_hz + 1e-6) + 1
+    span_s, factor, aligned = float(time_s[-1] - time_s[0]), 0, False
+    with np.errstate(all="ignore"):
+        k = int(np.argmax(np.diff(time_s)))
+        if rate_of(time_s) < 1e9 * rate_hz:  # else the time stamps are nearly equal
+            factor, aligned = _refinement(time_s, rate_hz)
+        points = factor * (span_s * rate_hz + 2.0 * _HALF_TAPS)
+    if not (span_s * rate_hz >= 1.0 and 0.0 < points <= MOST_POINTS):
+        raise LogError(
+            f"{path}: {span_s:.4g} s at sample_rate_hz = {rate_hz:g} are {span_s * rate_hz:.4g} "
+            f"samples, {points:.2g} while resampled; must be from 1 to {MOST_POINTS:.2g}: check "
+            "time.unit, start_s and end_s, and the clock, whose longest step is from "
+            f"{time_s[k]:.10g} to {time_s[k + 1]:.10g} s"
+        )
+    samples = math.floor(span_s * rate_hz + 1e-6) + 1
     fine_s = time_s[0] + np.arange((samples - 1) * factor + 1) / (factor * rate_hz)
     resampled = {}
     for name, values in channels.items():
         fine = values[: len(fine_s)] if aligned else np.interp(fine_s, time_s, values)
         resampled[name] = np.array(fine) if factor == 1 else _lowpass(fine, factor)[::factor]
     return time_s[0] + np.arange(samples) / rate_hz, resampled
-
-
-def refuse_length(path: object, time_s: np.ndarray, rate_hz: float) -> None:
-    """Check, before resampling, that a recording is neither too short nor too long.
-
-    Raises
-    ------
-    LogError
-        It is; the message says where its clock has the longest step.
-    """
-    points = 0.0
-    with np.errstate(all="ignore"):
-        samples = time_s[-1] * rate_hz
-        if rate_of(time_s) < 1e9 * rate_hz:  # else the time stamps are nearly equal
-            points = _refinement(time_s, rate_hz)[0] * (samples + 2.0 * _HALF_TAPS)
-    k = int(np.argmax(np.diff(time_s)))
-    if not (samples >= 1.0 and 0.0 < points <= MOST_POINTS):
-        raise LogError(
-            f"{path}: {time_s[-1]:.4g} s at sample_rate_hz = {rate_hz:g} are {samples:.4g} "
-            f"samples, {points:.2g} while resampled; must be from 1 to {MOST_POINTS:.2g}: check "
-            "time.unit, start_s and end_s, and the clock, whose longest step is from "
-            f"{time_s[k]:.10g} to {time_s[k + 1]:.10g} s"
-        )
 
 
 def _refinement(time_s: np.ndarray, rate_hz: float) -> tuple[int, bool]:
