@@ -20,18 +20,19 @@ def settings():
     return Settings().model_dump(mode="json")
 
 
-def test_every_name_can_be_planned(settings, fprc_file):
+def test_every_name_can_be_planned_and_only_the_disturbance_asks_to_push(settings, fprc_file):
     for name in names(settings):
         experiment = plan(name, settings, fprc_file)
-        assert experiment.attributes["experiment"] == name
-        assert experiment.attributes["source"] == "rig"
-        assert experiment.attributes["rig"]["hardware"] == settings["hardware"]
+        described = experiment.attributes
+        assert (described["experiment"], described["source"]) == (name, "rig")
+        assert described["rig"]["hardware"] == settings["hardware"]
         row = experiment.law(0, NOW)
         assert len(RAW_CHANNELS) + len(row) - 2 == len(experiment.channels)
         assert np.isfinite(row).all()
         experiment.law(experiment.samples - 1, NOW)
         with pytest.raises(IndexError):
             experiment.law(experiment.samples, NOW)
+        assert bool(experiment.hint) is name.startswith("track_disturbance_")
 
 
 @pytest.mark.parametrize(
@@ -58,29 +59,9 @@ def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feed
     experiment = plan("track_sine_0p5_pd", settings, "/nowhere/fprc.h5")
     assert experiment.channels == (*RAW_CHANNELS, *TRACKING_CHANNELS)
     now = NOW._replace(theta_deg=0.0)
-    rows = [experiment.law(k, now)[2:] for k in range(2)]
-    (theta_d, *_), (_, p_ff, p_fb) = rows
+    (theta_d, *_), (_, p_ff, p_fb) = [experiment.law(k, now)[2:] for k in range(2)]
     assert p_ff == 0.0
     assert p_fb == pytest.approx(2.0 * theta_d * (2 if feedback == "incremental" else 1))
-
-
-def test_only_the_disturbance_asks_the_person_to_push(settings, fprc_file):
-    hints = {name: plan(name, settings, fprc_file).hint for name in names(settings)}
-    quiet_s = settings["tracking"]["pushes"]["quiet_s"]
-    for name, hint in hints.items():
-        pushed = name.startswith("track_disturbance_")
-        assert hint == (f"push the reservoir by hand from {quiet_s:g} s on" if pushed else "")
-
-
-@pytest.mark.parametrize("armed", [True, False])
-@pytest.mark.parametrize("controller", ["fprc", "fprc_pd"])
-def test_law_without_the_feedforward_of_its_name_does_not_start(
-    settings, tmp_path, monkeypatch, controller, armed
-):
-    monkeypatch.setattr("fprc.apparatus.record_on_rig.guard", None)
-    name = f"track_sine_0p2_{controller}"
-    with pytest.raises(ControlError, match=f"{controller} needs a fitted fprc .*; give --model"):
-        record_on_rig(str(tmp_path / "raw.h5"), name=name, settings=settings, armed=armed)
 
 
 @pytest.fixture(scope="module")
@@ -96,22 +77,24 @@ def files(fprc_file, recorded, tmp_path_factory):
     for name, (model, count) in fitted.items():
         model.fit(inputs[:, :count], log["p_exp_command_kpa"])
         save_model(model, folder / f"{name}.h5")
-    return {"FPRC": fprc_file} | {name: str(folder / f"{name}.h5") for name in fitted}
+    return {"": "", "FPRC": fprc_file} | {name: str(folder / f"{name}.h5") for name in fitted}
 
 
+@pytest.mark.parametrize("armed", [True, False])
 @pytest.mark.parametrize(
     ("file", "message"),
-    [("Fuzzy-linear", "FuzzyLinear.* FPRC"), ("features", "TapFeatures.* FPRC"),
+    [("", "fprc_pd needs a fitted fprc .*; give --model"), ("Fuzzy-linear", "FuzzyLinear.* FPRC"),
+     ("features", "TapFeatures.* FPRC"),
      ("FPRC of three inputs", "3 inputs.* 2, theta_deg and p_o_kpa")],
 )  # fmt: skip
 def test_model_that_is_not_the_one_in_the_name_of_the_log_is_refused_before_anything_starts(
-    settings, files, tmp_path, monkeypatch, file, message
+    settings, files, tmp_path, monkeypatch, file, message, armed
 ):
     monkeypatch.setattr("fprc.apparatus.record_on_rig.guard", None)
-    name = "track_sine_0p2_fprc_pd"
-    given = {"name": name, "settings": settings, "armed": True, "model": files[file]}
-    with pytest.raises(ConfigError, match=rf"{files[file]}, .*{name}.* {message}"):
-        record_on_rig(str(tmp_path / "raw" / "log.h5"), **given)
+    given = {"name": "track_sine_0p2_fprc_pd", "settings": settings, "model": files[file]}
+    with pytest.raises((ConfigError, ControlError), match=message) as caught:
+        record_on_rig(str(tmp_path / "raw" / "log.h5"), armed=armed, **given)
+    assert files[file] in str(caught.value)
     assert not list(tmp_path.iterdir())
 
 
