@@ -1,6 +1,10 @@
 import fcntl
 import os
 import re
+import resource
+import subprocess
+import sys
+from functools import partial
 from pathlib import Path
 
 import h5py
@@ -246,6 +250,15 @@ def test_wrong_channel_is_named_with_what_is_wrong(path, monkeypatch, change, me
         return
     (line,) = problem(path, *asked).splitlines()
     assert line.startswith(f"{path}: channel {message}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gigabytes", [2.0, 3.0, 3.9])
+def test_log_is_read_where_the_memory_of_a_process_is_limited(path, gigabytes):
+    size = int(gigabytes * 2**30)
+    code = f"from fprc.logs import read_columns; read_columns({str(path)!r}, {NAMES!r})"
+    limit = partial(resource.setrlimit, resource.RLIMIT_AS, (size, size))
+    subprocess.run([sys.executable, "-c", code], preexec_fn=limit, check=True)
 
 
 def test_log_without_samples_is_refused(tmp_path):
