@@ -91,8 +91,7 @@ class _Process(subprocess.Popen[bytes]):
 def _supervise(process: _Process, hardware: Mapping[str, Any], received: Sequence[int]) -> str:
     """Watch the process until it has ended, and vent if it did not; return what went wrong."""
     end = _watch(process, hardware["loop"])
-    killed = end in ("silent", "stuck")
-    if killed:
+    if end == "silent":
         process.kill()
     # vent before waiting for the end of the process: until then the valves hold their voltages
     vented = "" if end == "safe" else vent_until_shown(hardware, received)
@@ -102,25 +101,22 @@ def _supervise(process: _Process, hardware: Mapping[str, Any], received: Sequenc
             f"({process.pid}) does not end: IT MAY STILL OPEN A VALVE. Cut the supply and open the "
             "chambers by hand, then restart the computer"
         )
-    if killed:
+    if end == "silent":
         # again: the last driver call of the killed process may have come after the venting
         vented = vent_until_shown(hardware, received)
     if end == "safe":
         return f"failed (exit code {code}); see its messages above" if code else ""
-    how = {
-        "gone": f"ended with code {code} before it released the rig",
-        "silent": "stopped responding before it released the rig, and was killed",
-        "stuck": f"had not opened the boards after {hardware['loop']['opening_s']:g} s "
-        "(hardware.loop.opening_s) and was killed",
-    }
+    how = f"ended with code {code} before it released the rig"
+    if end == "silent":
+        how = "was silent for too long (hardware.loop.stalled_s, opening_s), and was killed"
     return (
-        f"{how[end]}; {vented}; if a run had begun, its samples are in the journal beside its log: "
+        f"{how}; {vented}; if a run had begun, its samples are in the journal beside its log: "
         "fprc log repair"
     )
 
 
 def _watch(process: _Process, loop: Mapping[str, float]) -> str:
-    """Wait for the end of the process; return ``safe``, ``gone``, ``silent`` or ``stuck``.
+    """Wait for the end of the process; return ``safe``, ``gone`` or ``silent``.
 
     Silence is limited to ``opening_s`` after ``OPENING``, since a driver may take seconds to open a
     board, and to ``stalled_s`` after ``ARMED``. It is counted in timeouts, not by a clock: a
@@ -134,7 +130,7 @@ def _watch(process: _Process, loop: Mapping[str, float]) -> str:
         if chunk is None:
             silent += 1
             if silent * BEAT_S >= limits_s[state]:
-                return "stuck" if state == OPENING else "silent"
+                return "silent"
             continue
         if not chunk:
             return "safe" if state == SAFE else "gone"
