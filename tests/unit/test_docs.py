@@ -115,39 +115,3 @@ def test_python_of_a_page_is_run_by_a_test_or_listed(page):
     assert len(blocks) == len(BLOCKS.get(page, []))
     for test in filter(re.compile("tests/").match, BLOCKS.get(page, [])):
         assert Path(page).name in (ROOT / test).read_text("utf-8")
-
-
-BEYOND = "beyond.md", "beyond-details.md", "benchmark.md"
-
-
-def rows_of(block):
-    """Return the rows of a generated table, by their first cells, as {column: cell}."""
-    pages = "".join((ROOT / "docs" / name).read_text("utf-8") for name in BEYOND)
-    text = pages.partition(f"<!-- {block}: generated -->")[2]
-    lines = [
-        line.split("|")[1:-1] for line in text.partition("<!--")[0].splitlines() if "|" in line
-    ]
-    heads, _, *rows = [[cell.strip() for cell in line] for line in lines]
-    # of several rows of a model the first counts
-    return {row[0]: dict(zip(heads, row, strict=True)) for row in reversed(rows)}
-
-
-@pytest.mark.parametrize(
-    ("sentence", "block", "cells"),
-    [
-        (r"feedback FPRC\+PD is (\S+) deg off and Fuzzy-linear\+PD (\S+) on the default",
-         "beyond_models", [("FPRC", "Closed loop [deg]"), ("Fuzzy-linear", "Closed loop [deg]")]),
-        (r"same motions (\S+) times the error .* another motion (\S+) times",
-         "beyond_worth", [("unseen parts of the same motions", "paper"),
-                          ("another motion", "paper")]),
-        (r"FPRC has (\S+) times the error of the best other model",
-         "beyond_worth", [("FPRC over the best other model with P_o", "paper")]),
-    ],
-)  # fmt: skip
-def test_numbers_of_a_sentence_are_those_of_the_generated_table(sentence, block, cells):
-    """A sentence may round its number."""
-    rows = rows_of(block)
-    printed = [re.search(r"\d+\.\d+", rows[row][column])[0] for row, column in cells]
-    text = " ".join((ROOT / "docs" / BEYOND[0]).read_text("utf-8").split())
-    for written, mean in zip(re.search(sentence, text).groups(), printed, strict=True):
-        assert written == f"{float(mean):.{len(written.partition('.')[2])}f}"
