@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from fprc.artifacts import write_csv
 from fprc.config import Settings
 from fprc.experiments.hysteresis import acquire
 from fprc.figures import style
@@ -119,9 +120,11 @@ def figures(monkeypatch):
     """Figures in the order in which they would be saved, each with its data; closed at the end."""
     saved = []
 
-    def save(fig, data, *files):
+    def save(fig, data, *files, table=None):
         fig.data = data
         saved.append(fig)
+        if table is not None:
+            write_csv(files[-1], table)
 
     monkeypatch.setattr(style, "save", save)
     yield saved
@@ -132,9 +135,11 @@ def figures(monkeypatch):
 def undrawn(monkeypatch):
     """Save empty pictures: to draw them takes longer than all else."""
 
-    def touch(fig, data, *files):
+    def touch(fig, data, *files, table=None):
         for file in files:
             Path(file).touch()
+        if table is not None:
+            write_csv(files[-1], table)
         style.plt.close(fig)
 
     monkeypatch.setattr(style, "save", touch)

@@ -17,9 +17,10 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
+from pandas import DataFrame
 
 from fprc import escape
-from fprc.artifacts import replacing
+from fprc.artifacts import replacing, write_csv
 
 #: Widths of a column and of a page of the journal, inches.
 COLUMN_IN, PAGE_IN = 3.5, 7.16
@@ -153,7 +154,7 @@ _ORIGINS = {
 _LEFT_OUT = {".pdf": {"CreationDate": None}, ".png": {"Software": None}}
 
 
-def save(fig: Figure, data: Mapping[str, Any], *files: str) -> None:
+def save(fig: Figure, data: Mapping[str, Any], *files: str, table: DataFrame | None = None) -> None:
     """Write a figure to PDF and PNG files, marked with the source of its data.
 
     The same figure gives the same bytes: no creation date is written.
@@ -164,26 +165,23 @@ def save(fig: Figure, data: Mapping[str, Any], *files: str) -> None:
         Attributes of the data: ``source`` of a log, and ``seed`` where it is simulated, or
         ``seeds`` of several simulated rigs.
     *files : str
-        Files to write, ending in .pdf or .png.
+        Files to write, ending in .pdf or .png, and in .csv for ``table``.
+    table : DataFrame, optional
+        The statistics that the figure shows.
     """
     origin = "simulated rigs" if "seeds" in data else _ORIGINS[data["source"]].format_map(data)
     fig.supxlabel(origin, x=0.99, ha="right", fontsize=MARK_PT, color="0.45")
     with warnings.catch_warnings():
         # names from files may have characters that the font lacks; each is drawn as a box
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-        fix_layout(fig)
+        fig.draw_without_rendering()
+        fig.set_layout_engine("none")
+        for ax in fig.axes:  # the last digits differ by process, and would change a pixel
+            ax.set_position(np.round(ax.get_position(original=True).bounds, 6).tolist())
         for path in map(Path, files):
+            if table is not None and path.suffix == ".csv":
+                write_csv(path, table)
+                continue
             with replacing(path) as temporary:
                 fig.savefig(temporary, metadata=_LEFT_OUT[path.suffix])
     plt.close(fig)
-
-
-def fix_layout(fig: Figure) -> None:
-    """Lay the figure out once, and round the positions of its axes.
-
-    Their last digits differ from process to process, which would sometimes change a pixel.
-    """
-    fig.draw_without_rendering()
-    fig.set_layout_engine("none")
-    for ax in fig.axes:
-        ax.set_position(np.round(ax.get_position(original=True).bounds, 6).tolist())

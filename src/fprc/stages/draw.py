@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.artifacts import read_json, write_csv
+from fprc.artifacts import read_json
 from fprc.config import PUBLISHED
 from fprc.experiments.data import read_data
 from fprc.experiments.grids import weight_shares
@@ -38,9 +38,8 @@ def draw_training(fits: str, predictions: str, fig8: Sequence[str]) -> None:
     names = ("time_s", "p_target_kpa", "p_ff_kpa")
     logs = {"train": read_columns(fits, names), "test": read_columns(predictions, names)}
     table = loops.fit_errors(logs)
-    *pictures, csv = fig8
-    write_csv(csv, table)
-    style.save(loops.draw_training(logs, table), logs["train"].attributes, *pictures)
+    fig = loops.draw_training(logs, table)
+    style.save(fig, logs["train"].attributes, *fig8, table=table)
 
 
 def draw_weights(train: str, fig9: Sequence[str], *, validation: Mapping[str, Any]) -> None:
@@ -49,9 +48,7 @@ def draw_weights(train: str, fig9: Sequence[str], *, validation: Mapping[str, An
     described = {"source": data.attributes["source"], "seed": validation["seed"]}
     shares = described | weight_shares(data, CrossValidation(**validation))
     table = weights.weight_shares(shares, read_yaml(PUBLISHED))
-    *pictures, csv = fig9
-    write_csv(csv, table)
-    style.save(weights.draw_shares(table), described, *pictures)
+    style.save(weights.draw_shares(table), described, *fig9, table=table)
 
 
 def draw_grids(
@@ -71,14 +68,11 @@ def draw_grids(
         "c": grid_figures.times_over_n_c(read_json(times)),
     }
     panels = {panel: table for panel, table in panels.items() if not table.empty}
-    *pictures, csv = fig10
-    write_csv(csv, pd.concat(panels, names=["panel"]).reset_index("panel"))
+    shown = pd.concat(panels, names=["panel"]).reset_index("panel")
     spread = f"± std over {'seeds' if several else 'folds'}"
-    style.save(grid_figures.draw_settings(panels, spread), marks, *pictures)
+    style.save(grid_figures.draw_settings(panels, spread), marks, *fig10, table=shown)
     if fig11:
-        *pictures, csv = fig11
         table = grid_figures.grid_errors(reports, "taps")
-        write_csv(csv, table)
         printed = read_yaml(PUBLISHED)["table_1_configuration"]
         papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
-        style.save(grid_figures.draw_taps(table, papers), marks, *pictures)
+        style.save(grid_figures.draw_taps(table, papers), marks, *fig11, table=table)

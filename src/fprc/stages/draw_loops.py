@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fprc.artifacts import write_csv
 from fprc.config import PUBLISHED
 from fprc.config.settings import Quality
 from fprc.errors import LogError
@@ -75,20 +74,16 @@ def _draw(
     }
     shown = [run for pair in pairs.values() for run in pair]
     for name, pair in pairs.items():
-        *pictures, csv = figures[name]
         table = tracking.error_summary(pair)
-        write_csv(csv, table)
         limit = 1.05 * tracking.error_summary(shown)["max_abs_error_deg"].max()
         fig = loops.draw_following(pair, shown, table["rmse_deg"], limit)
-        style.save(fig, pair[1].attributes, *pictures)
+        style.save(fig, pair[1].attributes, *figures[name], table=table)
     if "fig16" in figures:
         both = {name: [logs[name, loop] for loop in ("pd", "fprc_pd")] for name in LOOPS}
         attributes = both[LOOPS[0]][0].attributes
         style.save(loops.draw_reference_loops(both), attributes, *figures["fig16"])
     if "fig17" in figures:
         log = logs[DISTURBANCE, "fprc_pd"]
-        *pictures, csv = figures["fig17"]
         table = tracking.error_summary([log])
-        write_csv(csv, table)
-        (errors,) = table.itertuples()
-        style.save(loops.draw_disturbance(log, quiet_s, errors), log.attributes, *pictures)
+        fig = loops.draw_disturbance(log, quiet_s, next(table.itertuples()))
+        style.save(fig, log.attributes, *figures["fig17"], table=table)
