@@ -31,12 +31,6 @@ SIMULATED = {
 }
 
 
-def in_mm(mapping: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the map of a recording in um with its displacement in mm."""
-    theta = {**mapping["channels"]["theta_deg"], "scale": 1e3, "note": "displacement x [mm]"}
-    return {**mapping, "channels": {**mapping["channels"], "theta_deg": theta}}
-
-
 def readout(*asked: str, mapping: Mapping[str, Any]) -> dict[str, Any]:
     """Run `fprc readout` in an empty folder and return its report on the models."""
     with tempfile.TemporaryDirectory() as folder:
@@ -72,7 +66,6 @@ def recordings(datasets: Path, folder: str) -> Iterator[tuple[str, list[str], di
     for dataset, file in FILES.items():
         mapping = yaml.safe_load((ROOT / f"config/maps/{dataset}.yaml").read_text("utf-8"))
         yield f"`{dataset}`", [str(datasets / dataset / file)], mapping
-    yield f"`{dataset}`, in mm", [str(datasets / dataset / file)], in_mm(mapping)
     test, train = (str(Path(folder, f"{experiment}.h5")) for experiment in ("complex", "sweep"))
     for log in (test, train):
         main(["simulate", Path(log).stem, "--out", log])

@@ -67,7 +67,7 @@ def test_pause_in_the_recording_does_not_switch_the_filter_off():
 
 
 @given(
-    samples=st.integers(2, 400),
+    samples=st.integers(70, 400),
     source_hz=st.floats(5.0, 3000.0),
     rate_hz=st.sampled_from([50.0, 200.0, 1000.0]),
     start_s=st.floats(-10.0, 10.0),
