@@ -68,13 +68,7 @@ class Prepared(NamedTuple):
     y: Mapping[str, np.ndarray]  #: P_exp of each log, kPa
 
     def readout(self, log: str, part: Any = slice(None), **changed: Any) -> BaseEstimator:
-        """Return the readout, fitted to a log or to a ``part`` of its rows.
-
-        Parameters
-        ----------
-        **changed
-            Parameters of the readout that differ from the model's.
-        """
+        """Return the readout, with parameters changed, fitted to a log or a part of its rows."""
         with refusals_of(self.model):
             unfitted = self.model.make_readout().set_params(**changed)
             return unfitted.fit(self.rows[log][part], self.y[log][part])
@@ -114,13 +108,7 @@ def prepare(model: SequenceModel, logs: Mapping[str, Samples]) -> Prepared:
 
 
 def learn(model: SequenceModel, samples: Samples, folds: Sequence[Fold]) -> CrossValidated:
-    """Cross-validate a model on one log; of a ridge regression's features a block is in memory.
-
-    Raises
-    ------
-    EvaluationError
-        As ``evaluate`` raises it.
-    """
+    """Cross-validate a model on one log; of a ridge regression's features a block is in memory."""
     X, y, *lengths = samples
     if not isinstance(model.make_readout(), RidgeReadout) or not _is_partition(folds, len(y)):
         return prepare(model, {"train": samples}).cross_validated("train", folds)

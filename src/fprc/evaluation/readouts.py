@@ -28,12 +28,8 @@ class BlockReadouts:
 
     Parameters
     ----------
-    model : SequenceModel
-        Its readout is a ridge or a Takagi-Sugeno readout.
-    X : ndarray of shape (n_samples, n_inputs)
-    y : ndarray of shape (n_samples,)
-    lengths : sequence of int
-        Samples of each recording.
+    X, y, lengths
+        Inputs, targets, and samples of each recording.
     folds : sequence of (ndarray, ndarray)
         Training rows and rows of each block, see ``folds.split_blocks``.
     alphas : sequence of float

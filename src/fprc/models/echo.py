@@ -121,7 +121,7 @@ def echo_states(
     X: np.ndarray, state: np.ndarray, w_in: np.ndarray, W_r: np.ndarray, gamma: float,
     states: np.ndarray,
 ) -> None:  # fmt: skip
-    """Compute x(k) of Eq. (3) for each sample.
+    """Compute x(k) of Eq. (3) for each sample of a log, into the rows of ``states``.
 
     A step reads all of W_r and is limited by memory bandwidth. The log is therefore cut into
     segments that advance together and share each read of W_r. All but the first segment start
@@ -129,16 +129,8 @@ def echo_states(
     of their predecessor, until their states equal those of the first run. A network that does
     not forget within a segment is run sample by sample.
 
-    Parameters
-    ----------
-    X : ndarray of shape (n_samples, n_inputs)
-    state : ndarray of shape (2, r)
-        x and tanh(w_in theta + W_r x) of the sample before, zeros before the first one; moved on,
-        in place, to those of the last sample.
-    w_in : ndarray of shape (r, n_inputs)
-    W_r : ndarray of shape (r, r)
-    states : ndarray of shape (n_samples, r)
-        Overwritten with x(k).
+    ``state``, of shape (2, r), has x and tanh(w_in theta + W_r x) of the sample before, zeros
+    before the first one; it is moved on, in place, to those of the last sample.
     """
     length = len(X) // LANES
     done = LANES * length
@@ -159,11 +151,8 @@ def update(
 ) -> None:  # fmt: skip
     """Advance the state ``x`` by one sample with input ``u``, in place (Eq. 3).
 
-    Parameters
-    ----------
-    target : ndarray of shape (r,)
-        tanh(w_in theta + W_r x) of the previous sample; overwritten with this sample's. At the
-        first sample it equals ``x``, so that ``x`` does not change.
+    ``target`` is tanh(w_in theta + W_r x) of the previous sample; overwritten with this sample's.
+    At the first sample it equals ``x``, so that ``x`` does not change.
     """
     excite(W_r, x, w_in, u, target, float(gamma))
     np.tanh(target, out=target)
