@@ -113,20 +113,10 @@ def vent(
     changed since the first reading: a frozen one proves nothing. The valves are written again
     before each reading, because the board may fail for a moment.
 
-    Parameters
-    ----------
-    open_inputs : callable
-        Returns the input board; called again after a DeviceError.
-    on_write : callable
-        Called after each write to the valves with its error; empty if it succeeded.
-
-    Raises
-    ------
-    NotVentedError
-        ``vent_s`` after the first successful write, no reading shows that both chambers are
-        vented.
-    DeviceError
-        Every write to the valves has failed for ``vent_s``.
+    ``open_inputs`` is called again after a DeviceError; ``on_write`` after each write to the valves
+    with its error, empty if it succeeded. NotVentedError: ``vent_s`` after the first successful
+    write, no reading shows that both chambers are vented. DeviceError: every write has failed for
+    ``vent_s``.
     """
     began_s, longest_s = now(), voltages["vent_s"]
     written_s: float | None = None

@@ -48,8 +48,6 @@ def _page(path: str, record: Mapping[str, Any]) -> list[str]:
     for name, check in checks.items():
         result = "ok" if check["passed"] else "FAILED"
         lines.append(f"  {name:21} {result:6} {check['finding']}".rstrip())
-    if "no_checksum" in record:
-        lines.append(f"  {'without checksum':28} {', '.join(record['no_checksum'])}")
     for channel, note in record.get("notes", {}).items():
         lines.append(f"  {channel:28} {note}")
     if statistics := record.get("loop"):

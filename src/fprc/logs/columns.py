@@ -37,7 +37,6 @@ class Columns(NamedTuple):
     path: Path
     channels: dict[str, np.ndarray]
     attributes: dict[str, Any]
-    unchecked: tuple[str, ...] = ()  #: names of channels without a checksum
     names: frozenset[str] = frozenset()  #: of all its channels, read or not
 
 
@@ -133,9 +132,8 @@ def gather_columns(
         values, wrong = read_attributes(file.attrs)
         missing = [name for name in attributes if name not in file.attrs]
         wrong += [f"attribute {name}: missing; see data/raw/README.md" for name in missing]
-        unchecked = tuple(name for name in channels if not file[name].fletcher32)
     found = [f"{path}: {problem}" for problem in problems + wrong]
-    return Columns(Path(path), channels, values, unchecked, present), found
+    return Columns(Path(path), channels, values, present), found
 
 
 def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:

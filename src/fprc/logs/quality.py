@@ -20,14 +20,10 @@ def assess(log: Columns, limits: "Quality", sample_rate_hz: float) -> dict[str, 
     Each check has ``passed``, the ``finding`` in words, the measured numbers, and the limit. A
     failed check is recorded and printed, and does not stop the workflow. A check skips channels
     that an import left out, or that hold another quantity. ``loop`` has the statistics of a real
-    rig's control loop, ``no_checksum`` the channels in which damage would go unnoticed.
+    rig's control loop.
     """
     outside = _outside(log, limits)
-    more = {
-        "loop": log.attributes.get("statistics"),
-        "notes": log.attributes.get("notes"),
-        "no_checksum": list(log.unchecked),
-    }
+    more = {"loop": log.attributes.get("statistics"), "notes": log.attributes.get("notes")}
     return {
         "log": log.path.name,
         "experiment": log.attributes["experiment"],
