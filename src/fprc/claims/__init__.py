@@ -1,4 +1,4 @@
-"""The paper's claims C1-C19, tested on result files; verdicts are computed, never typed."""
+"""The paper's claims C1 to C22, tested on result files; verdicts are computed, never typed."""
 
 from pathlib import Path
 

@@ -482,19 +482,15 @@ def test_every_claim_is_reproduced_where_it_holds(ideal):
     assert verdicts(ideal) == EXPECTED
 
 
-def test_ids_are_unique_and_in_order_and_texts_are_those_of_the_published_claims(ideal):
+def test_ids_are_unique_and_texts_are_those_of_the_published_claims_without_nan(ideal):
     rows = judged(ideal)
-    numbers = [int(row["id"].lstrip("C").rstrip("abcde")) for row in rows]
-    assert numbers == sorted(numbers)
-    assert len({row["id"] for row in rows}) == len(rows)
-    whole = {claim["id"]: claim["text"] for claim in PUBLISHED["claims"]}
     own = {row["id"]: row["claim"] for row in rows}
+    assert len(own) == len(rows)
+    whole = {claim["id"]: claim["text"] for claim in PUBLISHED["claims"]}
     assert all(text.startswith(own[name]) for name, text in whole.items() if name in own)
-    # and no text shows NaN or a type of NumPy
     for row in rows:
-        for text in (row[key] for key in row if key not in ("statements", "shown_in")):
-            assert type(text) is str
-            assert not {"nan", "inf", "np.float64"} & set(text.replace("(", " ").split()), row
+        texts = " ".join(row[key] for key in row if key not in ("statements", "shown_in"))
+        assert not {"nan", "inf", "np.float64"} & set(texts.replace("(", " ").split()), row
 
 
 @pytest.mark.parametrize(
