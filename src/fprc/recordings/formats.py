@@ -96,8 +96,14 @@ def read_hdf5(path: Path) -> Parts:
         if isinstance(member, h5py.Dataset):
             found.extend(_of_dataset(name, member))
 
+    def name_link(name: str, link: Any) -> None:
+        if not isinstance(link, h5py.HardLink):
+            where = getattr(link, "filename", "") or link.path
+            found.append((name, f"a link to {where}, which is not followed"))
+
     with open_hdf5(path) as file:
         file.visititems(visit)
+        file.visititems_links(name_link)
     yield from found
 
 

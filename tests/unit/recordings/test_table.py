@@ -142,7 +142,7 @@ def test_what_is_no_column_of_hdf5_leaves_the_others(written, tmp_path):
         file["who"] = "me"
         file["rate"] = 100.0
         file["none"] = h5py.Empty("f8")
-        file["outside"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/y")  # is not followed
+        file["outside"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/y")
         layout = h5py.VirtualLayout((3,), "f8")
         layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "y", (3,))
         file.create_virtual_dataset("virtual", layout)
@@ -155,7 +155,7 @@ def test_what_is_no_column_of_hdf5_leaves_the_others(written, tmp_path):
         ("group/x", "on", "row"), (5,)
     )
     assert set(table.others) == {
-        "video", "who", "rate", "none", "virtual", "raw", "huge", "part",
+        "video", "who", "rate", "none", "outside", "virtual", "raw", "huge", "part",
     }  # fmt: skip
 
 
