@@ -32,7 +32,7 @@ from fprc.studies.calibration.objective import (
     properties,
     targets,
 )
-from fprc.studies.calibration.search import search_round
+from fprc.studies.calibration.search import Found, search_round
 from fprc.studies.calibration.space import Free, decode, free_parameters
 from fprc.studies.calibration.surrogate import judge_by_surrogate, judge_fully
 
@@ -165,12 +165,12 @@ class _Fit(NamedTuple):
     first: int  #: seed of the first draw
     full_seeds: int
 
-    def loss(self, judged: Mapping[str, Any] | None) -> float:
-        """Return the sum of squares of the misses of a drawn rig, infinite if it is impossible."""
-        if judged is None:
+    def loss(self, judged: Sequence[Mapping[str, Any] | None], most: float = math.inf) -> float:
+        """Return the sum of squares of the misses of a rig, infinite if it is impossible."""
+        if None in judged:
             return math.inf
-        off = misses(numbers_of([judged], self.of), self.of) ** 2
-        return float(np.sum(np.minimum(off, _MOST)))
+        off = misses(numbers_of(judged, self.of), self.of) ** 2
+        return float(np.sum(np.minimum(off, most)))
 
     def starts(self, members: int, count: int) -> list[np.ndarray]:
         """Draw rigs from the ranges; return the best of those whose loops miss the least."""
@@ -181,7 +181,7 @@ class _Fit(NamedTuple):
                 delayed(self.bench.judge)(judge, share, self.first + k, *more)
                 for k, share in enumerate(points)
             )
-            losses = np.array([self.loss(one) for one in judged])
+            losses = np.array([self.loss([one], _MOST) for one in judged])
             order = np.argsort(losses, kind="stable")[:kept]
             log.info("%d rigs judged, misfit of the best %d up to %.0f", len(points), kept,
                      losses[order[-1]])  # fmt: skip
@@ -200,25 +200,32 @@ class _Fit(NamedTuple):
         plan = [(count, rounds if count > 1 else last_rounds) for count in halves]
         total, done, begun = sum(count * turns for count, turns in plan), 0, time.monotonic()
         runs = [(math.inf, point, k) for k, point in enumerate(points)]
+        known: list[tuple[float, np.ndarray]] = []  # by the full models, of the last search
         for count, turns in plan:
             runs = sorted(runs, key=lambda run: run[0])[:count]
             for place, (loss, point, k) in enumerate(runs):
+                known.clear()
                 for _ in range(turns):
-                    seeds = _FEW if count > 1 else self.full_seeds
-                    loss, point = self.round(point, self.first + _SEARCH + k, seeds)
-                    done += 1
+                    before, found = self.round(
+                        point, self.first + _SEARCH + k, _FEW if count > 1 else self.full_seeds
+                    )
+                    known.append((before, point))
+                    loss, point, done = found.loss, found.point, done + 1
                     left = (time.monotonic() - begun) / done * (total - done) / 60.0
-                    log.info("round %d of %d, search %d: misfit %.0f, %.0f min left",
-                             done, total, k + 1, loss, left)  # fmt: skip
+                    log.info("round %d of %d, search %d: misfit %.0f, then %.0f, %.0f min left",
+                             done, total, k + 1, before, loss, left)  # fmt: skip
                 runs[place] = (loss, point, k)
-        return runs[0][1]
+        full = self.full(point, self.full_seeds)
+        if None not in full:
+            known.append((self.loss(full), point))
+        return min(known, key=lambda pair: pair[0])[1]
 
-    def round(self, point: np.ndarray, seed: int, full_seeds: int) -> tuple[float, np.ndarray]:
-        """Search from a point with the noise of one seed; return loss and point of the best."""
+    def round(self, point: np.ndarray, seed: int, full_seeds: int) -> tuple[float, Found]:
+        """Search from a point with the noise of one seed; return its loss, and the best found."""
         begin = self.bench.judge(judge_by_surrogate, point, seed, {})
         full = self.full(point, full_seeds)
         if begin is None or None in full:
-            return math.inf, point
+            return math.inf, Found(point, np.empty(0), math.inf)
         added = numbers_of(full, self.of) - numbers_of([begin], self.of)
 
         def judge(points: Sequence[np.ndarray]) -> list[np.ndarray | None]:
@@ -229,8 +236,7 @@ class _Fit(NamedTuple):
             )
             return [None if one is None else numbers_of([one], self.of) + added for one in found]
 
-        found = search_round(judge, lambda numbers: misses(numbers, self.of), point)
-        return found.loss, found.point
+        return self.loss(full), search_round(judge, lambda numbers: misses(numbers, self.of), point)
 
     def full(self, point: np.ndarray, count: int) -> list[dict[str, Any]]:
         """Judge a point by the full models, with several seeds."""

@@ -68,9 +68,9 @@ def targets(published: Mapping[str, Any], terms: Sequence[str]) -> list[Target]:
     return [target for target in _targets(published) if target.term in terms]
 
 
-def numbers_of(judged: Sequence[Judged], of: Sequence[Target]) -> np.ndarray:
+def numbers_of(judged: Sequence[Judged | None], of: Sequence[Target]) -> np.ndarray:
     """Return the numbers of targets, means over seeds; NaN for what was not measured."""
-    return np.array([np.mean([target.number(seed) for seed in judged]) for target in of])
+    return np.array([np.mean([target.number(seed) for seed in judged if seed]) for target in of])
 
 
 def misses(numbers: np.ndarray, of: Sequence[Target]) -> np.ndarray:
