@@ -13,7 +13,8 @@ from fprc.tables.text import format_mean, three_digits
 
 #: Symbol after a verdict, by the model or signal that the fit of its rigs favours.
 SYMBOLS = {"FPRC": "†", "P_o": "‡"}
-#: Numbers of a family, one per simulated rig; one level of the index is the ``unit``.
+
+#: Numbers of a family by unit.
 Numbers = Mapping[tuple[Any, ...], pd.Series]
 
 
@@ -45,8 +46,7 @@ _NONE = pd.Series(index=pd.Index([], name="unit"), dtype=float)
 def part_of(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
     """Return a pair as it was measured in a family."""
     ours, theirs = (np.log(numbers.get(key, _NONE)) for key in (pair.ours, pair.theirs))
-    values = (ours - theirs - math.log(pair.limit)).dropna()
-    by_unit = values.groupby(level="unit").mean().to_dict()
+    by_unit = (ours - theirs - math.log(pair.limit)).dropna().to_dict()
     dropped = len({cell["unit"] for cell in family["cells"]}) - len(by_unit)
     return Part(pair.text, by_unit, pair.limit, dropped)
 

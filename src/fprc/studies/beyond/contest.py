@@ -138,14 +138,8 @@ def _follow(
         reference: bench.precompute(model, columns_for(name, inputs))
         for reference, inputs in followed.items()
     }
-    return {
-        loop: rms(
-            np.array(
-                [
-                    bench.error(reference, found, feedback=feedback)
-                    for reference, found in precomputed.items()
-                ]
-            )
-        )
+    errors = {
+        loop: [bench.error(name, found, feedback=feedback) for name, found in precomputed.items()]
         for loop, feedback in _LOOPS.items()
     }
+    return {loop: rms(np.array(of_loop)) for loop, of_loop in errors.items()}
