@@ -14,20 +14,15 @@ PERIOD_S = 2.0**-8
 
 
 class Time:
-    """Time that advances in ``sleep`` and ``pass_``, and by ``look_s`` at each reading."""
+    """Time that advances in ``sleep`` and ``pass_``."""
 
-    def __init__(self, look_s=0.0):
-        self.s = 1000.0
-        self.look_s = look_s
-        self.slept = []
+    s = 1000.0
 
     def now(self):
-        self.s += self.look_s
         return self.s
 
     def sleep(self, seconds):
         assert seconds > 0.0
-        self.slept.append((self.s, seconds))
         self.s += seconds
 
     def pass_(self, periods):
@@ -106,18 +101,6 @@ def test_loop_that_has_caught_up_may_miss_as_many_again(time):
         assert clock.wait_for(tick) == tick + 3
         assert clock.wait_for(tick + 4) == tick + 4  # on time
     assert clock.overruns == 9
-
-
-def test_last_moment_is_waited_actively():
-    time = Time(look_s=1e-5)
-    clock = metronome(time, spin_s=1e-3)
-    for tick in range(5):
-        clock.wait_for(tick)
-        due_s = 1000.0 + 1e-5 + (tick + 1) * PERIOD_S
-        assert 0.0 <= time.s - due_s <= 3e-5
-        begun_s, slept_s = time.slept[-1]
-        assert begun_s + slept_s == pytest.approx(due_s - 1e-3, abs=3e-5)
-    assert len(time.slept) == 5
 
 
 @given(st.lists(st.integers(0, 5000), min_size=1, max_size=60))
