@@ -7,15 +7,13 @@ from typing import Any
 
 import numpy as np
 
-#: Regressors that model the squeezing, functions of its drive (P_i or theta) scaled to 0 to 1:
+#: Regressors that model the squeezing, functions of its drive, P_i, scaled to 0 to 1:
 #: powers, first-order lags, and play operators (Prandtl-Ishlinskii) of these half-widths.
 _POWERS, _LAGS_S, _PLAYS = (1, 2, 3), (0.05, 0.2, 1.0, 5.0), (0.02, 0.05, 0.1, 0.2)
 #: Share of the variance of P_o that the squeezing must explain, after the trend is removed.
 _EXPLAINED = 0.95
 #: Sample rate of the fit, Hz, and most samples: longer recordings use a lower rate.
 _SEALED_HZ, _MOST = 20.0, 200_000
-#: Channels that may drive the squeezing, the most direct one first.
-_SQUEEZES = ("p_i_kpa", "p_i_command_kpa", "theta_deg")
 #: A longer step of the clock, s, is a gap, if the steps are shorter.
 _GAP_S = 0.5
 #: In a shorter recording, s, hysteresis that the fit does not model can look like a leak.
@@ -23,7 +21,7 @@ SHORT_S = 60.0
 
 
 def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
-    """Fit P_o = squeezing by P_i or theta + slope t, and return the slope.
+    """Fit P_o = squeezing by P_i + slope t, and return the slope.
 
     The squeezing has hysteresis; a model without it would take the loops for trends. The fit uses
     20 samples per second, fewer in recordings of hours: leaks are slow. It leaves out gaps in the
@@ -32,17 +30,16 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
     Returns
     -------
     dict or None
-        ``relative_to``, the driving channel; ``explained``, the share of the variance (without
+        ``explained``, the share of the variance (without
         trend) that it explains; ``slope_kpa_per_min``, None if that share is too small. None if
         ``p_o_kpa`` is missing or constant, or the recording is shorter than 10 s without its gaps.
     """
     p_o, span_s = channels.get("p_o_kpa"), time_s[-1] - time_s[0]
     if p_o is None or np.ptp(p_o) == 0.0 or span_s < 10.0:
         return None
-    by = next(name for name in _SQUEEZES if name in channels)
     hz = min(_SEALED_HZ, _MOST / span_s)
     grid_s = np.arange(time_s[0], time_s[-1], 1.0 / hz)
-    p_o, drive = (np.interp(grid_s, time_s, values) for values in (p_o, channels[by]))
+    p_o, drive = (np.interp(grid_s, time_s, values) for values in (p_o, channels["p_i_kpa"]))
     minutes = (grid_s - grid_s.mean()) / 60.0
     basis = np.column_stack([np.ones_like(p_o), *_squeezings(drive, hz), minutes])
     steps_s = np.diff(time_s)
@@ -57,7 +54,7 @@ def fit_sealed(time_s: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[s
     explained = float(1.0 - residual.var() / unsqueezed.var()) if moves else 0.0
     # else it is not a sealed chamber that the drive squeezes
     slope = float(weights[-1]) if explained >= _EXPLAINED else None
-    return {"relative_to": by, "explained": explained, "slope_kpa_per_min": slope}
+    return {"explained": explained, "slope_kpa_per_min": slope}
 
 
 def _squeezings(drive: np.ndarray, hz: float) -> list[np.ndarray]:
