@@ -23,7 +23,12 @@ from fprc.claims.ledger import (
 )
 from fprc.claims.paper import CLAIMS
 from fprc.config.calibration import SearchedFor
+from fprc.config.rig import squeeze_lag
+from fprc.experiments.hysteresis import simulate
+from fprc.experiments.measures import measure_hysteresis
+from fprc.experiments.settings import RigSettings
 from fprc.paper import LOOPS, REFERENCES
+from fprc.plan.arguments import on_rig
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 SCALES = (0.99, 1.0, 1.02)  # of the errors, a seed each
@@ -623,6 +628,19 @@ def test_what_a_rig_may_have_been_searched_for_has_words_or_is_a_claim():
     assert known <= named | set(BY_ID)
     words = fit_in_words({"to": ["C8", "tables"], "start": ["tables", "closed_errors", "C1b"]})
     assert all(words.count(part) == 1 for part in ("C8", "II and III", "Table IV", "C1b"))
+
+
+@pytest.mark.parametrize(("lag_s", "verdict"), [(0.4, "not reproduced"), (0.02, "reproduced")])
+def test_reservoirs_lag_is_seen_in_its_swing_and_slope(lag_s, verdict):
+    arguments = on_rig(config.from_files([]).model_dump(mode="json"))
+    arguments["signals"] = {"sweep": arguments["signals"]["sweep"]}
+    rig = arguments["rig"]
+    rig["reservoir"]["squeeze_damping_kpa_s_per_ml"] *= lag_s / squeeze_lag(rig)
+    logs = [simulate(RigSettings(**arguments), seed)["sweep"].channels for seed in (1, 2)]
+    results = Results([], [], [{"hysteresis": measure_hysteresis(log)} for log in logs], {}, {})
+    (row,) = judge_claims(results, PUBLISHED, {}, [c for c in CLAIMS if c.id == "C18"])
+    found = {statement["text"]: statement["verdict"] for statement in row["statements"]}
+    assert {found["swing, reservoir"], found["slope, reservoir"]} == {verdict}
 
 
 def test_claim_that_no_fit_decides_and_that_holds_on_every_member_is_not_informative(ideal):
