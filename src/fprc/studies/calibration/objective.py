@@ -17,7 +17,7 @@ from fprc.signals import loop_width
 #: with feedback; of the share of the weights; of ratios that a claim limits; of what feedback
 #: leaves; of how a loop changes over the sweep.
 _TRAIN, _TEST, _OPEN, _CLOSED, _SHARE, _RATIO, _HELP, _SAME = (
-    0.03, 0.05, 0.06, 0.12, 0.2, 0.05, 0.06, 0.1,
+    0.03, 0.04, 0.04, 0.12, 0.2, 0.05, 0.06, 0.1,
 )  # fmt: skip
 
 #: Values of epsilon in Fig. 10, falling.
