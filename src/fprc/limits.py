@@ -6,6 +6,10 @@ They exclude what a model cannot compute, not what makes a poor model.
 from numbers import Integral, Real
 from typing import Any, NamedTuple
 
+#: Largest absolute value of a sample, in any unit. A larger one is a fault: squared and summed
+#: it would exceed the range of float, and a low-pass would remember it for hours.
+LARGEST = 1e9
+
 
 class Limit(NamedTuple):
     """Range of a number, in the configuration also of each number of a list.

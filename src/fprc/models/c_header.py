@@ -11,9 +11,9 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc.control_laws import FARTHEST_DEG, LARGEST_ERROR_DEG
 from fprc.errors import FprcError
+from fprc.limits import LARGEST
 from fprc.models.features import TapFeatures
 from fprc.models.learned import rows_of
-from fprc.models.limits import LARGEST
 from fprc.models.online import Online
 from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel

@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, ClassNamePrefixFeaturesOutMixin, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.limits import MODEL, Limit, Whole, limits_of
+from fprc.limits import LARGEST, MODEL, Limit, Whole, limits_of
 from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
 from fprc.models.learned import Learned
-from fprc.models.limits import LARGEST, MOST_FEATURES, Allows, Array, Each, check_limits
+from fprc.models.limits import MOST_FEATURES, Allows, Array, Each, check_limits
 
 #: A feature: its column, its kind, and its number, see ``kernels.advance``.
 Row = tuple[int, int, float]

@@ -7,13 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator
+from sklearn.utils.validation import validate_data
 
 from fprc.limits import Limit, Whole
-
-#: Largest absolute value of a sample, in any unit. A larger one is a fault: squared and summed
-#: it would exceed the range of float, and a low-pass would remember it for hours.
-LARGEST = 1e9
 
 #: Smallest number by which samples are divided. The tenth power of the largest quotient, times the
 #: largest weight and summed over all features, is within the range of double.
@@ -91,3 +89,24 @@ def check_limits(estimator: BaseEstimator, limits: Mapping[str, Allows]) -> None
     ]
     if problems:
         raise ValueError("\n".join(problems))
+
+
+def training_data(
+    estimator: BaseEstimator, X: ArrayLike, y: ArrayLike
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what ``fit`` is given, as scikit-learn checks it; numbers in ``y`` may be text.
+
+    Raises
+    ------
+    ValueError
+        ``y`` is missing or holds something else than numbers, such as words or durations.
+    """
+    values = np.asarray(y)
+    if values.dtype.kind in "mM":
+        raise ValueError(f"y: holds {values.dtype}; must be numbers")
+    if y is not None and values.dtype.kind in "SUO":
+        try:
+            y = values.astype(np.float64)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"y: {error}; must be numbers") from error
+    return validate_data(estimator, X, y, dtype=np.float64)

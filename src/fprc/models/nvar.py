@@ -7,10 +7,10 @@ from math import comb
 
 import numpy as np
 
-from fprc.limits import Limit, Whole
+from fprc.limits import LARGEST, Limit, Whole
 from fprc.models.features import FeatureMap, refuse_shorter, taps
 from fprc.models.learned import Learned
-from fprc.models.limits import LARGEST, SMALLEST_SCALE, Array
+from fprc.models.limits import SMALLEST_SCALE, Array
 
 
 @dataclass(eq=False, repr=False)

@@ -11,7 +11,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc import control_laws
 from fprc.compiled import kernel
-from fprc.models.limits import LARGEST
+from fprc.limits import LARGEST
 from fprc.models.ridge import solve_ridge
 from fprc.models.sequence import MOST_WEIGHTS, SequenceModel
 

@@ -13,7 +13,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.limits import Limit, limits_of
-from fprc.models.limits import Array, check_limits
+from fprc.models.limits import Array, check_limits, training_data
 
 #: Rows whose products are summed at once: with 800 features their copy takes 13 MB.
 ROWS = 2000
@@ -79,7 +79,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Solve the normal equations for one output."""
-        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        rows, targets = training_data(self, X, y)
         return self.fit_blocks([rows], targets)
 
     def fit_blocks(self, blocks: Iterable[np.ndarray], y: np.ndarray) -> Self:

@@ -11,7 +11,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.models.learned import Learned, LearnedPart, features_of
-from fprc.models.limits import Array
+from fprc.models.limits import Array, training_data
 
 Part = TypeVar("Part", bound=BaseEstimator)
 
@@ -54,7 +54,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         y : array-like of shape (n_samples,)
             P_exp, kPa.
         """
-        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        rows, targets = training_data(self, X, y)
         self.features_ = self.make_features().fit(rows)
         self.readout_ = self.fit_readout(rows, targets)
         return self

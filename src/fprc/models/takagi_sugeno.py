@@ -10,10 +10,10 @@ from scipy.spatial.distance import cdist
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.limits import Limit, limits_of
+from fprc.limits import LARGEST, Limit, limits_of
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
-from fprc.models.limits import LARGEST, SEED, Allows, Array, check_limits
+from fprc.models.limits import SEED, Allows, Array, check_limits, training_data
 from fprc.models.ridge import solve_ridge, with_bias
 
 
@@ -74,7 +74,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         random samples.
         """
         check_limits(self, self.LIMITS)
-        rows, targets = validate_data(self, X, y, y_numeric=True, dtype=np.float64)
+        rows, targets = training_data(self, X, y)
         clusters = fuzzy_c_means(
             rows, self.n_c, random_state=self.random_state, restarts=self.restarts, init=init
         )

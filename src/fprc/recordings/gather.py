@@ -7,7 +7,7 @@ import numpy as np
 
 from fprc.channels import unit_of
 from fprc.errors import LogError
-from fprc.logs.columns import LARGEST
+from fprc.limits import LARGEST
 from fprc.recordings.clock import pauses_of, rate_of
 from fprc.recordings.importing import ImportMap
 from fprc.recordings.names import SECONDS, factor_of

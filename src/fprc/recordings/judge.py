@@ -193,4 +193,5 @@ def explained_by(theta: np.ndarray, target: np.ndarray, rate_hz: float) -> float
     past = [part.fit(X).map_log(X) for part in (LowpassBank(epsilons), PlayOperators())]
     rows = np.hstack([np.ones_like(X), X, X**2, *past])
     left = target - rows @ np.linalg.lstsq(rows, target)[0]
-    return 1.0 - float(np.var(left) / np.var(target))
+    spread = float(np.var(target))  # 0 if the recording has no two of these samples
+    return 1.0 - float(np.var(left)) / spread if spread else 0.0

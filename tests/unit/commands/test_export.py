@@ -79,6 +79,9 @@ def test_class_of_your_own_is_exported_with_its_configuration(
     assert "--config" in capsys.readouterr().err
     assert main(["export", "mine.h5", "--c", str(header), "--config", "mine.yaml"]) == 0
     assert "fprc_model_step" in header.read_text()
+    for given, wrong in (([], "--config"), (["--config", "mine.yaml"], "none.h5")):
+        assert main(["predict", "mine.h5", "none.h5", *given, "--out", "p.csv"]) == 1
+        assert wrong in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("trained", "rate_hz"), [(False, 200.0), (True, 100.0)])

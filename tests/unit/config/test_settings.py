@@ -73,6 +73,8 @@ NAN, INFINITY = float("nan"), float("inf")
      ("evaluation.replicate_seeds", [101, 442], ""), ("calibration.free", ["valve.leak"], ""),
      ("evaluation.replicate_seeds", [101, 1_000_000], ""), ("calibration.fit", [], ""),
      ("calibration", {"ranges": {"drift.sigma_kpa": [0, 99]}}, ""), ("source", "real", ""),
+     ("control.feedforward.kpa_per_deg", 100.0, ""), ("control.feedforward.prior_s", 0.05, ""),
+     ("control.feedforward.limit_kpa", 501.0, ""),
      ("models", 3, ""), ("models", None, ""), ("rig", ["dry"], ""), ("fitted.name", "my rig", ""),
      ("models.others.mine", {"estimator": 5, "inputs": ["theta_deg"]}, ".estimator"),
      ("models.others.mine", {"estimator": "a.B", "inputs": ["p_o_kpa"]}, ".inputs"),

@@ -65,7 +65,8 @@ def test_figure_is_marked_by_the_source_of_its_data_alone(axes, data, mark):
 
 
 def test_figure_is_the_same_whatever_the_users_matplotlibrc_says(tmp_path):
-    theirs = {"text.usetex": True, "savefig.bbox": "tight", "axes.facecolor": "black"}
+    theirs = {"text.usetex": True, "savefig.bbox": "tight", "axes.facecolor": "black",
+              "font.family": "no such font", "font.size": 90.0}  # fmt: skip
     pictures = []
     for name, own in (("ours", {}), ("theirs", theirs)):
         matplotlib.rcParams.update(own)

@@ -18,6 +18,7 @@ from sklearn.linear_model import Ridge
 from fprc import registry
 from fprc.config import Settings
 from fprc.errors import FprcError
+from fprc.limits import LARGEST
 from fprc.models import (
     ESN,
     FPRC,
@@ -35,7 +36,6 @@ from fprc.models import (
     TapFeatures,
 )
 from fprc.models.c_header import c_header
-from fprc.models.limits import LARGEST
 
 pytestmark = pytest.mark.slow
 

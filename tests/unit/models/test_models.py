@@ -97,6 +97,22 @@ def test_sample_that_is_a_fault_is_refused_by_column_and_number(call, bad, fitte
         fitted.predict(X) if call == "predict" else clone(fitted).fit(X, pressure(len(X)))
 
 
+@pytest.mark.parametrize("kind", ["U9", "S9", object])
+def test_numbers_as_text_train_as_numbers(kind, fitted):
+    X, y = other_inputs(fitted), np.round(pressure(len(other_inputs(fitted))), 3)
+    expected = clone(fitted).fit(X, y).predict(X)
+    assert_allclose(clone(fitted).fit(X, y.astype(kind)).predict(X), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["m8[ms]", "M8[D]", "word", object])
+@pytest.mark.parametrize("part", [FPRC(n_c=2), RidgeReadout(), TakagiSugenoReadout(n_c=2)])
+def test_targets_that_are_no_numbers_are_refused_by_name(kind, part):
+    X = inputs(2, 40)
+    y = np.full(40, "high") if kind == "word" else np.arange(40).astype("m8[s]").astype(kind)
+    with pytest.raises(ValueError, match=r"^y: .*must be numbers"):
+        clone(part).fit(X, y)
+
+
 @pytest.mark.parametrize(
     "spoiled",
     [

@@ -82,6 +82,7 @@ def test_cut_is_counted_from_the_first_sample():
         ),
         ({}, {"force": {"scale": 1e308, "offset": 1e308}}, ["p_exp_kpa: force: sample 0"]),
         ({}, {"force": {"unit": "MPa", "scale": 1e9}}, ["p_exp_kpa: force: sample 1"]),
+        ({"angle": changed(T, 3, 2e9)}, {}, ["theta_deg: angle: sample 3"]),
     ],
 )
 def test_what_cannot_be_used_is_named_all_at_once(columns, mapping, lines):

@@ -12,6 +12,7 @@ from fprc.cli import main
 from fprc.config import Settings
 from fprc.errors import ConfigError, OutputError
 from fprc.experiments.data import select_channels
+from fprc.figures import style
 from fprc.logs import assess, read_raw
 from fprc.recordings.draft import _line
 from fprc.recordings.import_recording import import_or_draft
@@ -59,6 +60,16 @@ def test_file_that_no_import_wrote_is_kept_and_nothing_written(bring, tmp_path, 
     with pytest.raises(OutputError, match=f"{name}: exists and was not made by this command"):
         bring()
     assert [(path.name, path.read_text()) for path in tmp_path.glob("sweep*")] == [(name, "mine")]
+
+
+def test_picture_that_fails_costs_no_data(bring, tmp_path, monkeypatch):
+    def fail(*arguments, **more):
+        raise RuntimeError("no font")
+
+    monkeypatch.setattr(style, "save", fail)
+    with pytest.raises(RuntimeError, match="no font"):
+        bring()
+    assert len(read_raw(tmp_path / "sweep.h5", **RATE).channels["time_s"]) == 4000
 
 
 def test_import_needs_to_know_which_log_it_writes(bring):

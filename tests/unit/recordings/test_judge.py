@@ -64,6 +64,8 @@ def test_recordings_that_can_be_judged_pass(changed):
         ({"p_exp": 4.0 * ANGLE}, "straight line of theta"),
         ({"p_exp": 100.0 + 30.0 * NOISE}, "next to nothing"),
         ({"time_s": 100.0 * T}, "0.5 Hz are unusual"),
+        ({"time_s": 1e-5 * T}, "next to nothing"),  # P_exp at one instant
+        ({"time_s": T / 20.0, "p_exp": np.where(np.arange(SIZE) % 20 == 7, 50.0, 0.0)}, "nothing"),
         ({"column": "p [bar]"}, "channels.p_exp_kpa: the file says bar"),
         ({"column": "p", "beside": "bar"}, "channels.p_exp_kpa: the file says bar"),
     ],
