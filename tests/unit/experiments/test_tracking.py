@@ -41,12 +41,20 @@ def models(recorded):
     }
 
 
-def tick_by_tick(bench, reference, name, model):
-    """Return the channels of the law in the loop that runs the real rig."""
+def tick_by_tick(bench, reference, name, model, fault_deg=None):
+    """Return the channels of the law in the loop that runs the real rig, with a fault at 6 s."""
     theta_d = bench.reference(reference)
     pushes = bench.pushes(len(theta_d)) if reference == "disturbance" else np.zeros(len(theta_d))
     how = {"seed": bench.seed, "run": TRACKING_RUNS[reference]}
     device = SimulatedRig(bench.rig, **how, sample_rate_hz=bench.control.sample_rate_hz)
+
+    class Faulty:
+        write, safe = device.write, device.safe
+
+        def read(self):
+            found = device.read()
+            faulty = fault_deg is not None and round(200.0 * found.time_s) == 1200
+            return found._replace(theta_deg=fault_deg) if faulty else found
 
     class Clock:
         def wait_for(self, tick):
@@ -54,12 +62,35 @@ def tick_by_tick(bench, reference, name, model):
             return device.wait_for(tick)
 
     law, extra = bench.law(theta_d, name, model), bench.channels(name)
-    return run(device, Clock(), law, len(theta_d), bench.control, extra=extra)
+    return run(Faulty(), Clock(), law, len(theta_d), bench.control, extra=extra)
 
 
 def changed(bench, **feedforward):
     changes = {"feedforward": bench.control.feedforward.changed(**feedforward)}
     return bench._replace(control=bench.control.changed(**changes))
+
+
+@pytest.mark.parametrize("fault_deg", [200.0, 1e4, 1e8])
+@pytest.mark.parametrize("name", ["fprc", "fprc_pd"])
+def test_faulty_angle_is_made_up_for_in_five_seconds(bench, models, name, fault_deg):
+    learns = changed(bench, adapt=True)
+    errors = []
+    for fault in (None, fault_deg):
+        found = tick_by_tick(learns, "sine_0p5", name, models["fprc"], fault)
+        assert (found["theta_deg"] == fault_deg).sum() == (fault is not None)
+        errors.append(tracking_rmse(found, settle_s=11.0))
+    assert errors[1] == pytest.approx(errors[0], rel=0.1)
+
+
+@pytest.mark.parametrize("prior_s", [0.1, 15.0])
+@pytest.mark.parametrize("limit_kpa", [150.0, 500.0])
+def test_most_eager_learning_that_is_allowed_settles(bench, models, prior_s, limit_kpa):
+    eager = {"adapt": True, "kpa_per_deg": 20.0, "prior_s": prior_s, "limit_kpa": limit_kpa}
+    trained, learning = (
+        tracking_rmse(some.follow("sine_0p5", ["fprc"], models)["fprc"], settle_s=8.0)
+        for some in (bench, changed(bench, **eager))
+    )
+    assert learning < trained
 
 
 @pytest.mark.parametrize("feedforward", [{}, {"adapt": True}, {"p_o_shift_kpa": -2.0}])
