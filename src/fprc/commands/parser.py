@@ -236,7 +236,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         Fit the simulated rig to what the paper prints and claims.
 
         Fits the free parameters of the rig, from their ranges alone, and writes a
-        parameter file; docs/rigs.md says how. Takes an hour on two processors. With
+        parameter file; docs/rigs.md says how. Takes up to an hour. With
         --ensemble it writes rigs around that of the configuration instead.
 
         examples:
