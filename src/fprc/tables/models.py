@@ -173,9 +173,9 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
 
 
 def timing_page(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the times as a page."""
+    """Return the times as a page; beside imported recordings the paper's say nothing."""
     phases = {"train_time": "Training", "test_time": "Test"}
-    return pd.DataFrame(
+    page = pd.DataFrame(
         {
             "Model": title_of(row.model),
             "Phase": phases[row.metric],
@@ -186,3 +186,4 @@ def timing_page(table: pd.DataFrame) -> pd.DataFrame:
         }
         for row in table.itertuples()
     )
+    return page.drop(columns="Paper [s]") if (table["source"] == "import").all() else page

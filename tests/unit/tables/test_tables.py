@@ -204,6 +204,8 @@ def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones
         ["ESN", "Training", "batch", "2.00 ± 1.41", "2000", "16.6 ± 3.28"],
         ["ESN", "Test", "batch", "2.00 ± 1.41", "2000", "8.93 ± 1.80"],
     ]
+    imported = timing_page(table.assign(source="import"))
+    assert not imported.columns.str.contains("Paper").any()
 
 
 @pytest.fixture
