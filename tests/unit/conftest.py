@@ -27,7 +27,7 @@ settings.load_profile("unit")
 def damaged_bytes():
     """Return the function that gives, for the size of a file, the bytes to damage.
 
-    These are all with 200 examples or more (`make damage`), and one of 23 with fewer.
+    These are all with 200 examples or more (`.ci/weekly`), and one of 23 with fewer.
     """
     return lambda size: range(0, size, 1 if EXAMPLES >= 200 else 23)
 

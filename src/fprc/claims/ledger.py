@@ -42,7 +42,8 @@ KINDS = {
 #: claim; ``ranges`` of the means, by claim and statement.
 Members = Mapping[str, Any]
 
-#: What a rig was fitted to: terms of an objective, by the keys of ``fprc.config.Fitted``.
+#: What a rig was fitted to: terms of an objective, by the keys of
+#: ``fprc.config.calibration.Fitted``.
 Fit = Mapping[str, Sequence[str]]
 
 
