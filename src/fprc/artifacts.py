@@ -1,4 +1,4 @@
-"""Result files, written whole or not at all, and checkpoints."""
+"""Result files, written whole or not at all."""
 
 import errno
 import json
@@ -6,7 +6,6 @@ import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,49 +78,6 @@ def explaining(path: Path | str) -> Iterator[None]:
             f"{path}: cannot be written ({error.strerror}); {_REMEDIES[error.errno]} or choose "
             "another folder"
         ) from error
-
-
-@contextmanager
-def resuming(path: Path | str, head: Any) -> Iterator[tuple[list[Any], Callable[[Any], None]]]:
-    """Yield the entries of a checkpoint, and a function that appends one and syncs it to the disk.
-
-    The file is JSON lines; the first entry is ``head``, what the others depend on: a file with
-    another head is replaced. A line that was cut is dropped with all that follow.
-
-    Raises
-    ------
-    OutputError
-        The disk is full, or the folder cannot be written to.
-    """
-
-    def append(entry: Any) -> None:
-        text = json.dumps(entry, allow_nan=False)
-        # closing the file flushes it, which fails again on a full disk: explain that error too
-        with explaining(path), open(path, "a", encoding="utf-8") as end:
-            end.write(f"{text}\n")
-            end.flush()
-            os.fsync(end.fileno())
-
-    with explaining(path):
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        with open(path, "a+b") as file:
-            file.seek(0)
-            lines = file.readlines()
-            entries = list(takewhile(lambda entry: entry is not None, map(_entry, lines)))
-            if entries[:1] != [head]:
-                entries = []
-            file.truncate(sum(map(len, lines[: len(entries)])))
-    if not entries:
-        append(head)
-    yield entries[1:], append
-
-
-def _entry(line: bytes) -> Any:
-    """Return the entry of a checkpoint's line; None if the line was cut."""
-    try:
-        return json.loads(line) if line.endswith(b"\n") else None
-    except ValueError:
-        return None
 
 
 def refuse_unwritable(folders: Sequence[Path | str]) -> None:

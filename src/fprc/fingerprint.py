@@ -19,8 +19,7 @@ from fprc.registry import COMPETITORS, class_module
 SHOWS = (
     "claims", "escape", "figures", "provenance", "stages.claims", "stages.draw",
     "stages.report", "stages.tabulate", "studies.beyond.claims", "studies.beyond.tables",
-    "studies.families.tables", "studies.online.pages", "studies.pages", "studies.verdicts",
-    "tables",
+    "studies.online.pages", "studies.pages", "studies.verdicts", "tables",
 )  # fmt: skip
 #: Those of what no rule of the paper runs, or what only passes on files and settings.
 ELSEWHERE = (
@@ -42,7 +41,7 @@ def code_that_computes(
         Section ``models`` of the configuration. Of a model from outside the file of its class
         counts.
     also : iterable of str
-        Further packages and modules, as ``studies.families``.
+        Further packages and modules, as ``studies.family``.
     """
     computing = {name for name in modules() if not name.startswith(SHOWS)}
     own = {class_module(name).removeprefix("fprc.") for name in COMPETITORS}

@@ -1,6 +1,5 @@
 import errno
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -16,7 +15,6 @@ from fprc.artifacts import (
     refuse_output,
     refuse_unwritable,
     replacing,
-    resuming,
     write_csv,
     write_json,
     write_text,
@@ -89,21 +87,6 @@ def test_table_has_six_significant_digits_and_empty_cells_where_nothing_is_known
     table = pd.DataFrame({"name": ["a", "b"], "x": [1.23456789e-5, np.nan], "n": [1, 2]})
     write_csv(tmp_path / "a.csv", table)
     assert (tmp_path / "a.csv").read_text() == "name,x,n\na,1.23457e-05,1\nb,,2\n"
-
-
-def test_full_disk_is_reported_by_the_entry_and_not_by_closing_the_file(tmp_path):
-    file = tmp_path / "cells.jsonl"
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    with resuming(file, "head") as (_, append):
-        append("a cell")
-        try:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (file.stat().st_size + 5, hard))
-            with pytest.raises(OutputError, match="File too large"):
-                append("another cell")
-        finally:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-    with resuming(file, "head") as (entries, _):
-        assert entries == ["a cell"]
 
 
 @pytest.mark.parametrize(

@@ -91,5 +91,5 @@ def test_folder_without_a_configuration_takes_the_defaults(in_folder, tmp_path):
     (tmp_path / "mine/docs/images").mkdir(parents=True)  # which makes it no checkout
     asked = ["--snakefile", STUDIES, "--directory", "mine", "check", "families"]
     jobs = in_folder(tmp_path).planned(*asked)
-    assert (jobs["replicate"], jobs["replicate_on_rig"]) == (10, 20)
+    assert (jobs["replicate"], jobs["judge_family"]) == (10, 1)
     assert "tabulate_times" not in jobs  # of README.md, which only a checkout has

@@ -20,7 +20,7 @@ PLANNED = [
     (["fig10"], {"draw_grids", "replicate", "measure_times"}, {"grid", "track"}),
     (["table4", "fig12", "fig17"], {"track", "draw_loops"}, {"grid", "replicate"}),
     (["report"], {"report_page", "ledger", "draw_grids"}, {"judge_family"}),
-    ([*STUDIES, "families"], {"judge_family", "tabulate_families", "replicate"}, {"judge"}),
+    ([*STUDIES, "families"], {"judge_family", "count_members"}, {"judge", "replicate"}),
     ([*STUDIES, "readme"], {"readme", "tabulate_times", "ledger"}, {"judge_family"}),
 ]  # fmt: skip
 

@@ -12,8 +12,6 @@ def named_rig(name):
     return from_files([OTHER_RIGS[name]]).model_dump(mode="json", include={"rig", "fitted"})
 
 
-#: Those of them that were fitted.
-FITTED_RIGS = [name for name in OTHER_RIGS if named_rig(name)["fitted"]["to"]]
 FAMILIES = [CONFIGURED, *OTHER_RIGS, "ensemble"]
 #: Rigs that fit print, which `fprc calibrate --ensemble` found.
 ENSEMBLE = file_of_workflow("../../config/rigs/ensemble.json")
@@ -21,7 +19,7 @@ ENSEMBLE = file_of_workflow("../../config/rigs/ensemble.json")
 #: families of the configuration, by the folder of the results.
 STUDIES = {
     "families": {
-        "judge": "families.family.judge_tables",
+        "judge": "family.judge_tables",
         "how": {
             "tracking": SETTINGS["tracking"],
             "validation": validation(SETTINGS, without="seed", models=paper_models(SETTINGS)),
@@ -46,14 +44,6 @@ STUDIES = {
 }
 #: Tables of the models beyond the paper's in Markdown; the first two are CSV too.
 PAGES_BEYOND = "claims models best memory worth".split()
-
-
-def on_rigs(part):
-    """Return the reports of the further seeds: those of this rig, then those of other fitted ones."""
-    seeds = SETTINGS["evaluation"]["replicate_seeds"]
-    return PLAN.replicates(part) + [
-        PATHS.below(f"rigs/{rig}/{part}_{seed}.json") for rig in FITTED_RIGS for seed in seeds
-    ]
 
 
 def family_of(wildcards):

@@ -1,24 +1,5 @@
-# Families of simulated rigs, named ones with several seeds and the ensemble: the paper's tables and
-# claims on them, models beyond the paper's, and a model that learns while it runs.
-
-
-use rule replicate as replicate_on_rig with:
-    output:
-        compared=PATHS.below("rigs/{rig}/models_{seed}.json"),
-        cells=PATHS.below("rigs/{rig}/grids_{seed}.json"),
-        measures=PATHS.below("rigs/{rig}/control_{seed}.json"),
-    log:
-        PATHS.messages("replicate_on_rig_{rig}_{seed}"),
-    wildcard_constraints:
-        rig="|".join(OTHER_RIGS) or "none",
-    params:
-        code=computes(*MODELS),
-        on_rig=lambda wildcards: on_rig(SETTINGS) | {"rig": named_rig(wildcards.rig)["rig"]},
-        validation=lambda wildcards: validation(
-            SETTINGS, models=paper_models(SETTINGS), seed=int(wildcards.seed)
-        ),
-    message:
-        "Rig {wildcards.rig}: tables, grids and closed loops with seed {wildcards.seed}"
+# Families of simulated rigs, named ones with several seeds and the ensemble: the paper's claims on
+# the ensemble, models beyond the paper's, and a model that learns while it runs.
 
 
 rule judge_family:
@@ -37,42 +18,32 @@ rule judge_family:
         mem_mb=lambda wildcards, threads: 1000 * (1 + threads),
         runtime=120,
     params:
-        stage="studies.families.family.judge_family",
-        version=code_that_computes(*COMPETITORS, also=["studies"]),
+        stage="studies.family.judge_family",
+        code=code_that_computes(*COMPETITORS, also=["studies"]),
         judge=lambda wildcards: STUDIES[wildcards.study]["judge"],
         how=lambda wildcards: STUDIES[wildcards.study]["how"],
         family=family_of,
         units=lambda wildcards: list(range(STUDIES[wildcards.study].get("units", BEYOND["units"]))),
         workers=lambda wildcards, threads: threads,
-        checkpoint=with_prefix(PATHS.below("{study}/{family}.partial.jsonl")),
     message:
         "Family {wildcards.family}: {wildcards.study}"
     script:
         "../scripts/stage.py"
 
 
-rule tabulate_families:
+rule count_members:
     input:
-        ensemble=PATHS.below("families/ensemble.json"),
+        judged=PATHS.below("families/ensemble.json"),
         published=PUBLISHED,
-        models=on_rigs("models"),
-        grids=on_rigs("grids"),
-        controls=on_rigs("control"),
     output:
-        errors=table("families/errors")[:2],
-        claims=table("families/claims")[:2],
         members=PATHS.below("families/members.json"),
     log:
-        PATHS.messages("tabulate_families"),
+        PATHS.messages("count_members"),
     params:
-        stage="studies.families.tables.tabulate_families",
+        stage="studies.family.count_members",
         code=SHOWS,
-        named=lambda wildcards: {
-            CONFIGURED: SETTINGS["fitted"],
-            **{rig: named_rig(rig)["fitted"] for rig in FITTED_RIGS},
-        },
     message:
-        "Errors and claims on families of rigs"
+        "On how many rigs of the ensemble each claim holds"
     script:
         "../scripts/stage.py"
 
@@ -117,7 +88,7 @@ rule tabulate_online:
 
 #: Files of each target; the Snakefile has their rules.
 STUDY_TARGETS = {
-    "families": [*rules.tabulate_families.output, *rules.tabulate_families.input],
+    "families": [*rules.count_members.output, *rules.count_members.input],
     "beyond": [*rules.tabulate_beyond.output, *rules.tabulate_beyond.input],
     "online": [*rules.tabulate_online.output, *rules.tabulate_online.input],
 }

@@ -59,7 +59,7 @@ def decide(
     Parameters
     ----------
     family : Mapping
-        See ``fprc.studies.families.family.judge_family``.
+        See ``fprc.studies.family.judge_family``.
     claims : Mapping
         By their ids.
 

@@ -19,7 +19,7 @@ from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
 from fprc.registry import COMPETITORS, SIDES, build
 from fprc.signals import rms
-from fprc.studies.families.family import Unit
+from fprc.studies.family import Unit
 
 #: Whether there is feedback, by loop.
 _LOOPS = {"open_loop": False, "closed_loop": True}

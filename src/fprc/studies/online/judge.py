@@ -11,7 +11,7 @@ from fprc.experiments.hysteresis import simulate
 from fprc.experiments.tracking import Track, columns_for
 from fprc.models import SequenceModel
 from fprc.registry import build
-from fprc.studies.families.family import Unit
+from fprc.studies.family import Unit
 
 #: Constant offsets of P_o since the training, kPa.
 OFFSETS_KPA = (-5.0, -2.0, -1.0, 1.0, 2.0, 5.0)

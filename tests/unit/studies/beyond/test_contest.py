@@ -13,7 +13,7 @@ from fprc.models import FPRC
 from fprc.registry import COMPETITORS
 from fprc.studies.beyond import contest as contests
 from fprc.studies.beyond.contest import BRIEF, SLOW, judge_models
-from fprc.studies.families.family import Unit
+from fprc.studies.family import Unit
 
 SETTINGS = Settings().model_dump(mode="json")
 SEED = 3

@@ -12,7 +12,7 @@ from fprc.experiments.tracking import Track
 from fprc.models import FPRC
 from fprc.paper import REFERENCES
 from fprc.plan.arguments import on_rig
-from fprc.studies.families.family import unit_of
+from fprc.studies.family import unit_of
 from fprc.studies.online import pages
 from fprc.studies.online.judge import (
     CONDITIONS,

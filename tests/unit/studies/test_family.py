@@ -6,8 +6,8 @@ from fprc.config import Settings
 from fprc.errors import FprcError, SimulationError
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import RigSettings
-from fprc.studies.families import family as families
-from fprc.studies.families.family import judge_family, judge_tables, unit_of
+from fprc.studies import family as families
+from fprc.studies.family import count_members, judge_family, judge_tables, unit_of
 
 SETTINGS = Settings().model_dump(mode="json")
 
@@ -65,7 +65,7 @@ def test_every_unit_is_judged_and_one_that_fails_is_the_only_one_lost(
     out = tmp_path / "judged.json"
     judge_family(
         str(out), judge="online.judge.judge_online", family=family, units=[0, 1, 2],
-        how={"factor": 3}, workers=1, version="1", checkpoint=str(tmp_path / "partial.jsonl"),
+        how={"factor": 3}, workers=1,
     )  # fmt: skip
     report = json.loads(out.read_text())
     assert (report["name"], report["fitted"]) == ("dry", ["tables"])
@@ -74,3 +74,22 @@ def test_every_unit_is_judged_and_one_that_fails_is_the_only_one_lost(
         {"unit": 1, "seed": 602, "failed": "it diverged"},
         {"unit": 2, "seed": 603, "found": 6},
     ]
+
+
+def test_claims_are_counted_on_the_rigs_that_could_be_judged(tmp_path, monkeypatch):
+    def members(rigs, published, claims):
+        errors = [rig.replicates[0]["error"] for rig in rigs]
+        assert [rig.controls for rig in rigs] == [[{"loops": error}] for error in errors]
+        return {"errors": errors, "claims": [claim.id for claim in claims], **published}
+
+    monkeypatch.setattr(families, "members_of", members)
+    cells = [{"compared": {"error": error}, "measured": {"loops": error}} for error in (1, 2)]
+    cells.append({"failed": "it diverged"})
+    judged, published, out = (tmp_path / name for name in ("judged.json", "p.yaml", "out.json"))
+    judged.write_text(json.dumps({"cells": cells}))
+    published.write_text("printed: 3\n")
+    count_members(str(judged), str(published), str(out))
+    found = json.loads(out.read_text())
+    assert (found["errors"], found["printed"]) == ([1, 2], 3)
+    assert {"C1a", "C13a"} <= set(found["claims"])
+    assert not {"C9a"} & set(found["claims"])  # needs a grid

@@ -4,14 +4,17 @@ A unit of a family is a seed, if it has one rig, else a rig.
 """
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
+from joblib import Parallel, delayed, parallel_config
+
 from fprc.artifacts import read_json, write_json
+from fprc.claims.claim import ASSUMED, Results
+from fprc.claims.ledger import members_of
+from fprc.claims.paper import CLAIMS
 from fprc.config.rig import Rig
 from fprc.config.tracking import Tracking
 from fprc.errors import FprcError, in_one_line
-from fprc.evaluation.cells import run_cells
 from fprc.experiments.comparison import compare_models
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.settings import CrossValidation, RigSettings
@@ -19,6 +22,7 @@ from fprc.experiments.tracking import Track, measure_control
 from fprc.registry import controllers
 from fprc.stages.run import stage_of
 from fprc.studies.calibration.space import with_values
+from fprc.yaml_file import read_yaml
 
 
 class Unit(NamedTuple):
@@ -39,20 +43,12 @@ def unit_of(number: int, family: Mapping[str, Any], ensemble: str = "") -> Unit:
         ``rigs`` (one or ensemble), ``first_seed`` and ``on_rig`` (arguments of ``RigSettings``).
     ensemble : str
         File of the ensemble, see ``fprc.studies.calibration.ensemble``.
-
-    Raises
-    ------
-    FprcError
-        The file has fewer rigs.
     """
     on_rig = RigSettings(**family["on_rig"])
     if family["rigs"] == "ensemble":
         known = read_json(ensemble)
         if number >= len(known["rigs"]):
-            raise FprcError(
-                f"{ensemble}: has {len(known['rigs'])} rigs, and rig {number} is needed; reduce "
-                "beyond.units"
-            )
+            raise FprcError(f"{ensemble}: has {len(known['rigs'])} rigs; reduce beyond.units")
         # what the members share has its default
         whole = Rig().model_dump(mode="json")
         rig = with_values(whole, known["parameters"], known["rigs"][number])
@@ -69,17 +65,14 @@ def judge_family(
     units: Sequence[int],
     how: Mapping[str, Any],
     workers: int,
-    **run: Any,
 ) -> None:
-    """Judge some units of a family of rigs with one function.
+    """Judge some units of a family of rigs with one function, each on one thread.
 
     Writes the family's ``name``, what it is ``fitted`` to, and ``cells``: of each ``unit`` its
     ``seed`` and what the function found, or ``failed``, the message of an error.
 
     Parameters
     ----------
-    ensemble : str
-        File of the ensemble, if the family has them.
     judge : str
         Function below ``fprc.studies``, such as ``online.judge.judge_online``. It takes a ``Unit``
         and ``how``, and returns a JSON mapping.
@@ -87,36 +80,23 @@ def judge_family(
         See ``unit_of``; also ``name`` and ``fitted``.
     workers : int
         Most processes.
-    **run
-        ``checkpoint`` and ``version`` of ``run_cells``.
     """
-    with run_cells(
-        partial(_judge, judge=judge, family=family, ensemble=ensemble, how=how),
-        [{"unit": unit} for unit in units],
-        settings=[family, how],
-        files=[ensemble] if ensemble else [],
-        # to start a process takes as long as several units
-        workers=max(1, min(workers, len(units) // 4)),
-        **run,
-    ) as cells:
-        described = {key: family[key] for key in ("name", "fitted")}
-        write_json(judged, {"source": "sim", **described, "cells": cells})
+    # to start a process takes as long as several units
+    workers = max(1, min(workers, len(units) // 4))
+    with parallel_config("loky", inner_max_num_threads=1):
+        cells = Parallel(n_jobs=workers)(
+            delayed(_judged)(unit_of(number, family, ensemble), judge, how) for number in units
+        )
+    described = {key: family[key] for key in ("name", "fitted")}
+    write_json(judged, {"source": "sim", **described, "cells": cells})
 
 
-def _judge(
-    cell: Mapping[str, Any],
-    *,
-    judge: str,
-    family: Mapping[str, Any],
-    ensemble: str,
-    how: Mapping[str, Any],
-) -> dict[str, Any]:
-    unit = unit_of(cell["unit"], family, ensemble)
+def _judged(unit: Unit, judge: str, how: Mapping[str, Any]) -> dict[str, Any]:
     try:
         found = stage_of(f"studies.{judge}")(unit, **how)
     except (FprcError, ValueError) as error:
         found = {"failed": in_one_line(error)}
-    return {"seed": unit.seed, **found}
+    return {"unit": unit.number, "seed": unit.seed, **found}
 
 
 def judge_tables(
@@ -141,3 +121,18 @@ def judge_tables(
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     source = {"source": "sim"}
     return {"compared": compared | source, "measured": measured | source}
+
+
+def count_members(judged: str, published: str, members: str) -> None:
+    """Write on how many rigs that ``judge_tables`` has judged each claim holds.
+
+    The claims are those that Tables II to IV, weights and loops decide; the others need grids or
+    counts, or are assumed. ``fprc.claims.ledger.members_of`` says what is written.
+    """
+    claims = [claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != ASSUMED]
+    rigs = [
+        Results([cell["compared"]], [], [cell["measured"]], {}, {})
+        for cell in read_json(judged)["cells"]
+        if "failed" not in cell
+    ]
+    write_json(members, members_of(rigs, read_yaml(published), claims))

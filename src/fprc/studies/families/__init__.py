@@ -1,1 +1,0 @@
-"""The claims on families of simulated rigs: named rigs, and the ensemble."""
