@@ -38,10 +38,9 @@ lint: style  ## style, types, layers, workflow lint
 
 test: lint site tests  ## everything that must pass: ten minutes or more
 
-# tools/kernels.py compiles what the tests need, once for all their processes; four of these, because
-# tests often wait for programs. Faults in one, because docs/hardware.md is compared with all they found.
+# Four processes, because tests often wait for programs. Faults in one, because docs/hardware.md is
+# compared with all they found.
 tests: .venv/.ready
-	$(ONE_THREAD) python tools/kernels.py
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared $(ONE_THREAD) \
 	  pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder \
 	  tests/workflow tests/fuzz tests/reference tests/unit $(PYTEST)
