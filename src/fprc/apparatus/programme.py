@@ -8,7 +8,7 @@ from fprc.channels import RAW_CHANNELS, unit_of
 from fprc.config.settings import Control, Signal
 from fprc.config.tracking import Tracking
 from fprc.control import Law, hysteresis_law
-from fprc.errors import ConfigError, FprcError
+from fprc.errors import ConfigError
 from fprc.escape import in_words
 from fprc.paper import DISTURBANCE, EXPERIMENTS, reference_and_controller, run_log
 from fprc.registry import controllers, entries, feedforward_of, load_class, outside_classes
@@ -113,7 +113,7 @@ def _refuse_beyond(settings: Mapping[str, Any], sensor: str, highest: float, low
 
 
 def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any:
-    """Load the model of an experiment; check that it is the one in the name, and makes a step."""
+    """Load the model of an experiment, and check that it is the one in the name."""
     from fprc.experiments.trained import refuse_other_data
     from fprc.models import load_model
 
@@ -133,8 +133,4 @@ def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any
         )
     units = [unit_of(channel) for channel in ("p_target_kpa", *inputs)]
     refuse_other_data(fitted, which, settings["control"]["sample_rate_hz"], units)
-    try:  # which also compiles the step before the first tick
-        fitted.step((0.0,) * len(inputs))
-    except Exception as error:  # a class from outside may raise any error
-        raise FprcError(f"{file}: makes no step ({error}); train the model again") from error
     return fitted

@@ -6,14 +6,12 @@ from pathlib import Path
 from string import Template
 
 import numpy as np
-from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
 from fprc.control_laws import FARTHEST_DEG, LARGEST_ERROR_DEG
 from fprc.errors import FprcError
 from fprc.limits import LARGEST
-from fprc.models.features import TapFeatures
-from fprc.models.learned import rows_of
+from fprc.models.features import TapFeatures, rows_of
 from fprc.models.online import Online
 from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel
@@ -58,19 +56,23 @@ def c_header(
             f"{name!r} cannot begin names in C; use letters, digits and _, with a letter first"
         )
     check_is_fitted(model)
-    if not isinstance(model, SequenceModel):
-        raise FprcError(f"{type(model).__name__} is a part of a model; export the whole model")
-    rows = rows_of(model.features_)
-    readout = _readout(model.readout_)
-    if rows is None or readout is None:
+    rows, readout = rows_of(model.features_), model.readout_
+    if rows is None or not isinstance(readout, RidgeReadout | TakagiSugenoReadout):
         raise FprcError(
             f"{type(model).__name__} cannot be exported; C code exists only for taps, low-passes "
             "and plays, alone or side by side, with a ridge or a fuzzy readout"
         )
     columns, kinds, numbers = zip(*rows, strict=True)
-    equation, rules = readout
-    sizes = {"INPUTS": model.n_features_in_, "ROW": len(rows), "RULES": len(rules["at_center"])}
-    tables = {"column": columns, "kind": kinds, "number": numbers, "largest": LARGEST, **rules}
+    if isinstance(readout, RidgeReadout):  # a fuzzy readout of one rule
+        equation = "P_ff(k) = w_out [1, x(k)], paper, Eq. (4)"
+        weights, centers, sigma = readout.w_out_[None], np.zeros((1, len(rows))), 1.0
+    else:
+        equation = "P_ff(k) = beta_bar(k) W_out [1, x(k)], paper, Eq. (12)"
+        weights, centers, sigma = readout.W_out_, readout.centers_, readout.sigma
+    sizes = {"INPUTS": model.n_features_in_, "ROW": len(rows), "RULES": len(weights)}
+    tables = {"column": columns, "kind": kinds, "number": numbers, "largest": LARGEST}
+    tables |= {"centers": centers, "weights": weights[:, 1:], "half_over_sigma2": 0.5 / sigma**2}
+    tables |= {"at_center": weights[:, 0] + np.sum(weights[:, 1:] * centers, axis=1)}
     parameters = ", ".join(f"{key}={value}" for key, value in model.get_params(deep=False).items())
     described, use = f"{type(model).__name__}({parameters})", f"p_ff = {name}_step(&state, x);"
     if online is not None:
@@ -102,41 +104,15 @@ def c_header(
     )
 
 
-def _readout(readout: BaseEstimator) -> tuple[str, dict[str, np.ndarray]] | None:
-    """Return the equation and the tables of a readout; None if there is no C code for it.
-
-    A ridge is a fuzzy readout of one rule.
-    """
-    if isinstance(readout, RidgeReadout):
-        equation = "P_ff(k) = w_out [1, x(k)], paper, Eq. (4)"
-        weights, sigma = readout.w_out_[None], 1.0
-        centers = np.zeros((1, readout.n_features_in_))
-    elif isinstance(readout, TakagiSugenoReadout):
-        equation = "P_ff(k) = beta_bar(k) W_out [1, x(k)], paper, Eq. (12)"
-        weights, centers, sigma = readout.W_out_, readout.centers_, readout.sigma
-    else:
-        return None
-    return equation, {
-        "centers": centers,
-        "weights": weights[:, 1:],
-        "at_center": weights[:, 0] + np.sum(weights[:, 1:] * centers, axis=1),
-        "half_over_sigma2": np.array(0.5 / sigma**2),
-    }
-
-
 def _describe_inputs(model: SequenceModel) -> list[str]:
-    features, lines = model.features_, []
-    references = features.count_references() if isinstance(features, TapFeatures) else None
-    units = getattr(model, "units_", None)
-    for i, name in enumerate(getattr(model, "feature_names_in_", [""] * model.n_features_in_)):
-        kind, unit = f"column {i} of the training log, counted from 0", ""
-        if references is not None:
-            kind, unit = ("theta_d", ", deg") if i < references else ("P_o", ", kPa")
-        if units is not None:
-            unit = f", {_comment(units[1 + i])}"
-        column = f" (column {_comment(str(name))})" if name else ""
-        lines.append(f" *   x[{i}]: {kind}{unit}{column}")
-    return lines
+    count, features = model.n_features_in_, model.features_
+    kinds = [f"column {i} of the training log, counted from 0" for i in range(count)]
+    if isinstance(features, TapFeatures):
+        kinds = ["theta_d" if i < features.count_references() else "P_o" for i in range(count)]
+    units = [f", {unit}" for unit in getattr(model, "units_", [])[1:]] or [""] * count
+    names = [f" (column {name})" for name in getattr(model, "feature_names_in_", [])]
+    described = zip(kinds, units, names or [""] * count, strict=True)
+    return [f" *   x[{i}]: {_comment(''.join(words))}" for i, words in enumerate(described)]
 
 
 def _comment(text: str) -> str:
@@ -148,7 +124,6 @@ def _table(name: str, key: str, table: np.ndarray) -> str:
     """Return the definition of a number or a table in C, without loss."""
     kind = "int" if table.dtype.kind == "i" else f"{name}_real"
     sizes = "".join(f"[{size}]" for size in table.shape)
-    text = (
-        json.dumps(table.tolist()).replace("], [", "],\n    [").translate(str.maketrans("[]", "{}"))
-    )
-    return f"static const {kind} {name}_{key}{sizes} = {text};"
+    text = json.dumps(table.tolist()).replace("], [", "],\n    [")
+    values = text.translate(str.maketrans("[]", "{}"))
+    return f"static const {kind} {name}_{key}{sizes} = {values};"

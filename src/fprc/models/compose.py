@@ -1,14 +1,14 @@
 """Models made of parts: any feature map, or several side by side, with any readout."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from sklearn.base import BaseEstimator, clone
 
 from fprc.limits import Whole
-from fprc.models.features import FeatureMap, Row
-from fprc.models.learned import Learned, LearnedPart, features_of, rows_of
+from fprc.models.features import FeatureMap, Row, rows_of
 from fprc.models.limits import SEED, check_limits
 from fprc.models.sequence import SequenceModel
 
@@ -88,14 +88,11 @@ class SideBySide(FeatureMap):
 
     maps: Sequence[Part]
 
-    def count_features(self) -> int | None:
-        counts = [features_of(part) for part in self.maps_]
-        return None if None in counts else sum(filter(None, counts))
+    def count_features(self) -> int:
+        return sum(part.count_features() for part in self.maps_)
 
-    def learned(self) -> Iterator[tuple[str, Learned]]:
-        self._check_columns()
-        yield "maps_", [LearnedPart(part, len(columns)) for part, columns in self.maps]
-        self._check_size()
+    def learned(self) -> dict[str, Any]:
+        return super().learned() | {"maps_": list}
 
     def prepare(self, X: np.ndarray) -> None:
         self.maps_ = [clone(part).fit(X[:, columns]) for part, columns in self.maps]
@@ -116,10 +113,13 @@ class SideBySide(FeatureMap):
                     raise ValueError(f"{part!r:.60} needs column {column!r:.60}; must be {allowed}")
 
     def rows(self) -> list[Row] | None:
-        parts = [(rows_of(part), columns) for part, columns in self._parts()]
-        if any(rows is None for rows, _ in parts):
-            return None
-        return [(columns[i], kind, number) for rows, columns in parts for i, kind, number in rows]
+        found = list[Row]()
+        for part, columns in self._parts():
+            rows = rows_of(part)
+            if rows is None:
+                return None
+            found += [(columns[i], kind, number) for i, kind, number in rows]
+        return found
 
     def _parts(self) -> list[tuple[FeatureMap, list[int]]]:
         """Return each fitted map and the numbers of its columns."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from sklearn.utils import check_random_state
@@ -9,7 +10,6 @@ from sklearn.utils import check_random_state
 from fprc.limits import limits_of
 from fprc.models.features import FeatureMap, refuse_shorter, table, tap_rows, taps
 from fprc.models.kernels import LANES, advance, excite, excite_lanes
-from fprc.models.learned import Learned
 from fprc.models.limits import SEED, Array
 
 #: Shortest segment, samples: almost three times what the paper's network needs to forget its
@@ -73,10 +73,9 @@ class EchoStates(FeatureMap):
     def count_features(self) -> int:
         return self.n_features_in_ * self.n_y + self.r
 
-    def learned(self) -> Iterator[tuple[str, Learned]]:
-        yield from super().learned()
-        yield "w_in_", Array((self.r, self.n_features_in_))
-        yield "W_r_", Array((self.r, self.r))
+    def learned(self) -> dict[str, Any]:
+        weights = {"w_in_": Array((self.r, self.n_features_in_)), "W_r_": Array((self.r, self.r))}
+        return super().learned() | weights
 
     def map_recording(self, X: np.ndarray) -> np.ndarray:
         return next(self._blocks(X, len(X)))

@@ -8,7 +8,7 @@ assumed to equal its first sample.
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy, deepcopy
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -18,8 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.limits import LARGEST, MODEL, Limit, Whole, limits_of
 from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
-from fprc.models.learned import Learned
-from fprc.models.limits import MOST_FEATURES, Allows, Array, Each, check_limits
+from fprc.models.limits import MOST_FEATURES, Allows, Array, Each, check_limits, is_built_in
 
 #: A feature: its column, its kind, and its number, see ``kernels.advance``.
 Row = tuple[int, int, float]
@@ -61,6 +60,11 @@ def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
     """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0) (Eq. 6)."""
     # not scipy.signal.lfilter: its import takes half a second, and pandas is imported anyway
     return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
+
+
+def rows_of(features: Any) -> list[Row] | None:
+    """Return the rows of a fitted map; None if its class is from outside and may change them."""
+    return features.rows() if is_built_in(features) else None
 
 
 def table(rows: Sequence[Row] | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -122,13 +126,8 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
                 f"lengths = {list(lengths)!r:.60}; each must be at least 1, and their sum the "
                 f"{len(samples)} samples of the log"
             )
-        for number, part in enumerate(np.split(samples, np.cumsum(lengths)[:-1]), 1):
-            try:
-                yield from self._blocks(part, most or len(part))
-            except ValueError as error:
-                if len(lengths) == 1:
-                    raise
-                raise ValueError(f"recording {number} of {len(lengths)}: {error}") from error
+        for part in np.split(samples, np.cumsum(lengths)[:-1]):
+            yield from self._blocks(part, most or len(part))
 
     def _blocks(self, X: np.ndarray, most: int) -> Iterator[np.ndarray]:
         yield self.map_recording(X)
@@ -143,19 +142,19 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
             )
         return samples
 
-    def count_features(self) -> int | None:
-        """Return the number of features; None if it is unknown for a class."""
-        return None
+    def count_features(self) -> int:
+        """Return the number of features as far as it is known before the first sample, else 0."""
+        return 0
 
     def rows(self) -> list[Row] | None:
         """Return all features of a fitted map; None if they are not taps, low-passes and plays."""
         return None
 
-    def learned(self) -> Iterator[tuple[str, Learned]]:
-        """Check the parameters, and yield what ``fit`` learns, see ``fprc.models.learned``."""
+    def learned(self) -> dict[str, Any]:
+        """Return what ``fit`` learns, see ``fprc.models.limits``, where the parameters allow it."""
         self._check_columns()
         self._check_size()
-        yield from ()
+        return {}
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times."""
@@ -196,7 +195,7 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         """Check that the parameters suit the number of columns."""
 
     def _check_size(self) -> None:
-        if (count := self.count_features() or 0) > MOST_FEATURES:
+        if (count := self.count_features()) > MOST_FEATURES:
             parameters = self.get_params(deep=False)
             raise ValueError(
                 f"{type(self).__name__}: {count} features of {self.n_features_in_} columns with "
@@ -205,7 +204,7 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
 
     @property
     def _n_features_out(self) -> int:
-        return self.count_features() or deepcopy(self).step(np.zeros(self.n_features_in_)).size
+        return deepcopy(self).step(np.zeros(self.n_features_in_)).size
 
     def prepare(self, X: np.ndarray) -> None:
         """Learn or draw what the map needs, from the training log, of shape (n_samples, n_inputs).
@@ -360,9 +359,9 @@ class PlayOperators(FeatureMap):
     def count_features(self) -> int:
         return self.n_features_in_ * self.n_plays
 
-    def learned(self) -> Iterator[tuple[str, Learned]]:
-        yield from super().learned()
-        yield "half_widths_", Array((self.n_features_in_, self.n_plays), Limit(0, 1e30))
+    def learned(self) -> dict[str, Any]:
+        widths = Array((self.n_features_in_, self.n_plays), Limit(0, 1e30))
+        return super().learned() | {"half_widths_": widths}
 
     def prepare(self, X: np.ndarray) -> None:
         shares = np.arange(1, self.n_plays + 1) / (self.n_plays + 1)

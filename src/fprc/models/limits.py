@@ -1,9 +1,11 @@
 """Limits of the models' parameters and learned numbers, declared as data.
 
-``fit`` checks the parameters, ``fprc.models.learned`` both, of a model from a file.
+``fit`` checks the parameters; both are checked of a model from a file. Each class declares its
+``LIMITS`` of parameters and, by a method ``learned``, what it learns: the name of each attribute,
+and its ``Array`` or its type.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,34 +39,25 @@ class Each(NamedTuple):
 
 
 class Array(NamedTuple):
-    """Shape of an array of double, and range of each number.
+    """Shape of an array of double, and range of each number; no range: an array of words.
 
     By default a trained model is far from the range; beyond it, sums over the features could exceed
     that of double.
     """
 
     shape: tuple[int, ...]
-    each: Limit = Limit(-1e30, 1e30)
+    each: Limit | None = Limit(-1e30, 1e30)
 
     def allows(self, value: Any) -> bool:
         """Return whether ``value`` is such an array."""
-        if not isinstance(value, np.ndarray) or value.dtype != np.float64:
+        kind = np.float64 if self.each else object
+        if not isinstance(value, np.ndarray) or (value.shape, value.dtype) != (self.shape, kind):
             return False
-        return value.shape == self.shape and all(map(self.each.allows, (value.min(), value.max())))
+        return not self.each or all(map(self.each.allows, (value.min(), value.max())))
 
     def __str__(self) -> str:  # noqa: D105
-        return f"float64 of shape {self.shape} in {self.each.interval()}"
-
-
-class Words(NamedTuple):
-    """Length of an array of words; None is any."""
-
-    length: int | None
-
-    def allows(self, value: Any) -> bool:
-        """Return whether ``value`` is such an array."""
-        words = value.tolist() if isinstance(value, np.ndarray) else [None]
-        return self.length in (None, len(words)) and all(isinstance(word, str) for word in words)
+        within = f"float64 in {self.each.interval()}" if self.each else "words"
+        return f"{within}, of shape {self.shape}"
 
 
 #: What ``random_state`` may be.
@@ -91,22 +84,58 @@ def check_limits(estimator: BaseEstimator, limits: Mapping[str, Allows]) -> None
         raise ValueError("\n".join(problems))
 
 
+#: What a model may know, or not.
+_OPTIONAL = {"feature_names_in_", "information_", "sample_rate_hz_", "units_"}
+
+
+def is_built_in(model: BaseEstimator) -> bool:
+    """Return whether the class of a model is of this package."""
+    return type(model).__module__.startswith(f"{__package__}.")
+
+
+def check_learned(model: Any, learned: Set[str]) -> None:
+    """Check a model of this package that comes from a file: its parameters, and what it learned.
+
+    Raises
+    ------
+    ValueError
+        A parameter is out of range; an attribute is missing or not as its class declares it; or
+        its class learns none of a name in ``learned``.
+    """
+    check_limits(model, getattr(model, "LIMITS", {}))
+    columns = model.n_features_in_
+    declared: dict[str, Any] = {
+        "n_features_in_": Whole(1, MOST_FEATURES),
+        "feature_names_in_": Array((columns,), None),
+        "units_": Array((1 + columns,), None),
+        "sample_rate_hz_": Limit(1e-3, 1e6),
+        **model.learned(),
+    }
+    for key, expected in declared.items():
+        value = getattr(model, key, None)
+        fits = isinstance(value, expected) if isinstance(expected, type) else expected.allows(value)
+        if not fits and not (value is None and key in _OPTIONAL):
+            found = f"{value!r:.60}"
+            if isinstance(value, np.ndarray):
+                found = f"{value.dtype} of shape {value.shape}, such as {value.ravel()[:1]}"
+            raise ValueError(f"{type(model).__name__}: {key}: {found}; must be {expected}")
+    if others := learned - declared.keys():
+        raise ValueError(f"{type(model).__name__} learns no {', '.join(others)}")
+
+
 def training_data(
     estimator: BaseEstimator, X: ArrayLike, y: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what ``fit`` is given, as scikit-learn checks it; numbers in ``y`` may be text.
+    """Return what ``fit`` is given, as scikit-learn checks it; ``y`` may be numbers as text.
 
     Raises
     ------
     ValueError
         ``y`` is missing or holds something else than numbers, such as words or durations.
     """
-    values = np.asarray(y)
-    if values.dtype.kind in "mM":
-        raise ValueError(f"y: holds {values.dtype}; must be numbers")
-    if y is not None and values.dtype.kind in "SUO":
+    if y is not None and np.asarray(y).dtype.kind in "mMSUO":
         try:
-            y = values.astype(np.float64)
-        except (TypeError, ValueError) as error:
+            y = np.asarray(y).astype(str).astype(np.float64)
+        except ValueError as error:
             raise ValueError(f"y: {error}; must be numbers") from error
     return validate_data(estimator, X, y, dtype=np.float64)

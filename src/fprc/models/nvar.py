@@ -1,15 +1,14 @@
 """Nonlinear vector autoregression, also called next-generation reservoir computing."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from math import comb
+from typing import Any
 
 import numpy as np
 
 from fprc.limits import LARGEST, Limit, Whole
 from fprc.models.features import FeatureMap, refuse_shorter, taps
-from fprc.models.learned import Learned
 from fprc.models.limits import SMALLEST_SCALE, Array
 
 
@@ -55,10 +54,10 @@ class NVAR(FeatureMap):
         linear = self.n_features_in_ * self.n_taps
         return linear + comb(linear + self.degree - 1, self.degree)
 
-    def learned(self) -> Iterator[tuple[str, Learned]]:
-        yield from super().learned()
-        yield "mean_", Array((self.n_features_in_,), Limit(-2 * LARGEST, 2 * LARGEST))
-        yield "scale_", Array((self.n_features_in_,), Limit(SMALLEST_SCALE, 1e30))
+    def learned(self) -> dict[str, Any]:
+        mean = Array((self.n_features_in_,), Limit(-2 * LARGEST, 2 * LARGEST))
+        scale = Array((self.n_features_in_,), Limit(SMALLEST_SCALE, 1e30))
+        return super().learned() | {"mean_": mean, "scale_": scale}
 
     def prepare(self, X: np.ndarray) -> None:
         self.mean_, spread = X.mean(axis=0), X.std(axis=0)

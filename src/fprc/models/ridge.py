@@ -1,7 +1,7 @@
 """Ridge regression that penalises every weight, including the bias, and the ESN's readout."""
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from typing import ClassVar, Self
@@ -73,9 +73,9 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
 
     LIMITS: ClassVar[Mapping[str, Limit]] = limits_of("alpha")
 
-    def learned(self) -> Iterator[tuple[str, Array]]:
-        """Yield the shape of the weights, see ``fprc.models.learned``."""
-        yield "w_out_", Array((1 + self.n_features_in_,))
+    def learned(self) -> dict[str, Array]:
+        """Return the shape of the weights, see ``fprc.models.limits``."""
+        return {"w_out_": Array((1 + self.n_features_in_,))}
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Solve the normal equations for one output."""

@@ -1,7 +1,7 @@
 """A model with memory: a sequential feature map, and a readout of single rows."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from copy import deepcopy
 from typing import Any, Self, TypeVar
 
@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.models.learned import Learned, LearnedPart, features_of
 from fprc.models.limits import Array, training_data
 
 Part = TypeVar("Part", bound=BaseEstimator)
@@ -106,12 +105,12 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         model.readout_ = readout
         return model
 
-    def learned(self) -> Iterator[tuple[str, Learned]]:
-        """Yield both parts, and what is remembered, see ``fprc.models.learned``."""
-        yield "features_", LearnedPart(self.make_features(), self.n_features_in_)
-        yield "readout_", LearnedPart(self.make_readout(), features_of(self.features_))
-        if self.learns_online():
-            yield "information_", Array((self.readout_.weights.size,) * 2)
+    def learned(self) -> dict[str, Any]:
+        """Return the parts, and the shape of what is remembered, see ``fprc.models.limits``."""
+        parts = {"features_": BaseEstimator, "readout_": BaseEstimator}
+        if not self.learns_online():
+            return parts
+        return parts | {"information_": Array((self.readout_.weights.size,) * 2)}
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times."""

@@ -1,19 +1,18 @@
 """Fitted models in files: an HDF5 file of one text and some arrays, behind a checksum.
 
 The first 512 bytes, HDF5's user block, hold the SHA-256 of all others, so a damaged file is refused
-before the HDF5 library reads it. The text is JSON: the model as it is before ``fit``, and the words
-that it learned. What else it learned are arrays, each named by its place in the model, such as
-``readout_.W_out_``.
+before the HDF5 library reads it. The text is JSON: class, parameters and learned attributes of the
+model and of its parts. Arrays are named by their place in the model, such as ``readout_.W_out_``.
 
 A file may come from anybody, and may move a rig. All numbers must lie in the file as they are: a
-link or a chunk could lead to another file, or to more than there is. The model is made again from
-its parameters, and takes what fits, see ``fprc.models.learned``; anything else is refused.
+link or a chunk could lead to another file, or to more than there is. What a class of this package
+learned must be what it declares, see ``fprc.models.limits``, and the parts must make a step.
 """
 
 import hashlib
 import json
 import sys
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,17 +23,16 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
 from fprc.given import read_given
-from fprc.models.learned import is_built_in, is_learned, restore
+from fprc.models.limits import check_learned, is_built_in
+from fprc.models.sequence import SequenceModel
 
-#: Largest file, bytes: an ESN of 4,000 nodes takes 128 MB.
-MOST_BYTES = 150_000_000
-#: Longest text, bytes, and longest message about a file, which may quote a name of any length.
-_LONGEST_TEXT, _LONGEST_MESSAGE = 1_000_000, 1000
+#: Largest file, bytes: an ESN of 4,000 nodes takes 128 MB. Longest text, bytes.
+MOST_BYTES, _LONGEST_TEXT = 150_000_000, 1_000_000
 
 _TEXT, _BLOCK, _FORMAT = "model", 512, b"fprc model 2\n"
 
 
-def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type] = ()) -> None:
+def save_model(model: SequenceModel, path: Path | str, classes: Collection[type] = ()) -> None:
     """Write a fitted model: class, parameters, and every learned attribute.
 
     Parameters
@@ -50,25 +48,17 @@ def save_model(model: BaseEstimator, path: Path | str, classes: Collection[type]
         ``classes``, or what it holds is neither finite numbers nor text, as its class learns them.
     """
     check_is_fitted(model)
-    parts = dict(_parts(model))
-    arrays, words = dict[str, np.ndarray](), dict[str, np.ndarray]()
+    arrays = dict[str, np.ndarray]()
     try:
-        for place, part in parts.items():
-            for key, value in vars(part).items():
-                if is_learned(key) and not _held(value):
-                    numbers = np.asarray(value)
-                    (arrays if numbers.dtype.kind in "biuf" else words)[place + key] = numbers
-        text = json.dumps({"model": model, "words": words}, default=_plain, allow_nan=False)
+        text = json.dumps(_described(model, "", arrays), default=_plain, allow_nan=False)
         content = packed(text, arrays)
-        for place, part in _parts(_restored(content, classes)):
-            if _described(part) != _described(parts[place]):
-                raise ValueError(f"{place}: its class and parameters are not those of make_...()")
-    except (TypeError, ValueError) as error:
+        _restored(content, classes)
+    except Exception as error:  # of a class from outside, any
         raise FprcError(f"{type(model).__name__}: cannot be saved: {error}") from error
     Path(path).write_bytes(content)
 
 
-def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimator:
+def load_model(path: Path | str, classes: Collection[type] = ()) -> SequenceModel:
     """Read a model that ``save_model`` wrote.
 
     Parameters
@@ -83,14 +73,11 @@ def load_model(path: Path | str, classes: Collection[type] = ()) -> BaseEstimato
     """
     content = read_given(path, most_bytes=MOST_BYTES)
     try:
-        model = _restored(content, classes)
-        if hasattr(model, "reset"):
-            model.reset()
-        return model
+        return _restored(content, classes)
     except Exception as error:  # on a file of somebody else, libraries and classes raise any type
         why = str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"
         raise FprcError(
-            f"{path}: holds no model that this version of fprc can use: {why[:_LONGEST_MESSAGE]}; "
+            f"{path}: holds no model that this version of fprc can use: {why:.1000}; "
             "give a model of `fprc train` or of the workflow, or train it again"
         ) from error
 
@@ -136,18 +123,17 @@ def _unpacked(content: bytes) -> dict[str, Any]:
         return {name: data[()] for name, data in file.items()}
 
 
-def _restored(content: bytes, classes: Collection[type]) -> Any:
+def _restored(content: bytes, classes: Collection[type]) -> SequenceModel:
     values, known = _unpacked(content), _known_classes(classes)
-    text = json.loads(values.pop(_TEXT), object_hook=lambda found: _unfitted(found, known))
+    text = values.pop(_TEXT)
     for name, array in values.items():
         if not np.isfinite(array).all():
             raise ValueError(f"{name}: holds NaN or infinity")
-    learned = {name: value if np.ndim(value) else value.item() for name, value in values.items()}
-    for name, value in text["words"].items():
-        learned[name] = np.array(value, dtype=object) if isinstance(value, list) else value
-    model = restore(text["model"], learned)
-    if learned:
-        raise ValueError(f"{', '.join(learned)}: is no part of the model")
+    model = json.loads(text, object_hook=lambda found: _made(found, values, known))
+    if not isinstance(model, SequenceModel):
+        raise ValueError(f"{type(model).__name__} is no model, but a part of one or something else")
+    model.step(np.zeros(model.n_features_in_))  # parts that do not belong together raise any error
+    model.reset()
     return model
 
 
@@ -163,49 +149,61 @@ def _known_classes(classes: Collection[type]) -> dict[str, type]:
     }
 
 
-def _plain(value: Any) -> Any:
-    """Return a value as JSON has it: an estimator as class and parameters, an array as a list."""
+def _is_learned(key: str) -> bool:
+    return key.isidentifier() and key.endswith("_") and not key.startswith("_")
+
+
+def _described(part: BaseEstimator, place: str, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
+    """Return an estimator as JSON has it; add its arrays, named by their place."""
+    learned = {
+        key: _kept(value, place + key, arrays)
+        for key, value in vars(part).items()
+        if _is_learned(key)
+    }
+    return _plain(part) | {"learned": learned}
+
+
+def _kept(value: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
     if isinstance(value, BaseEstimator):
-        return {"class": type(value).__name__, "parameters": value.get_params(deep=False)}
+        return _described(value, f"{place}.", arrays)
+    if isinstance(value, list):
+        return [_kept(item, f"{place}.{i}", arrays) for i, item in enumerate(value)]
+    if isinstance(value, np.ndarray):
+        if value.dtype.kind not in "biuf":
+            return {"words": value.tolist()}
+        arrays[place] = value
+        return {"array": place}
+    return value
+
+
+def _plain(value: Any) -> Any:
+    """Return an unfitted estimator as class and parameters, an array of parameters as a list."""
+    if isinstance(value, BaseEstimator):
+        parameters = value.get_params(deep=False)
+        return {"class": type(value).__name__, "parameters": parameters, "learned": {}}
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(f"a parameter is a {type(value).__name__}, neither numbers nor text; change it")
 
 
-def _unfitted(described: Mapping[str, Any], known: Mapping[str, type]) -> Any:
-    """Return the estimator of ``_plain``; anything else as it is."""
-    if described.keys() != {"class", "parameters"}:
-        return described
-    name, parameters = described["class"], described["parameters"]
-    if name not in known:
+def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, type]) -> Any:
+    """Return what a part of the text describes: an estimator, an array, or itself."""
+    if found.keys() == {"array"}:
+        return arrays[found["array"]]
+    if found.keys() == {"words"}:
+        return np.array([str(word) for word in found["words"]], dtype=object)
+    if found.keys() != {"class", "parameters", "learned"}:
+        return found
+    if found["class"] not in known:
         raise ValueError(
-            f"class {name} is unknown; a class of your own must be given, by --config or in classes"
+            f"class {found['class']!r:.60} is unknown; a class of your own must be given, by "
+            "--config or in classes"
         )
-    model = known[name](**parameters)
-    missing = model.get_params(deep=False).keys() - parameters.keys()
-    if is_built_in(model) and missing:
-        raise ValueError(f"{name}: has no {', '.join(sorted(missing))}")
+    model = known[found["class"]](**found["parameters"])
+    for key, value in found["learned"].items():
+        if not _is_learned(key):
+            raise ValueError(f"{key!r:.60} is no name of something learned")
+        setattr(model, key, value)
+    if found["learned"] and is_built_in(model):
+        check_learned(model, found["learned"].keys())
     return model
-
-
-def _held(value: Any) -> dict[str, BaseEstimator]:
-    """Return the fitted parts in a learned attribute, by what is added to its name."""
-    listed = {f".{i}": part for i, part in enumerate(value)} if isinstance(value, list) else {}
-    return {
-        key: part for key, part in {"": value, **listed}.items() if isinstance(part, BaseEstimator)
-    }
-
-
-def _parts(model: BaseEstimator, place: str = "") -> Iterator[tuple[str, BaseEstimator]]:
-    """Yield a model and all of its fitted parts, each with its place, such as ``readout_.``."""
-    yield place, model
-    for key, value in vars(model).items():
-        if is_learned(key):
-            for more, part in _held(value).items():
-                yield from _parts(part, f"{place}{key}{more}.")
-
-
-def _described(part: BaseEstimator) -> str:
-    """Return class and parameters; a cross-validation gives the readout of a fold another seed."""
-    parameters = part.get_params(deep=False) | {"random_state": None}
-    return json.dumps([type(part).__name__, parameters], default=_plain)

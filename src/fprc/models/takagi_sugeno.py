@@ -1,6 +1,6 @@
 """Takagi-Sugeno fuzzy readout."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -61,11 +61,11 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         "random_state": SEED,
     }
 
-    def learned(self) -> Iterator[tuple[str, Array]]:
-        """Yield the shapes of centres and weights, see ``fprc.models.learned``."""
+    def learned(self) -> dict[str, Array]:
+        """Return the shapes of centres and weights, see ``fprc.models.limits``."""
         # as far as samples go: C computes with distances from the centres
-        yield "centers_", Array((self.n_c, self.n_features_in_), Limit(-LARGEST, LARGEST))
-        yield "W_out_", Array((self.n_c, 1 + self.n_features_in_))
+        centers = Array((self.n_c, self.n_features_in_), Limit(-LARGEST, LARGEST))
+        return {"centers_": centers, "W_out_": Array((self.n_c, 1 + self.n_features_in_))}
 
     def fit(self, X: ArrayLike, y: ArrayLike, *, init: np.ndarray | None = None) -> Self:
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8).

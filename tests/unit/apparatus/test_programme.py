@@ -10,7 +10,7 @@ from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
 from fprc.experiments.data import Data
 from fprc.experiments.trained import trained_on
-from fprc.models import FPRC, FuzzyLinear, TapFeatures, load_model, save_model
+from fprc.models import FPRC, FuzzyLinear, load_model, save_model
 
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)
 
@@ -72,7 +72,6 @@ def files(fprc_file, recorded, tmp_path_factory):
     fitted = {
         "Fuzzy-linear": (FuzzyLinear(n_c=2, random_state=1), 1),
         "FPRC of three inputs": (FPRC(n_c=2, random_state=1), 3),
-        "features": (TapFeatures(), 2),
     }
     for name, (model, count) in fitted.items():
         model.fit(inputs[:, :count], log["p_exp_command_kpa"])
@@ -84,7 +83,6 @@ def files(fprc_file, recorded, tmp_path_factory):
 @pytest.mark.parametrize(
     ("file", "message"),
     [("", "fprc_pd needs a fitted fprc .*; give --model"), ("Fuzzy-linear", "FuzzyLinear.* FPRC"),
-     ("features", "TapFeatures.* FPRC"),
      ("FPRC of three inputs", "3 inputs.* 2, theta_deg and p_o_kpa")],
 )  # fmt: skip
 def test_model_that_is_not_the_one_in_the_name_of_the_log_is_refused_before_anything_starts(
@@ -132,5 +130,5 @@ def test_model_of_other_rate_or_units_is_refused_before_the_rig_moves(
 
 def test_step_that_fails_is_refused_before_the_rig_moves(settings, fprc_file, monkeypatch):
     monkeypatch.setattr(FPRC, "step", lambda self, x: x[7])
-    with pytest.raises(FprcError, match=r"fprc\.h5: .*tuple index"):
+    with pytest.raises(FprcError, match=r"fprc\.h5: .*index 7"):
         plan("track_sine_0p2_fprc", settings, fprc_file)
