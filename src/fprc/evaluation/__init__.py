@@ -1,13 +1,12 @@
 """Models on logs: folds, errors, cross-validation, execution times."""
 
 from fprc.evaluation.crossval import CrossValidated, Prepared, evaluate, prepare, rmse
-from fprc.evaluation.folds import TimeBlocks, settled_rmse, split_rows
+from fprc.evaluation.folds import settled_rmse, split_rows
 from fprc.evaluation.timing import time_models
 
 __all__ = [
     "CrossValidated",
     "Prepared",
-    "TimeBlocks",
     "evaluate",
     "prepare",
     "rmse",

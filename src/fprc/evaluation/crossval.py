@@ -23,9 +23,7 @@ def rmse(truth: np.ndarray, prediction: np.ndarray) -> float:
         The shapes differ, or the result is not a finite number.
     """
     if np.shape(truth) != np.shape(prediction):
-        raise EvaluationError(
-            f"truth has the shape {np.shape(truth)}, but the prediction {np.shape(prediction)}"
-        )
+        raise EvaluationError(f"the shapes {np.shape(truth)} and {np.shape(prediction)} differ")
     error = rms(truth - prediction)
     if not np.isfinite(error):
         raise EvaluationError(
@@ -142,29 +140,26 @@ def _cross_validated(
     y: np.ndarray, folds: Sequence[Fold],
 ) -> CrossValidated:  # fmt: skip
     """Train once per fold and keep the best; ``blocks`` gives the features of all samples."""
+    readout = model.make_readout()
     with refusals_of(model):
-        readouts = list(_fitted(model.make_readout(), blocks(), y, folds))
+        if isinstance(readout, RidgeReadout) and _is_partition(folds, len(y)):
+            readouts = readout.fit_complements(blocks(), y, [validation for _, validation in folds])
+        else:
+            (rows,) = blocks()
+            readouts = [
+                _with_seed_of(clone(readout), i).fit(rows[train], y[train])
+                for i, (train, _) in enumerate(folds)
+            ]
         outputs = [np.column_stack([fit.predict(rows) for fit in readouts]) for rows in blocks()]
         fits = np.concatenate(outputs).T
         errors = [
-            tuple(rmse(y[part], fit[part]) for part in fold)
+            [rmse(y[part], fit[part]) for part in fold]
             for fit, fold in zip(fits, folds, strict=True)
         ]
     best = int(np.argmin(np.hypot(*np.transpose(errors))))
     train_rmse, validation_rmse = zip(*errors, strict=True)
     fitted = model.assembled(features, readouts[best])
     return CrossValidated(train_rmse, validation_rmse, best, fits[best], fitted)
-
-
-def _fitted(
-    readout: BaseEstimator, blocks: Iterable[np.ndarray], y: np.ndarray, folds: Sequence[Fold]
-) -> Iterator[BaseEstimator]:
-    if isinstance(readout, RidgeReadout) and _is_partition(folds, len(y)):
-        yield from readout.fit_complements(blocks, y, [validation for _, validation in folds])
-    else:
-        (rows,) = blocks
-        for i, (train, _) in enumerate(folds):
-            yield _with_seed_of(clone(readout), i).fit(rows[train], y[train])
 
 
 def _is_partition(folds: Sequence[Fold], samples: int) -> bool:

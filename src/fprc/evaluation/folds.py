@@ -1,9 +1,6 @@
 """Training and validation rows of each fold, for our cross-validation and for scikit-learn's."""
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,8 +18,8 @@ def split_rows(samples: int, folds: int, split: str, seed: int, purge: int = 0) 
     Parameters
     ----------
     split : {"shuffled", "blocked"}
-        Random rows, or contiguous blocks. The paper does not say
-        which; shuffled rows have the validation spread that it prints, 0.05-0.15 kPa.
+        Random rows, or contiguous blocks. The paper does not say which; shuffled rows have the
+        validation spread that it prints, 0.05-0.15 kPa.
     purge : int
         Rows on each side of a block that do not train: they resemble those that validate.
 
@@ -34,10 +31,7 @@ def split_rows(samples: int, folds: int, split: str, seed: int, purge: int = 0) 
     if split not in ("shuffled", "blocked"):
         raise EvaluationError(f"split = {split!r}; must be 'shuffled' or 'blocked'")
     if not 2 <= folds <= samples:
-        raise EvaluationError(
-            f"{samples} samples cannot be split into {folds} folds: a fold would be empty; "
-            "use 2 folds or more, or a longer log"
-        )
+        raise EvaluationError(f"{samples} samples in {folds} folds; must be 2 folds to one each")
     if split == "blocked":
         return split_blocks([samples], folds, 1, purge)
     return list(KFold(folds, shuffle=True, random_state=seed).split(np.empty(samples)))
@@ -61,58 +55,11 @@ def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int)
             train = np.concatenate([np.arange(first), np.arange(last + 1, total)])
             if not train.size:
                 raise EvaluationError(
-                    f"a block of {len(block)} samples, and {purge} samples on each side of it, "
-                    f"leave none of {total} to train; reduce evaluation.purge_s, or use a longer "
-                    "log"
+                    f"a block of {len(block)} samples and {purge} on each side leave none of "
+                    f"{total} to train; reduce evaluation.purge_s, or use a longer log"
                 )
             folds.append((train, block))
     return folds
-
-
-@dataclass
-class TimeBlocks:
-    """Folds of samples in time: each tests one stretch and trains on the longer one beside it.
-
-    Both are whole stretches of the log, so that taps, filters and states are those of the log.
-    A fold of ``KFold(shuffle=True)``, in contrast, gives a model rows with gaps as if they
-    were one sample apart.
-
-    Parameters
-    ----------
-    n_splits : int, default=5
-        Folds, at least 2; the tested stretches make up the log.
-    gap : int, default=0
-        Samples left out between training and test.
-    """
-
-    n_splits: int = 5
-    gap: int = 0
-
-    def get_n_splits(self, X: Any = None, y: Any = None, groups: Any = None) -> int:
-        """Return the number of folds."""
-        return self.n_splits
-
-    def split(
-        self, X: Any, y: Any = None, groups: Any = None
-    ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Yield the rows of training and test of each fold.
-
-        Raises
-        ------
-        ValueError
-            Fewer than two folds, or fewer samples than the folds and gaps need.
-        """
-        samples = len(X)
-        if not 2 <= self.n_splits <= samples:
-            raise ValueError(f"n_splits = {self.n_splits}; must be from 2 to n_samples = {samples}")
-        rows, edges = np.arange(samples), np.linspace(0, samples, self.n_splits + 1).astype(int)
-        for first, last in pairwise(edges):
-            train = max(rows[: max(first - self.gap, 0)], rows[last + self.gap :], key=len)
-            if not len(train):
-                raise ValueError(
-                    f"gap = {self.gap} leaves no sample to train on; use a smaller one"
-                )
-            yield train, rows[first:last]
 
 
 def settled_rmse(settle: int) -> Callable[[BaseEstimator, ArrayLike, ArrayLike], float]:

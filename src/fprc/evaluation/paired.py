@@ -12,11 +12,13 @@ from scipy.special import stdtr
 
 from fprc.intervals import interval_of_mean
 
-SUPERIOR = "superior"
-EQUIVALENT = "equivalent"
-INFERIOR = "inferior"
-UNDECIDED = "undecided"
+#: Verdicts from the weakest to the strongest.
+INFERIOR, UNDECIDED, EQUIVALENT, SUPERIOR = _STRENGTH = (
+    "inferior", "undecided", "equivalent", "superior",
+)  # fmt: skip
 NOT_JUDGED = "not judged"
+#: Verdicts on what is compared with a limit and not with another model, as readers see them.
+_ON_A_LIMIT = {SUPERIOR: "holds", INFERIOR: "does not hold"}
 
 #: Two models are equivalent within this factor.
 EQUIVALENT_WITHIN = 1.05
@@ -26,13 +28,6 @@ ALPHA = 0.05
 LEAST_UNITS, LEFT_OUT = 8, 5
 #: Number of random subsets, and the share of them that must agree with a verdict.
 SUBSETS, AGREEING = 200, 0.95
-
-#: Verdicts from the weakest to the strongest.
-_STRENGTH = (INFERIOR, UNDECIDED, EQUIVALENT, SUPERIOR)
-
-
-#: A mean and the ends of its interval.
-Ends = tuple[float, float, float]
 
 
 class Part(NamedTuple):
@@ -46,7 +41,7 @@ class Part(NamedTuple):
     #: training data; 0 for units that share none.
     overlap: float = 0.0
 
-    def interval(self, level: float, units: Sequence[int] | None = None) -> Ends:
+    def interval(self, level: float) -> tuple[float, float, float]:
         """Return the mean and the ends of the interval that errs with probability ``level``.
 
         Units that share training data resemble each other. Their n values then have the variance
@@ -58,55 +53,29 @@ class Part(NamedTuple):
         Nadeau and Bengio, Machine Learning 52 (2003); Bouckaert and Frank, PAKDD 2004; Bengio and
         Grandvalet, Journal of Machine Learning Research 5 (2004), on the bias.
         """
-        values = self._array(units)
-        return interval_of_mean(values, 1.0 - level, self._widened(values.size))
+        values = np.array([*self.values.values()])
+        return interval_of_mean(values, 1.0 - level, math.sqrt(1.0 + values.size * self.overlap))
 
-    def ends(self, level: float) -> dict[str, float]:
-        """Return the interval as readers see it: ``mean``, ``low`` and ``high``."""
-        ends = zip(("mean", "low", "high"), self.interval(level), strict=True)
-        return {name: self.limit * math.exp(value) for name, value in ends}
+    def levels(self, units: Sequence[int] | None = None) -> dict[str, float]:
+        """Return by verdict the level above which the interval, of all or some units, says so.
+
+        The first of them that is below a level is the verdict: equivalent if the interval lies
+        within 1/1.05 to 1.05, superior if it lies below 1, inferior if it lies above 1.
+        """
+        chosen = self.values if units is None else [u for u in units if u in self.values]
+        values = np.array([self.values[unit] for unit in chosen])
+        error = values.std(ddof=1) * math.sqrt(1.0 / values.size + self.overlap)
+        mean, error = float(values.mean()), max(error, 1e-12)  # also if all units agree exactly
+        margin = math.log(EQUIVALENT_WITHIN) if self.limit == 1.0 else -math.inf
+        ends = {EQUIVALENT: abs(mean) - margin, SUPERIOR: mean, INFERIOR: -mean}
+        return {
+            name: 2.0 * float(stdtr(values.size - 1, end / error)) for name, end in ends.items()
+        }
 
     def verdict(self, level: float, units: Sequence[int] | None = None) -> str:
-        """Return the verdict from the interval that errs with probability ``level``.
-
-        In this order: equivalent if the interval lies within 1/1.05 to 1.05, superior if it lies
-        below 1, inferior if it lies above 1, otherwise undecided.
-        """
-        _, low, high = self.interval(level, units)
-        margin = math.log(EQUIVALENT_WITHIN)
-        if self.limit == 1.0 and -margin <= low and high <= margin:
-            return EQUIVALENT
-        if high < 0.0:
-            return SUPERIOR
-        return INFERIOR if low > 0.0 else UNDECIDED
-
-    def least_levels(self) -> tuple[float, float]:
-        """Return the lowest levels that decide anything, and that say inferior (1 if none does)."""
-        values = self._array(None)
-        mean, freedom = float(values.mean()), values.size - 1
-        # positive even if all units agree exactly
-        error = float(values.std(ddof=1)) / math.sqrt(values.size) * self._widened(values.size)
-        error = max(error, 1e-12)
-        below, above = (2.0 * float(stdtr(freedom, sign * mean / error)) for sign in (1.0, -1.0))
-        levels = [below, above]
-        if self.limit == 1.0:
-            # both ends of the interval are within the margin
-            nearer = (abs(mean) - math.log(EQUIVALENT_WITHIN)) / error
-            levels.append(2.0 * float(stdtr(freedom, nearer)))
-            if levels[-1] <= above:  # it is equivalent before the interval lies above 1
-                above = 1.0
-        return min(levels), above
-
-    def _widened(self, size: int) -> float:
-        return math.sqrt(1.0 + size * self.overlap)
-
-    def _array(self, units: Sequence[int] | None) -> np.ndarray:
-        chosen = self.values if units is None else [u for u in units if u in self.values]
-        return np.array([self.values[unit] for unit in chosen])
-
-
-#: Verdicts on what is compared with a limit and not with another model, as readers see them.
-_ON_A_LIMIT = {SUPERIOR: "holds", INFERIOR: "does not hold"}
+        """Return the verdict from the interval that errs with probability ``level``."""
+        decided = (name for name, least in self.levels(units).items() if least < level)
+        return next(decided, UNDECIDED)
 
 
 def decide_together(
@@ -138,12 +107,12 @@ def decide_together(
     Returns
     -------
     list of dict
-        One for each part of a claim: its text and ``Part.ends``; of a claim that is not judged one,
-        in which these are None. Of the claim ``verdict``; ``p``, the lowest level that decides it,
-        adjusted over all claims; ``level``, at which each part was judged; ``stable``, the share of
-        the subsets that give the same verdict, or None; ``words``, the verdict as readers see it,
-        unstable if too few of the subsets give it; ``units``, of the part that has the fewest;
-        ``dropped``, units without a pair.
+        One for each part of a claim: ``part``, its text, ``mean``, ``low`` and ``high``; of a claim
+        that is not judged one, in which these are None. Of the claim ``verdict``; ``p``, the lowest
+        level that decides it, adjusted over all claims; ``level``, at which each part was judged;
+        ``stable``, the share of the subsets that give the same verdict, or None; ``words``, the
+        verdict as readers see it, unstable if too few of the subsets give it; ``units``, of the
+        part that has the fewest; ``dropped``, units without a pair.
 
     References
     ----------
@@ -152,29 +121,31 @@ def decide_together(
     """
     parts_of = [parts for _, parts in claims.values()]
     units = [min(len(part.values) for part in parts) for parts in parts_of]
-    judged = zip(parts_of, units, strict=True)
-    p = np.array([_least_level(parts) if n > 1 else 1.0 for parts, n in judged])
+    judged = [k for k, count in enumerate(units) if count > 1]
+
+    def is_decided(k: int, level: float) -> bool:
+        return _weakest(parts_of[k], level / len(parts_of[k])) != UNDECIDED
+
+    p = np.ones(len(parts_of))
+    p[judged] = [_least_level(parts_of[k]) for k in judged]
     adjusted, levels = holm(p)
-    while loose := [
-        k
-        for k, parts in enumerate(parts_of)
-        if p[k] <= levels[k] and not _is_decided(parts, levels[k])
-    ]:
+    while loose := [k for k in judged if p[k] <= levels[k] and not is_decided(k, levels[k])]:
         for k in loose:
             higher = ALPHA / np.arange(len(p), 0, -1)
-            p[k] = next((h for h in higher if h > levels[k] and _is_decided(parts_of[k], h)), 1.0)
+            p[k] = next((h for h in higher if h > levels[k] and is_decided(k, h)), 1.0)
         adjusted, levels = holm(p)
     rows = []
     for k, (name, (text, parts)) in enumerate(claims.items()):
-        level, stable = float(levels[k]), None
+        level, stable, verdict = float(levels[k]), None, NOT_JUDGED
         shown: list[dict[str, Any]] = [dict.fromkeys(("part", "mean", "low", "high"))]
-        verdict = NOT_JUDGED
-        if units[k] > 1:
+        if k in judged:
             level /= len(parts)
-            verdict = _weakest(parts, level, None)
-            shown = [{"part": part.text, **part.ends(level)} for part in parts]
-        if 1 < units[k] < LEAST_UNITS:
-            verdict = UNDECIDED
+            verdict = _weakest(parts, level) if units[k] >= LEAST_UNITS else UNDECIDED
+            shown = []
+            for part in parts:
+                ends = part.limit * np.exp(part.interval(level))
+                ratios = dict(zip(("mean", "low", "high"), ends.tolist(), strict=True))
+                shown.append({"part": part.text, **ratios})
         words = verdict if parts[0].limit == 1.0 else _ON_A_LIMIT.get(verdict, verdict)
         if verdict not in (NOT_JUDGED, UNDECIDED):
             stable = _share_of_subsets(parts, level, verdict, left_out)
@@ -211,16 +182,14 @@ def holm(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _least_level(parts: Sequence[Part]) -> float:
-    # it decides all parts of a claim, or that one is inferior
-    decided, inferior = zip(*(part.least_levels() for part in parts), strict=True)
-    return min(1.0, len(parts) * min(max(decided), min(inferior)))
+    """Return the lowest level that decides all parts of a claim, or that one is inferior."""
+    found = [part.levels() for part in parts]
+    # a part that is equivalent before its interval lies above 1 is never inferior
+    inferior = [of[INFERIOR] if of[INFERIOR] < of[EQUIVALENT] else 1.0 for of in found]
+    return min(1.0, len(parts) * min(max(min(of.values()) for of in found), *inferior))
 
 
-def _is_decided(parts: Sequence[Part], level: float) -> bool:
-    return _weakest(parts, level / len(parts), None) != UNDECIDED
-
-
-def _weakest(parts: Sequence[Part], level: float, units: Sequence[int] | None) -> str:
+def _weakest(parts: Sequence[Part], level: float, units: Sequence[int] | None = None) -> str:
     return min((part.verdict(level, units) for part in parts), key=_STRENGTH.index)
 
 

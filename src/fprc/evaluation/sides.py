@@ -122,34 +122,23 @@ def best_of_side(
     the lowest, the plainest family with its largest ridge is chosen: what hardly differs should not
     differ between the sides by chance. ``step`` gets a line after each family.
     """
-    outer, inner = {}, {}
-    for family in SIDES:
+    settings, inside, each = {}, {}, {}
+    for family, names in SIDES.items():
         fits = readouts_of(recordings, family, with_p_o, models, seed)
         blocks = range(len(fits.blocks))
-        inner[family] = np.array(
-            [
-                np.mean([np.log(fits.errors(i, [out])) for i in blocks if i != out], axis=0)
-                for out in blocks
-            ]
+        tried = np.array([[np.log(fits.errors(i, [out])) for i in blocks if i != out]
+                          for out in blocks]).mean(axis=1)  # fmt: skip
+        equal = tried <= tried.min(axis=1, keepdims=True) + math.log(EQUAL)
+        settings[family] = [int(np.flatnonzero(of_block)[-1]) for of_block in equal]
+        inside[family] = tried[blocks, settings[family]]
+        each[family] = np.array(
+            [fits.errors(k)[setting] for k, setting in enumerate(settings[family])]
         )
-        outer[family] = np.array([fits.errors(out) for out in blocks])
-        step(title_of(SIDES[family][with_p_o]))
-    chosen, alone = [], []
-    for block in blocks:
-        found = {family: _plainest(inner[family][block]) for family in SIDES}
-        errors = [inner[family][block, k] for family, k in found.items()]
-        best = list(SIDES)[int(np.flatnonzero(errors <= min(errors) + math.log(EQUAL))[0])]
-        chosen.append((best, found[best]))
-        alone.append([outer[family][block, k] for family, k in found.items()])
-    each = dict(zip(SIDES, np.transpose(alone), strict=True))
-    return Side(
-        np.array([each[name][block] for block, (name, _) in enumerate(chosen)]), chosen, each
-    )
-
-
-def _plainest(errors: np.ndarray) -> int:
-    """Return the number of the largest ridge whose error is nearly the lowest."""
-    return int(np.flatnonzero(errors <= errors.min() + math.log(EQUAL))[-1])
+        step(title_of(names[with_p_o]))
+    lowest = np.min([*inside.values()], axis=0) + math.log(EQUAL)
+    families = [next(name for name in SIDES if inside[name][k] <= lowest[k]) for k in blocks]
+    errors = np.array([each[name][k] for k, name in enumerate(families)])
+    return Side(errors, [(name, settings[name][k]) for k, name in enumerate(families)], each)
 
 
 def error_when_shifted(

@@ -1,4 +1,4 @@
-"""Execution times of training and test, batch and sample by sample."""
+"""Execution times of training and test, and the multiplications, which no processor changes."""
 
 import logging
 import platform
@@ -11,8 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from threadpoolctl import threadpool_info
 
-from fprc.evaluation.operations import multiplications
-from fprc.models import SequenceModel
+from fprc.models import EchoStates, RidgeReadout, SequenceModel, TakagiSugenoReadout, TapFeatures
 from fprc.models.features import FeatureMap
 
 log = logging.getLogger(__name__)
@@ -20,10 +19,8 @@ log = logging.getLogger(__name__)
 #: Samples of the untimed run before each timed one: it compiles, and it brings code and weights
 #: back into the processor's caches, which the other models have flushed in their turns.
 WARM_UP = 500
-
 #: Samples that are timed of a log that runs sample by sample. Each costs the same.
 EXCERPT = 3000
-
 #: Whole logs, which take most of the time and spread little, are timed in every second turn.
 WHOLE_EVERY = 2
 
@@ -115,6 +112,36 @@ def _stepped(stream: SequenceModel | FeatureMap, X: np.ndarray) -> float:
     begin = time.perf_counter()
     kept = [stream.step(x) for x in excerpt]
     return (time.perf_counter() - begin) / len(kept) * len(X)
+
+
+def multiplications(model: SequenceModel, phase: str, samples: int) -> int | None:
+    """Return how many multiplications a log takes in training or test, by the equations.
+
+    Divisions and exponentials count too. Fuzzy c-means counts with the iterations that it took.
+    Drawing the ESN's weights does not count. Other features or another readout than those of the
+    paper's models give None.
+    """
+    features, readout = model.features_, model.readout_
+    inputs, size = features.n_features_in_, readout.n_features_in_
+    if isinstance(features, EchoStates):
+        mapped = features.r * (features.r + inputs + 2)  # W_r x, w_in theta, leak
+    elif isinstance(features, TapFeatures):
+        mapped = inputs - features.count_references()  # low-passes
+    else:
+        return None
+    weights = 1 + size
+    # X^T X is symmetric, and solved by Cholesky's method
+    sums, solution = weights * (weights + 1) // 2 + weights, weights**3 // 6
+    if isinstance(readout, RidgeReadout):
+        output, fit = size, samples * sums + solution
+    elif isinstance(readout, TakagiSugenoReadout):
+        rules = readout.n_c
+        output = rules * (2 * size + 3) + 1  # distances, memberships, rules, their mean
+        passes = round(readout.passes * samples) * rules * (2 * size + 3)
+        fit = passes + rules * (samples * (weights + sums) + solution)
+    else:
+        return None
+    return samples * mapped + (fit if phase == "train" else samples * output)
 
 
 def machine() -> dict[str, Any]:

@@ -126,12 +126,12 @@ class Track(NamedTuple):
         P_o depends on P_i = K_in theta_d only, so one run with the actuator at rest gives it.
         """
         at_rest = self.simulate(reference, None, feedback=False)
-        return np.column_stack([at_rest["theta_d_deg"], at_rest["p_o_kpa"]])
+        p_o_kpa = at_rest["p_o_kpa"] + self.control.feedforward.p_o_shift_kpa
+        return np.column_stack([at_rest["theta_d_deg"], p_o_kpa])
 
     def precompute(self, model: SequenceModel, inputs: np.ndarray) -> Precomputed:
         """Return P_ff of a model for a whole reference, and the model that learns, if it does."""
         X = inputs[:, : model.n_features_in_]
-        X = X + np.array([0.0, self.control.feedforward.p_o_shift_kpa])[: X.shape[1]]
         if not self.control.feedforward.adapt:
             return Precomputed(model.predict(X))
         online = self.online(model)
@@ -170,11 +170,6 @@ class Track(NamedTuple):
             **given._asdict(),
         )
 
-    def error(self, reference: str, precomputed: Precomputed | None, *, feedback: bool) -> float:
-        """Follow a reference as ``simulate`` does, and return the RMSE, deg."""
-        run = self.simulate(reference, precomputed, feedback=feedback)
-        return tracking_rmse(run, self.tracking.reference(reference).settle_s)
-
 
 def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
     """Return the log attributes of the model of a run: its class, and the file that held it."""
@@ -196,19 +191,17 @@ def measure_control(
 ) -> dict[str, Any]:
     """Follow every reference with every controller; return what the claims measure."""
 
-    def follow(bench: Track, reference: str, names: Sequence[str]) -> dict[str, Any]:
-        runs = bench.follow(reference, names, models)
+    def followed(bench: Track, reference: str, names: Sequence[str]) -> dict[str, Any]:
         settle_s = bench.tracking.reference(reference).settle_s
-        return {name: settled(channels, settle_s) for name, channels in runs.items()}
+        runs = bench.follow(reference, names, models)
+        return {f"{reference}/{name}": settled(run, settle_s) for name, run in runs.items()}
 
-    runs = {
-        f"{reference}/{name}": run
-        for reference, _ in bench.tracking.references
-        for name, run in follow(bench, reference, controllers).items()
-    }
+    runs: dict[str, Any] = {}
+    for reference, _ in bench.tracking.references:
+        runs |= followed(bench, reference, controllers)
     still = bench.tracking.pushes.changed(sigma_kpa=0.0)
     quiet = bench._replace(tracking=bench.tracking.changed(pushes=still))
-    unpushed = follow(quiet, DISTURBANCE, ["fprc_pd"])["fprc_pd"]
+    (unpushed,) = followed(quiet, DISTURBANCE, ["fprc_pd"]).values()
     return {
         "hysteresis": measure_hysteresis(sweep.channels),
         "range": measure_range(sweep.channels),
@@ -219,24 +212,33 @@ def measure_control(
 
 def columns_for(name: str, inputs: np.ndarray) -> np.ndarray:
     """Return the columns that a model takes of ``Track.inputs``; several may be the angle."""
-    channels = entry_of(name).inputs
-    return np.column_stack([inputs[:, int(channel != ANGLE)] for channel in channels])
+    return np.take(inputs, [int(channel != ANGLE) for channel in entry_of(name).inputs], axis=1)
 
 
 def tracking_errors(
-    bench: Track, model: SequenceModel, loops: Mapping[str, float]
+    bench: Track,
+    model: SequenceModel | None,
+    loops: Mapping[str, float],
+    inputs: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, dict[str, float]]:
-    """Return the RMSE with P_ff of one model over each reference of Table IV, deg.
+    """Return the RMSE with P_ff of one model, or none, over each reference of Table IV, deg.
 
-    ``loops`` has for the name under which errors are returned what multiplies the gains of the
-    feedback, or 0 without feedback.
+    Parameters
+    ----------
+    loops : Mapping
+        By the name under which errors are returned: what multiplies the gains of the feedback, or 0
+        without feedback.
+    inputs : Mapping, optional
+        Those of the model by reference, if they are not those of ``Track.inputs``.
     """
     errors: dict[str, dict[str, float]] = {name: {} for name in loops}
     for reference in REFERENCES:
-        inputs = bench.inputs(reference)
+        given = bench.inputs(reference) if inputs is None else inputs[reference]
         for name, gains in loops.items():
             pd = bench.control.pd.changed(**{key: gains * gain for key, gain in bench.control.pd})
             loop = bench._replace(control=bench.control.changed(pd=pd))
-            precomputed = loop.precompute(model, inputs)
-            errors[name][reference] = loop.error(reference, precomputed, feedback=gains > 0.0)
+            precomputed = loop.precompute(model, given) if model else None
+            run = loop.simulate(reference, precomputed, feedback=gains > 0.0)
+            settle_s = bench.tracking.reference(reference).settle_s
+            errors[name][reference] = tracking_rmse(run, settle_s)
     return errors

@@ -22,8 +22,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
     """Base of the feedforward models: rows of ``X`` are samples in time.
 
     Shuffled rows, as of ``KFold(shuffle=True)``, are wrong without a word: the model takes each row
-    for the next sample. In scikit-learn's tools use ``fprc.evaluation.TimeBlocks`` or
-    ``TimeSeriesSplit``.
+    for the next sample. In scikit-learn's tools use ``TimeSeriesSplit``.
     The features depend on the history of the log, the readout on single rows.
     Cross-validation therefore computes the features once and fits one readout
     per fold; ``assembled`` joins the two into a model.

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fprc.evaluation.operations import multiplications
+from fprc.evaluation.timing import multiplications
 from fprc.models import ESN, FPRC, NVAR, FeatureModel, FuzzyLinear, RidgeReadout, fcm
 
 

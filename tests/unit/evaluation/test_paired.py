@@ -143,10 +143,14 @@ def test_interval_of_blocks_has_the_variance_of_nadeau_and_bengio():
     half = 2.2622 * error  # quantile of t with 9 degrees of freedom
     found = part(values, overlap=overlap).interval(0.05)
     assert found == pytest.approx((-0.1, -0.1 - half, -0.1 + half), abs=1e-5)
-    subset = values[:5]
-    half = 2.7764 * math.sqrt((1 / 5 + overlap) * subset.var(ddof=1))
-    _, low, high = part(values, overlap=overlap).interval(0.05, range(5))
-    assert high - low == pytest.approx(2 * half, rel=1e-4)
+
+
+@given(SAMPLES, LEVELS, st.sampled_from([0.0, 0.1]))
+def test_verdict_is_what_the_interval_says_that_is_shown(values, level, overlap):
+    found = part(values, overlap=overlap, limit=1.1)
+    _, low, high = found.interval(level)
+    expected = "superior" if high < 0.0 else "inferior" if low > 0.0 else "undecided"
+    assert found.verdict(level) == expected
 
 
 def test_verdict_that_fewer_units_turn_is_undecided():

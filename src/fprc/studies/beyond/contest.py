@@ -14,15 +14,13 @@ from fprc.evaluation.crossval import prepare
 from fprc.evaluation.sides import Recordings, block_errors
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.tracking import Track, columns_for
+from fprc.experiments.tracking import Track, columns_for, tracking_errors
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES
 from fprc.registry import COMPETITORS, SIDES, build
 from fprc.signals import rms
 from fprc.studies.family import Unit
 
-#: Whether there is feedback, by loop.
-_LOOPS = {"open_loop": False, "closed_loop": True}
 #: Models judged on every rig: those that a claim compares, the families of both sides among them.
 BRIEF = tuple(dict.fromkeys([*chain(*SIDES.values()), "fuzzy_linear", "ridge_p_o"]))
 #: Models that take long, so they are judged on fewer rigs or seeds.
@@ -134,12 +132,6 @@ def _follow(
     bench: Track, model: SequenceModel, name: str, followed: Mapping[str, np.ndarray]
 ) -> dict[str, float]:
     """Return the error over the references, deg, with feedforward alone and with PD."""
-    precomputed = {
-        reference: bench.precompute(model, columns_for(name, inputs))
-        for reference, inputs in followed.items()
-    }
-    errors = {
-        loop: [bench.error(name, found, feedback=feedback) for name, found in precomputed.items()]
-        for loop, feedback in _LOOPS.items()
-    }
-    return {loop: rms(np.array(of_loop)) for loop, of_loop in errors.items()}
+    given = {reference: columns_for(name, inputs) for reference, inputs in followed.items()}
+    errors = tracking_errors(bench, model, {"open_loop": 0.0, "closed_loop": 1.0}, given)
+    return {loop: rms(np.array([*of_loop.values()])) for loop, of_loop in errors.items()}

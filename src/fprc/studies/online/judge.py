@@ -8,8 +8,9 @@ import numpy as np
 
 from fprc.config.tracking import Tracking
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.tracking import Track, columns_for
+from fprc.experiments.tracking import Track, columns_for, tracking_errors
 from fprc.models import SequenceModel
+from fprc.paper import REFERENCES
 from fprc.registry import build
 from fprc.studies.family import Unit
 
@@ -28,7 +29,8 @@ OF_P_O = (*(f"{offset:+g} kPa" for offset in OFFSETS_KPA), "leak", "warmer")
 CONDITIONS = ("none", *OF_P_O, *CHANGED_RIGS)
 #: Models, of which only the first reads P_o.
 MODELS = ("fprc", "fprc_lowpass", "fuzzy_linear")
-LOOPS = {"open": False, "closed": True}
+#: What multiplies the gains of the feedback.
+LOOPS = {"open": 0.0, "closed": 1.0}
 
 
 def disturbed(p_o_kpa: np.ndarray, condition: str, rate_hz: float) -> np.ndarray:
@@ -69,41 +71,37 @@ def judge_online(
     for name in MODELS:
         X, y, _ = sweep.samples(name)
         fitted[name] = build(name, models, seed).fit(X, y).remember(X)
-    rows: list[tuple[Any, ...]] = []
+    rows: list[dict[str, Any]] = []
     for condition in CONDITIONS:
         rig = changed_rig(on_rig.rig, condition)
         bench = Track(Tracking(**tracking), on_rig.control, rig, seed)
-        chosen = {"fprc": fitted["fprc"]} if condition in OF_P_O else fitted
-        rows += _followed(bench, condition, chosen)
-    keys = ("model", "condition", "learns", "loop", "reference", "rmse_deg")
-    return {"rows": [dict(zip(keys, row, strict=True)) for row in rows]}
+        rows += followed(bench, condition, fitted)
+    return {"rows": rows}
 
 
-def _followed(
+def followed(
     bench: Track, condition: str, models: Mapping[str, SequenceModel]
-) -> list[tuple[Any, ...]]:
+) -> list[dict[str, Any]]:
+    """Return the rows of a condition: one of P_o has those of FPRC, others of PD alone too."""
+    inputs = {reference: bench.inputs(reference) for reference in REFERENCES}
+    for X in inputs.values():
+        X[:, 1] = disturbed(X[:, 1], condition, bench.control.sample_rate_hz)
+    chosen = [name for name in models if name == "fprc" or condition not in OF_P_O]
+    trials = [(name, learns) for name in chosen for learns in (False, True)]
+    trials += [] if condition in OF_P_O else [("pd", False)]
     rows = []
-    trained = bench.control.feedforward
-    benches = {
-        learns: bench._replace(
-            control=bench.control.changed(
-                feedforward=trained.changed(adapt=learns, p_o_shift_kpa=0.0)
-            )
-        )
-        for learns in (False, True)
-    }
-    for reference, _ in bench.tracking.references:
-        inputs = bench.inputs(reference)
-        p_o_kpa = inputs[:, 1] + trained.p_o_shift_kpa  # of P_o only, whatever a model gets
-        inputs[:, 1] = disturbed(p_o_kpa, condition, bench.control.sample_rate_hz)
-        for name, model in models.items():
-            given = columns_for(name, inputs)
-            for learns, bench in benches.items():
-                for loop, feedback in LOOPS.items():
-                    precomputed = bench.precompute(model, given)
-                    error = bench.error(reference, precomputed, feedback=feedback)
-                    rows.append((name, condition, learns, loop, reference, error))
-        if condition not in OF_P_O:
-            error = bench.error(reference, None, feedback=True)
-            rows.append(("pd", condition, False, "closed", reference, error))
+    for name, learns in trials:
+        learning = bench.control.feedforward.changed(adapt=learns)
+        learner = bench._replace(control=bench.control.changed(feedforward=learning))
+        model, loops, given = models.get(name), {"closed": 1.0}, inputs
+        if model:
+            loops = LOOPS
+            given = {reference: columns_for(name, X) for reference, X in inputs.items()}
+        errors = tracking_errors(learner, model, loops, given)
+        rows += [
+            {"model": name, "condition": condition, "learns": learns, "loop": loop,
+             "reference": reference, "rmse_deg": error}
+            for loop, of_loop in errors.items()
+            for reference, error in of_loop.items()
+        ]  # fmt: skip
     return rows

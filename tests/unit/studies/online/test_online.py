@@ -17,9 +17,9 @@ from fprc.studies.online import pages
 from fprc.studies.online.judge import (
     CONDITIONS,
     OF_P_O,
-    _followed,
     changed_rig,
     disturbed,
+    followed,
     judge_online,
 )
 
@@ -51,7 +51,7 @@ def test_every_run_is_judged_once(judged):
     assert np.isfinite(judged["rmse_deg"]).all()
     counts = judged.groupby("model").size()
     every, few = len(CONDITIONS), len(CONDITIONS) - len(OF_P_O)
-    references = len(SETTINGS["tracking"]["references"])
+    references = len(REFERENCES)
     assert counts["fprc"] == 4 * every * references
     assert counts["fuzzy_linear"] == counts["fprc_lowpass"] == 4 * few * references
     assert counts["pd"] == few * references
@@ -64,7 +64,7 @@ def test_shift_of_p_o_moves_no_low_passed_angle():
     for shift in (0.0, -2.0):
         control = Control(feedforward=Feedforward(p_o_shift_kpa=shift))
         bench = Track(Tracking(**shortened(1.5)), control, SETTINGS["rig"], 1)
-        rows[shift] = [_followed(bench, "none", {name: model}) for name in ("fprc", "fprc_lowpass")]
+        rows[shift] = [followed(bench, "none", {name: model}) for name in ("fprc", "fprc_lowpass")]
     assert rows[0.0][1] == rows[-2.0][1]
     assert rows[0.0][0] != rows[-2.0][0]
 
