@@ -65,7 +65,7 @@ if PLAN.on_simulated_rig:
             ledger=PATHS.below("claims.json"),
             # README shows the results of the paper's settings, in the checkout
             pages=list(SHOWN_IN_README.values()) if IN_CHECKOUT and RESULTS == "results" else [],
-            verdicts=str(VERDICTS),
+            verdicts=str(TEXTS),
         log:
             PATHS.messages("check"),
         localrule: True

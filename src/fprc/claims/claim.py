@@ -1,10 +1,13 @@
 """A claim of the paper, the statements about numbers that test it, and their verdicts."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import reduce
+from operator import getitem
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.stats import rankdata
 
 from fprc.intervals import LEVEL, interval_of_mean
 
@@ -18,15 +21,112 @@ NOT_INFORMATIVE = "not informative"
 #: assumes, as the paper does, that the reservoir's bending hardly changes P_o.
 COUNTED, ASSUMED = "counted", "assumed"
 
+#: Phases as readers see them, and their errors in reports.
+PHASES = {
+    "training": "train_rmse_kpa",
+    "validation": "validation_rmse_kpa",
+    "test": "test_rmse_kpa",
+}
+#: Share of the sizes of taps, smallest first, that count as few, and as many at the other end.
+_FEW = 0.3
+
 
 class Results(NamedTuple):
-    """Numbers that the claims are judged on, from result files; sequences have one per seed."""
+    """Numbers that the claims are judged on, from result files.
+
+    Sequences have one entry per seed, and so have the arrays that the methods return.
+    """
 
     replicates: Sequence[Mapping[str, Any]]  #: errors of the models, and weights
     grids: Sequence[Mapping[str, Any]]  #: cells of the grids, by their name
     controls: Sequence[Mapping[str, Any]]  #: numbers of ``experiments.measures``
     times: Mapping[str, Any]
     times_over_n_c: Mapping[str, Any]
+
+    def of_model(
+        self, trained_on: str, model: str, key: str, number: Callable[[Any], Any] = np.mean
+    ) -> np.ndarray:
+        """Return a function of an entry of the reports of a model."""
+        reports = [report for replicate in self.replicates for report in replicate["models"]]
+        wanted = trained_on, model
+        found = [r[key] for r in reports if (r["trained_on"], r["model"]) == wanted]
+        return np.array([number(entry) for entry in found])
+
+    def error(self, trained_on: str, model: str, phase: str) -> np.ndarray:
+        """Return a model's error, kPa, averaged over the folds."""
+        return self.of_model(trained_on, model, PHASES[phase])
+
+    def ratio(self, trained_on: str, model: str, other: str, phase: str) -> np.ndarray:
+        """Return a model's error over another one's."""
+        return self.error(trained_on, model, phase) / self.error(trained_on, other, phase)
+
+    def share(self, feature: str) -> np.ndarray:
+        """Return a feature's share of FPRC's weights, averaged over the rules."""
+        return np.array([report["weights"]["mean_share"][feature] for report in self.replicates])
+
+    def variation_among_rules(self, feature: str) -> np.ndarray:
+        """Return the standard deviation of a feature's share over the rules over their mean."""
+        shares = [np.sum(r["weights"]["shares"][feature], axis=1) for r in self.replicates]
+        return np.array([np.std(share, ddof=1) / np.mean(share) for share in shares])
+
+    def measured(self, *keys: str) -> np.ndarray:
+        """Return a number of ``fprc.experiments.measures``."""
+        return np.array([reduce(getitem, keys, report) for report in self.controls])
+
+    def tracking_error(self, reference: str, controller: str) -> np.ndarray:
+        """Return a controller's error on a reference, deg."""
+        return self.measured("rmse_deg", f"{reference}/{controller}")
+
+    def multiplications(self, model: str, phase: str, **n_c: int) -> np.ndarray:
+        """Return how many multiplications the training or test of a model takes, one value."""
+        times = (self.times_over_n_c if n_c else self.times)["times"]
+        short = {"training": "train"}.get(phase, phase)
+        wanted = {"model": model, "phase": short, "mode": "batch", **n_c}
+        (found,) = [entry for entry in times if wanted.items() <= entry.items()]
+        return np.array([found["multiplications"]])
+
+    def rule_counts(self) -> list[int]:
+        """Return the numbers of rules with which models were trained."""
+        return sorted({entry["n_c"] for entry in self.times_over_n_c["times"]})
+
+    def grid(self, setting: str, model: str, phase: str) -> np.ndarray:
+        """Return errors over a rising setting, one row per seed; folds are averaged."""
+        rows = []
+        for report in self.grids:
+            cells = [cell for cell in report[setting] if cell["model"] == model]
+            cells.sort(key=lambda cell: cell[setting])
+            rows.append([np.mean(cell[PHASES[phase]]) for cell in cells])
+        return np.array(rows)
+
+    def sizes(self, setting: str) -> list[float]:
+        """Return the values of a setting in its grid, rising."""
+        cells = self.grids[0][setting]
+        return sorted({cell[setting] for cell in cells if cell["model"] == "fprc"})
+
+    def tap_trend(self, tap: str, phase: str) -> np.ndarray:
+        """Return the rank correlation of an error with one tap size, averaged over the other's."""
+        ranks = [
+            rankdata(np.column_stack(_taps(report, tap, phase)), axis=0) for report in self.grids
+        ]
+        return np.array([np.corrcoef(rank, rowvar=False)[0, 1:].mean() for rank in ranks])
+
+    def thirds_of_taps(self, tap: str, phase: str) -> list[np.ndarray]:
+        """Return the mean errors with few, a medium number of, and many taps."""
+        rows = []
+        for report in self.grids:
+            _, errors = _taps(report, tap, phase)
+            few = max(round(_FEW * len(errors)), 1)
+            parts = np.split(errors.mean(axis=1), [few, len(errors) - few])
+            rows.append([part.mean() for part in parts])
+        return list(np.transpose(rows))
+
+
+def _taps(report: Mapping[str, Any], tap: str, phase: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sizes of one tap, and the errors with each, a column per size of the other."""
+    found = {(cell["n_u"], cell["n_y"]): np.mean(cell[PHASES[phase]]) for cell in report["taps"]}
+    n_u, n_y = (np.unique(sizes) for sizes in zip(*found, strict=True))
+    errors = np.array([[found[u, y] for y in n_y] for u in n_u])
+    return (n_u, errors) if tap == "n_u" else (n_y, errors.T)
 
 
 class Statement(NamedTuple):
@@ -90,15 +190,16 @@ class Claim(NamedTuple):
     """A claim and how it is tested: every statement must hold."""
 
     id: str
+    statements: Callable[[Results, Printed], Iterable[Statement]]
     text: str
     printed: str  #: what the paper prints
-    statements: Callable[[Results, Printed], Sequence[Statement]]
     #: What the values are taken over: seeds of the logs, seeds of the grids, one run.
     over: str = "seeds"
     note: str = ""  #: what a reader must know about the test
-    fitted_by: tuple[str, ...] = ()  #: terms of the calibration's objective that decide it
-    half_fitted_by: tuple[str, ...] = ()  #: terms that decide a part of it
+    fitted_by: Sequence[str] = ()  #: terms of the calibration's objective that decide it
+    half_fitted_by: Sequence[str] = ()  #: terms that decide a part of it
     kind: str = ""  #: ``COUNTED`` or ``ASSUMED``
+    verdict: str = ""  #: that is declared
     #: Whether it holds for almost any numbers: then only its failure would tell something.
     holds_by_chance: bool = False
-    shown_in: tuple[str, ...] = ()  #: tables and figures with the numbers
+    shown_in: Sequence[str] = ()  #: tables and figures with the numbers

@@ -119,7 +119,7 @@ def judge_claims(
     rows = []
     known = members or {"of": 0, "holds": {}, "ranges": {}}
     for claim in claims:
-        statements = claim.statements(results, published)
+        statements = list(claim.statements(results, published))
         verdicts = {statement.verdict for statement in statements}
         weakest = (verdict for verdict in (NOT_REPRODUCED, UNDECIDED) if verdict in verdicts)
         status, held = status_of(claim, fitted), known["holds"].get(claim.id)
@@ -165,7 +165,7 @@ def members_of(
     """
     holds, ranges = {}, {}
     for claim in claims:
-        judged = [claim.statements(rig, published) for rig in rigs]
+        judged = [list(claim.statements(rig, published)) for rig in rigs]
         holds[claim.id] = sum({s.verdict for s in of_rig} == {REPRODUCED} for of_rig in judged)
         ranges[claim.id] = {
             column[0].text: [

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from fprc.artifacts import read_json, write_csv, write_json
-from fprc.claims import MEMBERS, VERDICTS
+from fprc.claims import MEMBERS, TEXTS
 from fprc.claims.claim import Results
 from fprc.claims.ledger import fit_in_words, judge_claims
 from fprc.config import PUBLISHED
@@ -43,7 +43,7 @@ def write_ledger(
         "them and no fit decides is not informative."
     )
     json, csv = claims
-    source, reasons = results.controls[0]["source"], read_yaml(VERDICTS)["not_tested"]
+    source, reasons = results.controls[0]["source"], read_yaml(TEXTS)["not_tested"]
     write_json(json, {"source": source, "note": origin, "claims": ledger, "not_tested": reasons})
     write_csv(csv, pd.DataFrame(ledger).drop(columns=["statements", "shown_in"]))
     for row in ledger:

@@ -79,7 +79,7 @@ def check_results(ledger: str, verdicts: str, pages: Sequence[str] = ()) -> None
         Lists every verdict that differs from the declared one, and the first line of README.md
         with other numbers.
     """
-    declared = read_yaml(verdicts)["verdicts"]
+    declared = {name: row["verdict"] for name, row in read_yaml(verdicts)["claims"].items()}
     claims = read_json(ledger)["claims"]
     tables = {Path(page).stem: Path(page).read_text(encoding="utf-8") for page in pages}
     failures = {

@@ -146,11 +146,11 @@ def test_verdicts_and_numbers_that_differ_are_reported_at_once(tmp_path, monkeyp
     claims = [{"id": "C1", "verdict": "reproduced", "rig": "fitted"}]
     (tmp_path / "claims.json").write_text(json.dumps({"claims": claims}))
     declared = tmp_path / "known.yaml"
-    declared.write_text(yaml.safe_dump({"verdicts": {"C1": "reproduced"}}))
+    declared.write_text(yaml.safe_dump({"claims": {"C1": {"verdict": "reproduced"}}}))
     (tmp_path / "a.md").write_text("FPRC 11.9 kPa")
     (tmp_path / "README.md").write_text(block("a", "FPRC 11.9 kPa"))
     check_results("claims.json", "known.yaml", ["a.md"])
     (tmp_path / "README.md").write_text(block("a", "FPRC 12.9 kPa"))
-    declared.write_text(yaml.safe_dump({"verdicts": {"C1": "undecided"}}))
+    declared.write_text(yaml.safe_dump({"claims": {"C1": {"verdict": "undecided"}}}))
     with pytest.raises(FprcError, match=r"(?s)C1.*README\.md"):
         check_results("claims.json", "known.yaml", ["a.md"])
