@@ -4,7 +4,7 @@ import errno
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,8 +28,6 @@ _REMEDIES = {
 #: Longest name of an output, bytes: file systems take 255, and temporary files, journals and
 #: diagnoses have longer names.
 _LONGEST_NAME = 220
-#: Endings of results.
-_RESULTS = (".csv", ".h5", ".html", ".json", ".md", ".pdf", ".png", ".tex")
 #: Largest JSON file, bytes.
 _LARGEST_JSON = 1 << 28
 
@@ -78,27 +76,6 @@ def explaining(path: Path | str) -> Iterator[None]:
             f"{path}: cannot be written ({error.strerror}); {_REMEDIES[error.errno]} or choose "
             "another folder"
         ) from error
-
-
-def refuse_unwritable(folders: Sequence[Path | str]) -> None:
-    """Check that results can be written, before anything is computed.
-
-    Raises
-    ------
-    OutputError
-        Names every path that is not a folder, or cannot be written to, also below them; and every
-        folder that has the name of a result, which would pass for a finished one.
-    """
-    below = [path for folder in folders for path in sorted(Path(folder).rglob("*/"))]
-    places = [*map(Path, folders), *below]
-    problems = [f"{place}: {why}" for place in places if (why := _obstacle(place))]
-    problems += [
-        f"{place}: is a folder, and a result has this name; move it away"
-        for place in places
-        if place.suffix in _RESULTS
-    ]
-    if problems:
-        raise OutputError("\n".join(problems))
 
 
 def refuse_output(

@@ -2,7 +2,6 @@ import errno
 import os
 import subprocess
 import sys
-import tempfile
 from contextlib import nullcontext
 
 import numpy as np
@@ -13,7 +12,6 @@ from fprc.artifacts import (
     is_json_with,
     read_json,
     refuse_output,
-    refuse_unwritable,
     replacing,
     write_csv,
     write_json,
@@ -104,25 +102,6 @@ def test_output_that_cannot_be_written_is_refused_before(out, tmp_path, monkeypa
     with pytest.raises(OutputError):
         refuse_output(out, ".h5", ".hdf5")
     assert names(tmp_path) == before
-
-
-def test_results_that_cannot_be_written_are_all_named_before(tmp_path, monkeypatch):
-    (tmp_path / "results/tables/table2.csv").mkdir(parents=True)
-    (tmp_path / "results/held").mkdir()
-    (tmp_path / "raw").write_text("no folder")
-    temporary = tempfile.TemporaryFile
-
-    def held(*, dir):
-        if dir.name == "held":
-            raise PermissionError(errno.EACCES, "Permission denied")
-        return temporary(dir=dir)
-
-    monkeypatch.setattr(tempfile, "TemporaryFile", held)
-    with pytest.raises(OutputError) as caught:
-        refuse_unwritable([tmp_path / "raw", tmp_path / "results"])
-    named = [line.split(":")[0] for line in str(caught.value).splitlines()]
-    wrong = ("raw", "results/held", "results/tables/table2.csv")
-    assert named == [f"{tmp_path}/{name}" for name in wrong]
 
 
 def test_only_an_earlier_output_of_the_command_may_be_overwritten(tmp_path):

@@ -14,16 +14,6 @@ def test_all_config_errors_at_once_before_any_job(project):
     assert "Traceback" not in done.stdout
 
 
-def test_results_that_cannot_be_written_are_refused_before_any_job(project):
-    (project.folder / "results").write_text("no folder")
-    done = project.snakemake("table1")
-    assert done.returncode != 0
-    assert "results: cannot be written to" in done.stdout
-    assert "Traceback" not in done.stdout
-    elsewhere = ("--config", "folders={results: elsewhere, raw: elsewhere/raw}")
-    assert project.snakemake("table1", *elsewhere).returncode == 0
-
-
 def test_repeated_key_is_refused(project):
     (project.folder / "mine.json").write_text('{"seed": 2,\n\n"seed": 3, "models": {"n_y": 5}}')
     done = project.snakemake("--dry-run", "all", "--configfile", "mine.json")

@@ -66,17 +66,14 @@ if SETTINGS["source"] == "rig":
             PATHS.messages("record_on_rig_{name}"),
         # no rule for a log that exists: it is neither recorded again nor overwritten
         wildcard_constraints:
-            name="|".join(
-                name for name in PLAN.every_log if not Path(with_prefix(PATHS.log(name))).exists()
-            )
-            or "none",
+            name="|".join(name for name in PLAN.every_log if name not in PLAN.existing) or "none",
         threads: workflow.cores
         params:
             stage="apparatus.record_on_rig.record_on_rig",
             name="{name}",
             settings=SETTINGS,
             armed=ARMED,
-            model=lambda wildcards: with_prefix(FITTED(wildcards)),
+            model=lambda wildcards, input: next(iter(input), ""),
         message:
             "Experiment {wildcards.name} on the real rig"
         script:

@@ -9,7 +9,7 @@ OTHER_RIGS = {name: path for name, path in rig_files().items() if name != CONFIG
 @cache
 def named_rig(name):
     """Return the sections ``rig`` and ``fitted`` of a rig's file."""
-    return from_files([OTHER_RIGS[name]]).model_dump(mode="json", include={"rig", "fitted"})
+    return check({"rig": name}).model_dump(mode="json", include={"rig", "fitted"})
 
 
 FAMILIES = [CONFIGURED, *OTHER_RIGS, "ensemble"]

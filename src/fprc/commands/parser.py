@@ -98,8 +98,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         _arg("--seed", None, "seed of the sensors and their noise; by default the "
              "configuration's, 1", type=int),
         _arg("--rig", "NAME", "simulated rig; by default the configuration's"),
-        _arg("--config", "FILE", "configuration, or a file that `fprc calibrate` wrote; "
-             f"{_LOCAL}", **_MANY),
+        _CONFIG,
         _arg("--out", "FILE.h5", "raw log to write", **_OUT),
     ]),
     ("train", "commands.models:train", """

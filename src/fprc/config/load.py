@@ -1,4 +1,4 @@
-"""Check a configuration and report every error at once."""
+"""Read and check a configuration, and report every error at once."""
 
 import os
 import re
@@ -25,9 +25,6 @@ PUBLISHED = Path(__file__).with_name("published.yaml")
 #: Folders of the rigs that ``rig`` can name: this package's, and the user's.
 _RIGS = (Path(__file__).with_name("rigs"), Path("config/rigs"))
 
-#: Page that lists the keys.
-_PAGE = "docs/configuration.md"
-
 #: Configuration of the current folder.
 _LOCAL = Path("config/config.yaml")
 
@@ -41,25 +38,18 @@ def rig_files() -> dict[str, Path]:
     return dict(sorted(files.items()))
 
 
+def rig_file(name: str) -> Path:
+    """Return the file of a rig; raise ConfigError, which lists the rigs, if there is none."""
+    files = rig_files()
+    if name not in files:
+        file = _RIGS[-1] / f"{name}.yaml"
+        raise ConfigError(f"rig = {name}: there is no {file}; use {in_words(files, 'or')}")
+    return files[name]
+
+
 def local_files() -> list[Path]:
     """Return ``config/config.yaml`` if the current folder has one; else no file: the defaults."""
     return [_LOCAL] if os.path.lexists(_LOCAL) else []
-
-
-def check(config: Mapping[str, Any]) -> Settings:
-    """Return the typed settings of a nested mapping, completed by the defaults.
-
-    The default rig is the fitted one, not that of ``Settings()``. ``rig`` is the name of a rig,
-    numbers that change the default rig, or, beside ``fitted``, a whole rig as in a rig's file.
-
-    Raises
-    ------
-    ConfigError
-        Lists every unknown key with the nearest valid one, and every value
-        that is of the wrong type or out of range with the limit and a remedy. What
-        does not go together is listed once each value is right by itself.
-    """
-    return from_files([], config)
 
 
 def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = None) -> Settings:
@@ -68,71 +58,59 @@ def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = Non
     Raises
     ------
     ConfigError
-        Lists every file that cannot be read, and why, and the errors that ``check`` lists.
+        A file cannot be read; or as ``check``.
     """
-    merged = Settings().model_dump()
-    problems = []
-    for layer in ({"rig": RIG}, *paths, over or {}):
-        content: Mapping[str, Any] = {}
-        try:
-            content = layer if isinstance(layer, Mapping) else read_yaml(layer)
-            if isinstance(name := content.get("rig"), str):
-                # all else is checked even if there is no such rig
-                content = {**content, "rig": {}, "fitted": {}}
-                content |= _merged({"fitted": {"name": name}}, read_yaml(rig_file(name)))
-        except ConfigError as error:
-            problems.append(str(error))
-        merged = _with_layer(merged, content)
-    try:
-        settings = Settings.model_validate(merged)
-    except ValidationError as error:
-        lines = dict.fromkeys(explained(item, Settings, _PAGE) for item in error.errors())
-        sources = [*map(str, paths), *(["the command line"] if over else [])]
-        files = f" ({', '.join(sources)})" if paths else ""
-        problems.append(str(ConfigError.listing(lines, f"configuration{files}")))
-    if problems:
-        raise ConfigError("\n".join(problems))
-    return settings
+    merged: dict[str, Any] = {}
+    for layer in (*map(read_yaml, paths), over or {}):
+        merged = _merged(merged, layer)
+    return check(merged)
 
 
-def rig_file(name: str) -> Path:
-    """Return the file of a rig.
+def check(config: Mapping[str, Any]) -> Settings:
+    """Return the typed settings of a nested mapping, completed by the defaults.
+
+    ``rig`` is the name of a rig, or has its ``name``, by default ``RIG``, and numbers that differ
+    from those of its file. The default rig is that of ``RIG``, not that of ``Settings()``.
 
     Raises
     ------
     ConfigError
-        There is no such file; lists the names of the rigs.
+        Lists every unknown key with the nearest valid one, and every value
+        that is of the wrong type or out of range with the limit and a remedy. What
+        does not go together is listed once each value is right by itself.
     """
-    files = rig_files()
-    if name not in files:
-        file = _RIGS[-1] / f"{name}.yaml"
-        raise ConfigError(f"rig = {name}: there is no {file}; use {in_words(files, 'or')}")
-    return files[name]
-
-
-def _with_layer(merged: Mapping[str, Any], content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings with a layer over them.
-
-    A rig beside ``fitted`` is a whole one, completed by the defaults. Numbers alone change the rig
-    of the layers before, which then counts as not fitted.
-    """
-    if "rig" not in content:
-        return _merged(merged, content)
-    whole = {"rig": Settings().rig.model_dump(), "fitted": {}}
-    changed = {"fitted": {"name": "changed"}}
-    return _merged({**merged, **(whole if "fitted" in content else changed)}, content)
-
-
-#: Mappings with keys that the user chooses: a given one replaces the whole default.
-_REPLACED_KEYS = ("ranges",)
+    rig, problems, of_file = config.get("rig", RIG), [], {}
+    changes = {"name": rig} if isinstance(rig, str) else rig
+    if isinstance(changes, Mapping):
+        changes = dict(changes)
+        name = str(changes.pop("name", RIG))
+        try:
+            of_file = {"fitted": {"name": name}} | read_yaml(rig_file(name))
+        except ConfigError as error:
+            problems.append(str(error))
+    if changes:
+        of_file |= {"fitted": {"name": "changed"}}
+    if "fitted" in config:
+        problems.append("fitted: is a part of a rig's file; put it into config/rigs, and name it")
+    base = _merged(Settings().model_dump(), of_file)
+    try:
+        settings = Settings.model_validate(
+            _merged(base, {**config, "rig": changes, "fitted": base["fitted"]})
+        )
+    except ValidationError as error:
+        page = "docs/configuration.md"
+        problems += dict.fromkeys(explained(item, Settings, page) for item in error.errors())
+    if problems:
+        raise ConfigError.listing(problems, "configuration")
+    return settings
 
 
 def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Return mappings merged key by key, as Snakemake merges its configuration files."""
     found = dict(below)
     for key, value in above.items():
         nested = isinstance(value, Mapping) and isinstance(below.get(key), Mapping)
-        is_replaced = key in _REPLACED_KEYS or not nested
-        found[key] = value if is_replaced else _merged(below[key], value)
+        found[key] = _merged(below[key], value) if nested else value
     return found
 
 
@@ -155,7 +133,7 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
     if kind == "extra_forbidden":
         return f"{key}: unknown key; {_nearest(above, last, defaults, page)}"
     message = item["msg"].removeprefix("Value error, ").replace("a valid tuple", "a list")
-    message = re.sub("^(Input|String|Keys) should", "must", message)
+    message = re.sub("^(Input|String|Keys|Tuple) should", "must", message)
     if kind == "model_type":
         message = "must hold keys and values"
     # the messages of our checks name the value where that helps
@@ -168,13 +146,12 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
 
 
 def _nearest(above: list[str], last: str, known: Iterable[str], page: str) -> str:
-    """Return the key that was probably meant, or else the keys that there are."""
-    ways = [tuple(key.split(".")) for key in known]
-    ways = list(dict.fromkeys(way[:depth] for way in ways for depth in range(1, len(way) + 1)))
-    siblings = [name for *section, name in ways if section == above]
-    near = get_close_matches(last, siblings, n=1)
-    near += [name for name in siblings if name.startswith(last)]
-    likely = [way for way in ways if way[-1] == last] or [(*above, name) for name in near]
+    """Return the key that was probably meant, here or elsewhere, or those that there are."""
+    ways = [key.split(".") for key in known]
+    depth = len(above)
+    here = list(dict.fromkeys(way[depth] for way in ways if way[:depth] == above != way))
+    near = get_close_matches(last, here, n=1) + [name for name in here if name.startswith(last)]
+    likely = [way for way in ways if way[-1] == last] or [[*above, name] for name in near]
     if not likely:
-        return f"the keys are {in_words(siblings)}" if siblings else f"see {page}"
+        return f"the keys are {in_words(here)}" if here else f"see {page}"
     return f"did you mean {'.'.join(likely[0])}?"

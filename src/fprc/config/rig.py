@@ -5,7 +5,6 @@ with which the rig reproduces the paper.
 """
 
 from collections.abc import Mapping, Sequence
-from functools import cache
 from typing import Any, Literal
 
 from pydantic import Field, model_validator
@@ -268,49 +267,29 @@ def free_ranges(
     Raises
     ------
     ValueError
-        Lists every path that is not a number of the rig, and every range that is empty, exceeds
-        the physical one, or belongs to no free parameter.
+        Lists every path that is not a number of the rig, and every range that is empty or exceeds
+        the physical one.
     """
-    physical = _physical()
-    known = {path: physical[path] for path in paths if path in physical}
-    ranges = {
-        path: (float(low), float(high)) for path, (low, high) in {**known, **narrower}.items()
-    }
+    physical: dict[str, tuple[float, float]] = {}
+    for key, default, field, _ in fields(Rig):
+        if limit := limit_of(field):
+            # of those in lists each; weights sum to 1, so the last one follows
+            count = len(default) - key.endswith(".slip_weight") if isinstance(default, tuple) else 0
+            for path in [f"{key}.{index}" for index in range(count)] or [key]:
+                physical[path] = limit.low, limit.high
     problems = [
-        f"calibration.ranges: {path} is not free; remove it or add it to calibration.free"
-        for path in narrower
-        if path not in paths
-    ]
-    problems += [
-        f"calibration.free: {path} is not a number of the rig, or is a slip weight that follows "
-        "from the others, as all sum to 1; remove it"
+        f"calibration.free: {path} is not a number of the rig that can be free; remove it"
         for path in paths
         if path not in physical
     ]
-    for path, (least, most) in known.items():
-        low, high = ranges[path]
-        if not least <= low < high <= most:
-            problems.append(
-                f"calibration.ranges: {path} is {low:g} to {high:g}; must rise and lie within "
-                f"{least:g} to {most:g}"
-            )
+    known = [path for path in paths if path in physical]
+    ranges = {path: (*map(float, narrower.get(path, physical[path])),) for path in known}
+    problems += [
+        f"calibration.ranges: {path} is {list(ranges[path])}; must rise and lie within "
+        f"{list(physical[path])}"
+        for path in known
+        if not physical[path][0] <= ranges[path][0] < ranges[path][1] <= physical[path][1]
+    ]
     if problems:
         raise ValueError("\n  ".join(problems))
-    return ranges
-
-
-@cache
-def _physical() -> dict[str, tuple[float, float]]:
-    """Return the range of each number of the rig, also of those in lists."""
-    ranges: dict[str, tuple[float, float]] = {}
-    for key, default, field, _ in fields(Rig):
-        if (limit := limit_of(field)) is None:
-            continue
-        limits = limit.low, limit.high
-        if isinstance(default, tuple):
-            # weights sum to 1, so the last one follows
-            count = len(default) - key.endswith(".slip_weight")
-            ranges |= {f"{key}.{index}": limits for index in range(count)}
-        else:
-            ranges[key] = limits
-    return ranges
+    return {path: (low, high) for path, (low, high) in ranges.items()}

@@ -4,14 +4,7 @@ from collections.abc import Iterator
 from types import UnionType
 from typing import Annotated, Any, Self, TypeVar, Union, get_args, get_origin
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    ValidationInfo,
-    field_validator,
-)
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
 from fprc.limits import Limit
@@ -23,10 +16,7 @@ class Section(BaseModel):
     """A group of settings; unknown keys, infinities and NaN are errors."""
 
     model_config = ConfigDict(
-        extra="forbid",
-        frozen=True,
-        allow_inf_nan=False,
-        validate_default=True,
+        extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True
     )
 
     def changed(self, **values: Any) -> Self:
@@ -62,12 +52,6 @@ def limit_of(field: FieldInfo) -> Limit | None:
     return next((entry for entry in field.metadata if isinstance(entry, Limit)), None)
 
 
-def _are_given(items: tuple[T, ...]) -> tuple[T, ...]:
-    if not items:
-        raise ValueError("must have at least 1 item")
-    return items
-
-
 def _rise(limits: tuple[float, float]) -> tuple[float, float]:
     if limits[0] >= limits[1]:
         raise ValueError(f"{limits} is empty; put the lower end first")
@@ -81,8 +65,7 @@ def _differ(items: tuple[T, ...]) -> tuple[T, ...]:
 
 
 #: One or more items; two or more, of which none is repeated; a pair whose lower end comes first.
-#: These check only valid items, so that a wrong item is one error.
-NotEmpty = Annotated[tuple[T, ...], AfterValidator(_are_given)]
+NotEmpty = Annotated[tuple[T, ...], Field(min_length=1)]
 Distinct = Annotated[tuple[T, ...], AfterValidator(_differ)]
 Rising = Annotated[tuple[T, T], AfterValidator(_rise)]
 

@@ -1,20 +1,29 @@
 """All settings of the workflow; the defaults are the paper's."""
 
-from typing import Literal
+from pathlib import PurePath
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
-from fprc.config.beyond import Beyond
 from fprc.config.calibration import FIRST_SEED, Calibration, Fitted
-from fprc.config.folders import Folders
 from fprc.config.hardware import Hardware
 from fprc.config.models import Evaluation, Grids, Models
 from fprc.config.rig import Rig
 from fprc.config.section import Rising, Section, quantity
 from fprc.config.tracking import Sines, Tracking
 
+#: A folder's name as Snakemake wants it: `./out/` is `out`.
+Folder = Annotated[str, AfterValidator(lambda folder: str(PurePath(folder)))]
+
 
 # fmt: off
+class Folders(Section):
+    """Where files go."""
+
+    raw: Folder = Field("data/raw", description="raw logs")
+    results: Folder = Field("results", description="everything generated")
+
+
 class Signal(Sines):
     """Pressure command of a hysteresis experiment, Fig. 4."""
 
@@ -97,6 +106,19 @@ class Quality(Section):
         "theta and theta_d outside are implausible")
     leak_kpa_per_min: float = quantity(5.0, (0, 100),
         "fastest fall of P_o at equal P_i that is no leak")
+
+
+class Beyond(Section):
+    """Competitors of the paper's models on several families of rigs, and other studies of these."""
+
+    first_seed: int = quantity(601, (0, 2**31 - 2**20),
+        "first seed of the families; no fit has seen it or a later one")
+    units: int = quantity(15, (1, 10000),
+        "seeds of each family with one rig, and rigs of each family with many")
+    slow: int = quantity(4, (1, 10000),
+        "units that also judge slow models of no claim: ESN, trees, MLP")
+    restarts: int = quantity(10, (1, 1000),
+        "starts of every clustering; the lowest objective is kept")
 
 
 # fmt: on

@@ -13,7 +13,6 @@ from fprc.artifacts import (
     is_json_with,
     read_json,
     refuse_output,
-    refuse_unwritable,
     write_json,
     write_text,
 )
@@ -68,7 +67,6 @@ def report_readout(
     if "p_o_kpa" not in mapping.columns:
         raise ConfigError(f"{map_}: channels.p_o_kpa is missing: it is the sensor in question")
     folder = Path(out or Path("results", Path(source).stem))
-    refuse_unwritable([folder])
     page, answered = folder / "report.md", folder / "readout/answer.json"
     layout = mapping.csv.model_dump()
     tables = {path: read_table(path, **layout) for path in (source, *train)}

@@ -1,11 +1,10 @@
 from pathlib import Path
 
 import pytest
-import yaml
 
 from fprc.cli import main
 from fprc.commands import calibrate as command
-from fprc.config import PUBLISHED, check, from_files
+from fprc.config import PUBLISHED, from_files
 from fprc.config.rig import Rig
 from fprc.yaml_file import read_yaml
 
@@ -51,7 +50,7 @@ def test_fit_is_written_where_it_is_asked_for_with_settings_of_the_merged_files(
     assert call["validation"]["models"]["n_y"] == 4
     assert (call["printed"], call["workers"]) == (read_yaml(PUBLISHED), 2)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml", "out.yaml"]
-    assert check(yaml.safe_load(out.read_text(encoding="utf-8"))).rig.drift.time_s == 3.5
+    assert read_yaml(out)["rig"] == {"drift": {"time_s": 3.5}}
     assert "out.yaml" in capsys.readouterr().err
 
 

@@ -15,7 +15,7 @@ SUMMARY = {
 }  # fmt: skip
 
 
-def test_file_holds_what_differs_from_the_defaults_and_what_was_fitted():
+def test_file_holds_what_differs_from_the_defaults_and_what_was_fitted(tmp_path, monkeypatch):
     rig = Rig().model_dump(mode="json")
     rig["bending"]["relaxation_time_s"][1] = 5.5
     rig["drift"]["sigma_kpa"] = 1e-5
@@ -24,7 +24,10 @@ def test_file_holds_what_differs_from_the_defaults_and_what_was_fitted():
         "fitted": {"name": "mine", "to": ["tables", "C8"]},
         "rig": {"bending": {"relaxation_time_s": [0.25, 5.5]}, "drift": {"sigma_kpa": 1e-5}},
     }
-    assert check(yaml.safe_load(text)).rig == Rig.model_validate(rig)
+    (tmp_path / "config/rigs").mkdir(parents=True)
+    (tmp_path / "config/rigs/mine.yaml").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert check({"rig": "mine"}).rig == Rig.model_validate(rig)
     head = " ".join(line.removeprefix("# ") for line in text.splitlines() if line[0] == "#")
     assert all(number in head for number in ("4.6 %", "21.0 %"))
     edges = head.partition("an end of their range: ")[2].rstrip(". ")
