@@ -17,7 +17,7 @@ from fprc.registry import COMPETITORS, class_module
 
 #: Beginnings of the names of what makes tables, figures, claims and pages of results.
 SHOWS = (
-    "claims", "escape", "figures", "provenance", "stages.claims", "stages.draw",
+    "claims", "escape", "figures", "provenance", "stages.draw",
     "stages.report", "stages.tabulate", "studies.beyond.claims", "studies.beyond.tables",
     "studies.online.pages", "studies.pages", "studies.verdicts", "tables",
 )  # fmt: skip

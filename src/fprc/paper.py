@@ -1,5 +1,10 @@
 """The paper's names: keys in code, configuration and files, and the names shown to readers."""
 
+from pathlib import Path
+
+#: The numbers that the paper prints.
+PUBLISHED = Path(__file__).parent / "config/published.yaml"
+
 #: The two hysteresis experiments: in Table II the first trains and the second tests, in Table III
 #: the other way round.
 EXPERIMENTS = ("sweep", "complex")

@@ -108,7 +108,7 @@ rule draw_hysteresis:
     log:
         PATHS.messages("draw_hysteresis"),
     params:
-        stage="stages.draw.draw_hysteresis",
+        stage="figures.hysteresis.draw_hysteresis",
         code=SHOWS,
     message:
         "Figs. 4 and 5: hysteresis of actuator and reservoir"
@@ -124,7 +124,7 @@ rule draw_training:
     log:
         PATHS.messages("draw_training"),
     params:
-        stage="stages.draw.draw_training",
+        stage="figures.loops.draw_training",
         code=SHOWS,
     message:
         "Fig. 8: FPRC on its training and test logs"
@@ -159,7 +159,7 @@ rule draw_grids:
         PATHS.messages("draw_grids"),
     priority: LONG  # its execution times are measured last, and the report waits for it
     params:
-        stage="stages.draw.draw_grids",
+        stage="figures.grids.draw_grids",
         code=SHOWS,
     message:
         "Figs. 10 and 11: errors and times over the settings of FPRC"
@@ -175,7 +175,7 @@ rule draw_loops:
     log:
         PATHS.messages("draw_loops"),
     params:
-        stage="stages.draw_loops.draw_loops",
+        stage="stages.draw.draw_loops",
         code=SHOWS,
         left_out=[run for run in PLAN.every_run if run not in PLAN.contents],
         limits=SETTINGS["quality"],
@@ -199,7 +199,7 @@ rule ledger:
     log:
         PATHS.messages("ledger"),
     params:
-        stage="stages.claims.write_ledger",
+        stage="stages.tabulate.write_ledger",
         code=SHOWS,
         fitted=SETTINGS["fitted"],
     message:

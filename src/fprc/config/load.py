@@ -19,9 +19,6 @@ from fprc.yaml_file import read_yaml
 #: The rig of a configuration that gives none.
 RIG = "paper"
 
-#: Numbers that the paper prints.
-PUBLISHED = Path(__file__).with_name("published.yaml")
-
 #: Folders of the rigs that ``rig`` can name: this package's, and the user's.
 _RIGS = (Path(__file__).with_name("rigs"), Path("config/rigs"))
 

@@ -11,13 +11,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
-from pandas import DataFrame
+from pandas import DataFrame, concat
 
 from fprc import escape
+from fprc.artifacts import read_json
 from fprc.figures import style
 from fprc.intervals import mean_and_std
-from fprc.paper import GRID_SETTINGS
+from fprc.paper import GRID_SETTINGS, PUBLISHED
 from fprc.registry import title_of
+from fprc.yaml_file import read_yaml
 
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
 _TITLES = {"a": "Errors of FPRC", "b": "Errors", "c": "Execution times, batch"}
@@ -61,7 +63,7 @@ def grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> DataFrame:
     return DataFrame(rows)
 
 
-def times_over_n_c(report: Mapping[str, Any]) -> DataFrame:
+def _times_over_n_c(report: Mapping[str, Any]) -> DataFrame:
     """Mean and standard deviation over repeats of the batch execution times (Fig. 10c)."""
     return DataFrame(
         {
@@ -83,7 +85,34 @@ def _spread(values: Sequence[Any]) -> dict[str, float | int]:
     return {"mean": mean, "std": std, "values": np.size(values)}
 
 
-def draw_settings(panels: Mapping[str, DataFrame], spread: str) -> Figure:
+def draw_grids(
+    grids: Sequence[str], times: str, fig10: Sequence[str], fig11: Sequence[str] = ()
+) -> None:
+    """Figures 10 and 11: errors over epsilon, n_c and the taps, execution times over n_c.
+
+    The errors are over further seeds, or over the folds of one report. Without FPRC there are no
+    errors over epsilon and over the taps.
+    """
+    reports = [read_json(path) for path in grids]
+    several = len(reports) > 1
+    marks = {"seeds": [report["seed"] for report in reports]} if several else reports[0]
+    panels = {
+        "a": grid_errors(reports, "epsilon"),
+        "b": grid_errors(reports, "n_c"),
+        "c": _times_over_n_c(read_json(times)),
+    }
+    panels = {panel: table for panel, table in panels.items() if not table.empty}
+    shown = concat(panels, names=["panel"]).reset_index("panel")
+    fig = _draw_settings(panels, f"± std over {'seeds' if several else 'folds'}")
+    style.save(fig, marks, *fig10, table=shown)
+    if fig11:
+        table = grid_errors(reports, "taps")
+        printed = read_yaml(PUBLISHED)["table_1_configuration"]
+        papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
+        style.save(_draw_taps(table, papers), marks, *fig11, table=table)
+
+
+def _draw_settings(panels: Mapping[str, DataFrame], spread: str) -> Figure:
     """Figure 10: a key, and the tables of the panels ``a``, ``b`` and ``c``, one above the other.
 
     ``spread`` says what a band or a bar is. Without FPRC, panel ``a`` is not there.
@@ -133,7 +162,7 @@ def _plot_over(table: DataFrame, ax: Axes, *, times: bool) -> None:
     ax.set_ylabel(f"{quantity} [{escape.figure(table['unit'].iloc[0])}]")
 
 
-def draw_taps(table: DataFrame, papers: tuple[int, int]) -> Figure:
+def _draw_taps(table: DataFrame, papers: tuple[int, int]) -> Figure:
     """Figure 11: the RMSE of each phase over n_u and n_y as a coloured grid.
 
     All grids share the colours, which are closer together at small errors, so that neither these

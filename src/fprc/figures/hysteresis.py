@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from fprc import escape
 from fprc.figures import style
+from fprc.logs import read_columns
 from fprc.signals import turning_points
 
 #: Width of a band of frequency, Hz, and phases of a cycle, of mean loops.
@@ -27,11 +28,19 @@ _SYMBOLS = {
 }
 
 
-def draw_actuator(logs: Sequence[Any]) -> Figure:
-    """Figure 4: pressure commands, each as wide as the column, and the actuator's loops.
+def draw_hysteresis(
+    sweep: str, complex: str, fig4: Sequence[str] = (), fig5: Sequence[str] = ()
+) -> None:
+    """Figures 4 and 5, those that are asked for."""
+    channels = ("time_s", "p_target_kpa", "theta_deg")
+    for files, more, draw in ((fig4, (), _draw_actuator), (fig5, ("p_o_kpa",), _draw_reservoir)):
+        if files:
+            logs = [read_columns(path, (*channels, *more)) for path in (sweep, complex)]
+            style.save(draw(logs), logs[0].attributes, *files)
 
-    ``logs`` are those of the sweep and of the complex command.
-    """
+
+def _draw_actuator(logs: Sequence[Any]) -> Figure:
+    """Figure 4: pressure commands, each as wide as the column, and the actuator's loops."""
     fig, axes = style.figure(3, 2, style.COLUMN_IN, 4.6, height_ratios=(1, 1, 2), sharey="row")
     commands = [fig.add_subplot(axes[row, 0].get_gridspec()[row, :]) for row in (0, 1)]
     for ax in axes[:2].ravel():
@@ -50,7 +59,7 @@ def draw_actuator(logs: Sequence[Any]) -> Figure:
     return fig
 
 
-def draw_reservoir(logs: Sequence[Any]) -> Figure:
+def _draw_reservoir(logs: Sequence[Any]) -> Figure:
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.4, sharex=True, sharey=True)
     _draw_loops(logs, axes, "theta_deg", "p_o_kpa", ("(a) Sweep", "(b) Complex"))

@@ -11,6 +11,7 @@ from pandas import DataFrame
 
 from fprc import escape
 from fprc.figures import style
+from fprc.logs import read_columns
 from fprc.paper import LOOPS, REFERENCE_NAMES
 from fprc.signals import rms, settled
 
@@ -22,9 +23,11 @@ _END_S = 5.0
 _RESERVOIR = {"p_i_kpa": "$P_i$", "phi_deg": r"$\phi$", "p_o_kpa": "$P_o$"}
 
 
-def fit_errors(parts: Mapping[str, Any]) -> DataFrame:
-    """RMSE of a model on logs with ``p_target_kpa`` and ``p_ff_kpa``, given by phase."""
-    return DataFrame(
+def draw_training(fits: str, predictions: str, fig8: Sequence[str]) -> None:
+    """Figure 8: the model on its training and on its test data, with its RMSE."""
+    names = ("time_s", "p_target_kpa", "p_ff_kpa")
+    logs = {"train": read_columns(fits, names), "test": read_columns(predictions, names)}
+    table = DataFrame(
         {
             "phase": phase,
             "model": log.attributes["model"],
@@ -32,12 +35,12 @@ def fit_errors(parts: Mapping[str, Any]) -> DataFrame:
             "unit": log.attributes.get("p_target_unit", "kPa"),
             "source": log.attributes["source"],
         }
-        for phase, log in parts.items()
+        for phase, log in logs.items()
     )
+    style.save(_draw_fits(logs, table), logs["train"].attributes, *fig8, table=table)
 
 
-def draw_training(logs: Mapping[str, Any], table: DataFrame) -> Figure:
-    """Figure 8: the model on its training and on its test data, ``table`` from ``fit_errors``."""
+def _draw_fits(logs: Mapping[str, Any], table: DataFrame) -> Figure:
     fig, axes = style.figure(4, 2, style.COLUMN_IN, 4.4, sharey="row", height_ratios=(3, 2, 3, 2))
     grid = axes[0, 0].get_gridspec()
     for ax in axes[2:].ravel():

@@ -1,4 +1,4 @@
-"""Draw the figures of hysteresis and models from result files.
+"""Figure 9, and Table IV and the figures of closed loops, from logs.
 
 The files of a figure are its PDF and PNG, and the CSV with the statistics that it shows, if any.
 """
@@ -6,40 +6,19 @@ The files of a figure are its PDF and PNG, and the CSV with the statistics that 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import pandas as pd
-
-from fprc.artifacts import read_json
-from fprc.config import PUBLISHED
+from fprc.config.settings import Quality
+from fprc.errors import LogError
 from fprc.experiments.data import read_data
 from fprc.experiments.grids import weight_shares
 from fprc.experiments.settings import CrossValidation
-from fprc.figures import grids as grid_figures
-from fprc.figures import hysteresis, loops, style, weights
-from fprc.logs import read_columns
+from fprc.figures import loops, style, weights
+from fprc.logs import read_run
+from fprc.logs.columns import read_each
+from fprc.logs.quality import warnings_of_run
+from fprc.paper import DISTURBANCE, LOOPS, PUBLISHED, REFERENCES, SOURCES
+from fprc.tables import tracking
+from fprc.tables.text import failed, write_table
 from fprc.yaml_file import read_yaml
-
-
-def draw_hysteresis(
-    sweep: str, complex: str, fig4: Sequence[str] = (), fig5: Sequence[str] = ()
-) -> None:
-    """Figures 4 and 5, those that are asked for."""
-    channels = ("time_s", "p_target_kpa", "theta_deg")
-    for files, more, draw in (
-        (fig4, (), hysteresis.draw_actuator),
-        (fig5, ("p_o_kpa",), hysteresis.draw_reservoir),
-    ):
-        if files:
-            logs = [read_columns(path, (*channels, *more)) for path in (sweep, complex)]
-            style.save(draw(logs), logs[0].attributes, *files)
-
-
-def draw_training(fits: str, predictions: str, fig8: Sequence[str]) -> None:
-    """Figure 8: the model on its training and on its test data."""
-    names = ("time_s", "p_target_kpa", "p_ff_kpa")
-    logs = {"train": read_columns(fits, names), "test": read_columns(predictions, names)}
-    table = loops.fit_errors(logs)
-    fig = loops.draw_training(logs, table)
-    style.save(fig, logs["train"].attributes, *fig8, table=table)
 
 
 def draw_weights(train: str, fig9: Sequence[str], *, validation: Mapping[str, Any]) -> None:
@@ -51,28 +30,74 @@ def draw_weights(train: str, fig9: Sequence[str], *, validation: Mapping[str, An
     style.save(weights.draw_shares(table), described, *fig9, table=table)
 
 
-def draw_grids(
-    grids: Sequence[str], times: str, fig10: Sequence[str], fig11: Sequence[str] = ()
+def draw_loops(
+    runs: Sequence[str],
+    table4: Sequence[str] = (),
+    *,
+    left_out: Sequence[str],
+    limits: Mapping[str, Any],
+    feedback: str,
+    quiet_s: float,
+    **figures: Sequence[str],
 ) -> None:
-    """Figures 10 and 11: errors over epsilon, n_c and the taps, execution times over n_c.
+    """Table IV and Figs. 12 to 17, those that are asked for; failed checks stand below the table.
 
-    The errors are over further seeds, or over the folds of one report. Without FPRC there are no
-    errors over epsilon and over the taps.
+    Parameters
+    ----------
+    left_out : sequence of str
+        Runs of a complete Table IV that have no log.
+    limits : Mapping
+        Plausible ranges, see ``fprc.logs.assess``.
+    feedback : str
+        Describes the PD controller.
+    quiet_s : float
+        Time before the reservoir is pushed.
+    **figures : sequence of str
+        Files by figure: PDF and PNG, of all but Fig. 16 also CSV.
+
+    Raises
+    ------
+    LogError
+        A log cannot be read, or some are simulated and others are not.
     """
-    reports = [read_json(path) for path in grids]
-    several = len(reports) > 1
-    marks = {"seeds": [report["seed"] for report in reports]} if several else reports[0]
-    panels = {
-        "a": grid_figures.grid_errors(reports, "epsilon"),
-        "b": grid_figures.grid_errors(reports, "n_c"),
-        "c": grid_figures.times_over_n_c(read_json(times)),
+    logs = read_each(read_run, runs)
+    kinds = {run.attributes["source"]: str(run.path) for run in logs}
+    if len(kinds) > 1:
+        named = ", ".join(f"{source} ({path})" for source, path in kinds.items())
+        raise LogError(f"closed-loop logs of different sources: {named}; use logs of one kind")
+    (source,) = kinds
+    if table4:
+        same = ", with the same noise and drift for all controllers" if source == "sim" else ""
+        note = f"one run each{same}.\nData: {SOURCES[source]}. {feedback}"
+        if left_out:
+            note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
+        note += failed([line for run in logs for line in warnings_of_run(run, Quality(**limits))])
+        table = tracking.tracking(logs, read_yaml(PUBLISHED))
+        write_table(table, tracking.tracking_page(table), note, *table4, title=tracking.TITLE)
+    _draw({(run.attributes["reference"], run.attributes["controller"]): run for run in logs},
+          quiet_s, figures)  # fmt: skip
+
+
+def _draw(
+    logs: Mapping[tuple[str, str], Any], quiet_s: float, figures: Mapping[str, Sequence[str]]
+) -> None:
+    pairs = {
+        f"fig{number}": [logs[reference, "fprc"], logs[reference, "fprc_pd"]]
+        for number, reference in enumerate(REFERENCES, start=12)
+        if f"fig{number}" in figures
     }
-    panels = {panel: table for panel, table in panels.items() if not table.empty}
-    shown = pd.concat(panels, names=["panel"]).reset_index("panel")
-    spread = f"± std over {'seeds' if several else 'folds'}"
-    style.save(grid_figures.draw_settings(panels, spread), marks, *fig10, table=shown)
-    if fig11:
-        table = grid_figures.grid_errors(reports, "taps")
-        printed = read_yaml(PUBLISHED)["table_1_configuration"]
-        papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
-        style.save(grid_figures.draw_taps(table, papers), marks, *fig11, table=table)
+    shown = [run for pair in pairs.values() for run in pair]
+    for name, pair in pairs.items():
+        table = tracking.error_summary(pair)
+        limit = 1.05 * tracking.error_summary(shown)["max_abs_error_deg"].max()
+        fig = loops.draw_following(pair, shown, table["rmse_deg"], limit)
+        style.save(fig, pair[1].attributes, *figures[name], table=table)
+    if "fig16" in figures:
+        both = {name: [logs[name, loop] for loop in ("pd", "fprc_pd")] for name in LOOPS}
+        attributes = both[LOOPS[0]][0].attributes
+        style.save(loops.draw_reference_loops(both), attributes, *figures["fig16"])
+    if "fig17" in figures:
+        log = logs[DISTURBANCE, "fprc_pd"]
+        table = tracking.error_summary([log])
+        fig = loops.draw_disturbance(log, quiet_s, next(table.itertuples()))
+        style.save(fig, log.attributes, *figures["fig17"], table=table)

@@ -1,20 +1,27 @@
-"""Write the paper's tables, each as ``write_table`` does."""
+"""Write the paper's tables, each as ``write_table`` does, and the ledger of its claims."""
 
+import logging
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fprc.artifacts import read_json, replacing
-from fprc.config import PUBLISHED
+import pandas as pd
+
+from fprc.artifacts import read_json, replacing, write_csv, write_json
+from fprc.claims import MEMBERS, TEXTS
+from fprc.claims.claim import Results
+from fprc.claims.ledger import fit_in_words, judge_claims
 from fprc.figures import DRAWINGS
 from fprc.logs.quality import warnings
-from fprc.paper import SOURCES
+from fprc.paper import PUBLISHED, SOURCES
 from fprc.registry import title_of
 from fprc.tables import models as tables
 from fprc.tables import tracking
 from fprc.tables.text import failed, write_table
 from fprc.yaml_file import read_yaml
+
+log = logging.getLogger(__name__)
 
 
 def tabulate_settings(
@@ -123,3 +130,37 @@ def tabulate_times(times: str, timing: Sequence[str], *, left_out: Mapping[str, 
     )
     page = tables.timing_page(table)
     write_table(table, page, note, *timing, title="Table II, execution times")
+
+
+def write_ledger(
+    replicates: Sequence[str],
+    grids: Sequence[str],
+    controls: Sequence[str],
+    times: str,
+    times_over_n_c: str,
+    claims: Sequence[str],
+    *,
+    fitted: Mapping[str, Any],
+) -> None:
+    """Write the claims ledger: the paper's numbers, ours, test and verdict, as JSON and as CSV.
+
+    ``fitted`` has the name of the rig, the terms that it was fitted to, and those that the rig at
+    which the fit began was searched for.
+    """
+    of_seeds = ([read_json(path) for path in paths] for paths in (replicates, grids, controls))
+    results = Results._make([*of_seeds, read_json(times), read_json(times_over_n_c)])
+    members = read_json(MEMBERS)
+    ledger = judge_claims(results, read_yaml(PUBLISHED), fitted, members=members)
+    origin = (
+        f"The rig {fitted['name']} was fitted to {fit_in_words(fitted)}; the other claims were not "
+        "part of the fit. A verdict is undecided where the 95 % interval of the mean over noise "
+        "seeds of this rig contains a limit. Rigs: on how many rigs that fit Tables II and III too "
+        "the claim holds with one seed, and the middle 95 % of their numbers; what holds on all of "
+        "them and no fit decides is not informative."
+    )
+    json, csv = claims
+    source, reasons = results.controls[0]["source"], read_yaml(TEXTS)["not_tested"]
+    write_json(json, {"source": source, "note": origin, "claims": ledger, "not_tested": reasons})
+    write_csv(csv, pd.DataFrame(ledger).drop(columns=["statements", "shown_in"]))
+    for row in ledger:
+        log.info("%s: %s", row["id"], row["verdict"])

@@ -11,10 +11,10 @@ import pytest
 from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.escape import figure
-from fprc.figures import hysteresis, style
+from fprc.figures import grids, hysteresis, loops, style
 from fprc.logs import Columns, write_columns
 from fprc.paper import LOOPS, REFERENCES
-from fprc.stages import draw, draw_loops
+from fprc.stages import draw
 
 pytestmark = pytest.mark.slow
 
@@ -102,7 +102,7 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
 
 def test_loops_show_the_start_until_the_command_turns(log, figures):
     logs = log("one.h5", speed=3.0), log("two.h5", speed=4.0)
-    draw.draw_hysteresis(*logs, fig4=PICTURES, fig5=PICTURES)
+    hysteresis.draw_hysteresis(*logs, fig4=PICTURES, fig5=PICTURES)
     for fig in figures:
         assert fig.data["seed"] == 7
         starts = [ax.lines[-1] for ax in fig.axes[:2]]
@@ -139,7 +139,7 @@ def test_a_recording_that_never_turns_is_one_loop():
 
 def test_fig_8_writes_the_rmse_that_it_shows(figures, log, place):
     logs = log("fit.h5", offset=3.0), log("test.h5", offset=-5.0)
-    draw.draw_training(*logs, [*PICTURES, place("t.csv")])
+    loops.draw_training(*logs, [*PICTURES, place("t.csv")])
     assert pd.read_csv(place("t.csv"))["rmse"].tolist() == pytest.approx([3.0, 5.0])
     shown = [ax.get_title("right") for ax in figures[0].axes]
     assert [text for text in shown if text] == ["RMSE 3.0 kPa", "RMSE 5.0 kPa"]
@@ -206,7 +206,7 @@ def drawn(figures, place):
         for path, report in zip(paths, reports, strict=True):
             write_json(path, {"source": "sim", "taps": TAPS} | report)
         files = [[*PICTURES, place(name)] for name in ("fig10.csv", "fig11.csv")]
-        draw.draw_grids(paths, place("times.json"), *files)
+        grids.draw_grids(paths, place("times.json"), *files)
         return *figures, *(pd.read_csv(file[-1]) for file in files)
 
     return make
@@ -275,12 +275,12 @@ def test_figs_12_to_17_show_the_errors_and_signals_of_their_runs(figures, place,
     names = [(name, loop) for name in REFERENCES for loop in ("fprc", "fprc_pd")]
     names += [(name, "pd") for name in LOOPS] + [("disturbance", "fprc_pd")]
     logs = {name: run_of(*name, offset=1.0 + k) for k, name in enumerate(names)}
-    monkeypatch.setattr(draw_loops, "read_each", lambda read, paths: list(logs.values()))
+    monkeypatch.setattr(draw, "read_each", lambda read, paths: list(logs.values()))
     numbers = (*range(12, 16), 17)
     files = {f"fig{n}": [*PICTURES, place(f"fig{n}.csv")] for n in numbers} | {"fig16": PICTURES}
     limits = Settings().quality.model_dump()
     more = {"left_out": [], "limits": limits, "feedback": "", "quiet_s": 20.0}
-    draw_loops.draw_loops([], **more, **files)
+    draw.draw_loops([], **more, **files)
     *following, loops, disturbance = figures
     cosine = np.cos(np.arange(500, 5000) / 100.0)
     size = np.sqrt(np.mean(cosine**2))

@@ -16,7 +16,7 @@ from fprc.errors import LogError
 from fprc.logs import Columns
 from fprc.registry import MODELS
 from fprc.stages import tabulate
-from fprc.stages.draw_loops import draw_loops
+from fprc.stages.draw import draw_loops
 from fprc.tables.models import (
     comparison,
     comparison_page,
