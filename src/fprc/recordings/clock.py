@@ -61,9 +61,8 @@ def clocks_of(table: Table) -> dict[str, Clock]:
     found = {name: clock for name, clock in guesses.items() if clock is not None}
 
     def rank(name: str) -> tuple[bool, bool]:
-        often = found[name].repeated > 0.5 * len(table.columns[name].values)
         named = " + " in name or is_time(f"{name} {table.columns[name].label}")
-        return not named, often
+        return not named, found[name].repeated > 0.5 * len(table.columns[name].values)
 
     return {name: found[name] for name in sorted(found, key=rank)}
 
@@ -76,14 +75,13 @@ def guess_clock(name: str, column: Column) -> Clock | None:
     straight line; one whose name says that it is a clock may tick as it likes. What counts the
     samples is no clock.
     """
-    stamps = column.values[np.isfinite(column.values)]
-    words = f"{name} {column.label}"
+    stamps, words = column.values[np.isfinite(column.values)], f"{name} {column.label}"
     named, other = is_time(words), parse_unit(column.unit) or unit_in(name)
-    if len(stamps) < 3 or len(stamps) < 0.9 * len(column.values):
+    if len(stamps) < max(3, 0.9 * len(column.values)) or (other and other.quantity != "s"):
         return None
     steps, span = np.diff(stamps), float(stamps[-1] - stamps[0])
     back = int((steps < 0.0).sum())
-    if span <= 0.0 or back > 0.01 * len(steps) * named or (other and other.quantity != "s"):
+    if span <= 0.0 or back > 0.01 * len(steps) * named:
         return None
     step = float(np.median(steps))
     line = np.linspace(stamps[0], stamps[-1], len(stamps))
@@ -95,10 +93,9 @@ def guess_clock(name: str, column: Column) -> Clock | None:
     if whole and not stated and (has(name, "count") or (step == 1.0 and not epoch)):
         return None  # the number of the sample
     step = float(np.median(steps[steps > 0.0]))
+    likely = "s" if step < 2.0 else "ms"
     if whole:  # whole numbers above 1 are no seconds
         likely = "s" if step <= 1.0 else "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
-    else:
-        likely = "s" if step < 2.0 else "ms"
     unit = stated or epoch or likely
     doubts: tuple[str, ...] = () if stated or epoch else ("unit?",)
     rate_hz = rate_of(np.unique(stamps - stamps[0]) * SECONDS[unit])
@@ -127,8 +124,7 @@ def own_clock(name: str, table: Table, clocks: dict[str, Clock]) -> str | None:
 
     Where each clock stands before columns of its own, it is the nearest one before the column.
     """
-    order = list(table.columns)
-    length = len(table.columns[name].values)
+    order, length = list(table.columns), len(table.columns[name].values)
     same = [clock for clock in clocks if len(table.columns[clock].values) == length]
     same = [clock for clock in same if is_time(clock)] or same[:1]
     places = [order.index(clock) for clock in same if " + " not in clock]

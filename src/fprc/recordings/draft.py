@@ -27,7 +27,7 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
     A channel that the workflow needs and no column's name identifies has the column ``?``.
     Comments describe each column, and say what is doubtful.
     """
-    clocks = clocks_of(table)
+    columns, clocks = table.columns, clocks_of(table)
     best = _best(table, clocks)
     main = best["theta_deg"][0] if "theta_deg" in best else next(iter(best.values()), [""])[0]
     clock = own_clock(main, table, clocks) if main else next(iter(clocks), None)
@@ -38,67 +38,52 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
         _time_line(clock, clocks, table),
         "channels:",
     ]
-    missing = {name: ~np.isfinite(column.values) for name, column in table.columns.items()}
+    missing = {name: ~np.isfinite(column.values) for name, column in columns.items()}
     used, apart = {clock} if clock else set(), set()
     for channel in CHANNELS:
-        names = best.get(channel.name, [])
-        if names:
-            name, own = names[0], own_clock(names[0], table, clocks)
+        measured_too = channel.name == TARGETS["measured"] and TARGETS["command"] in best
+        if channel.name in best:
+            name, *others = best[channel.name]
             used.add(name)
-            spec, words = _spec(channel.name, name, table.columns[name])
-            alike = own == clock or (
-                own and clock
-                and np.array_equal(table.columns[own].values, table.columns[clock].values)
-            )  # fmt: skip
-            if own and not alike:
+            spec, words = _spec(channel.name, name, columns[name])
+            own = own_clock(name, table, clocks)
+            if own and not (clock and np.array_equal(columns[own].values, columns[clock].values)):
                 spec["time"] = own
             elif clock and name != main and missing[name].mean() > _MISSING:
                 spec["time"] = clock
                 apart.add(name)
                 words.append("time: its samples are interpolated, since others lie between")
-            words += _or(names[1:4])
-            lines.append(_line(f"  {channel.name}", spec, words))
-        elif channel.name in _DRAFTED and not (
-            channel.name == TARGETS["measured"] and TARGETS["command"] in best
-        ):
+            lines.append(_line(f"  {channel.name}", spec, words + _or(others[:3])))
+        elif channel.name in _DRAFTED and not measured_too:
             free = best.get("p_exp_kpa", [])[1:4] if channel.name == "p_o_kpa" else []
             spec = {"column": "?", "unit": channel.unit}
             lines.append(_line(f"  {channel.name}", spec, [channel.meaning, *_or(free)]))
     if given := {key: value for key, value in (layout or {}).items() if value is not None}:
         lines.append(_line("csv", given, ["as given"]))
     words = [f"lines that are no samples: {len(table.unusable)}: {'; '.join(table.unusable[:3])}"]
-    words *= bool(table.unusable)
-    words += [
+    words = words * bool(table.unusable) + [
         f"{gone.sum()} values of {_quoted(name)}, the first at {table.sample(int(gone.argmax()))}"
         for name, gone in missing.items()
         if name in used - apart and gone.sum() > len(table.unusable)
     ]
-    lines += [visible(f"skip_unusable: true  # leaves out {'; '.join(words)}")] if words else []
-    more = [
-        f"{_quoted(name)}: {_in_words(column)}"
-        for name, column in table.columns.items()
-        if name not in used
-    ]
-    more += [f"{name}: cannot be a channel: {why}" for name, why in table.others.items()]
-    return "\n".join([*lines, *(visible(f"# {text}") for text in (*more, *table.notes))])
+    lines += [f"skip_unusable: true  # leaves out {'; '.join(words)}"] * bool(words)
+    lines += [f"# {_quoted(n)}: {_in_words(c)}" for n, c in columns.items() if n not in used]
+    lines += [f"# {name}: cannot be a channel: {why}" for name, why in table.others.items()]
+    return "\n".join(visible(line) for line in (*lines, *(f"# {note}" for note in table.notes)))
 
 
 def _best(table: Table, clocks: Mapping[str, Clock]) -> dict[str, list[str]]:
     """Return, by channel, the columns whose names fit it, the likeliest first."""
     found: dict[str, dict[str, int]] = {}
     for name, column in table.columns.items():
-        guess = likely_channel(name, column.label, column.unit)
-        if guess is None or len(column.values) < 3:
-            continue
-        if name not in clocks or (guess.strength >= 2 and not is_time(name)):
-            found.setdefault(guess.channel, {})[name] = guess.strength
+        channel, strength = likely_channel(name, column.label, column.unit) or ("", 0)
+        named = name not in clocks or (strength >= 2 and not is_time(name))
+        if channel and named and len(column.values) >= 3:
+            found.setdefault(channel, {})[name] = strength
     best = {channel: sorted(of, key=of.__getitem__, reverse=True) for channel, of in found.items()}
     taken = {*clocks, *(name for names in best.values() for name in names)}
-    free = [
-        name
-        for name, column in table.columns.items()
-        if has(f"{name} {column.label}", "sensor") and name not in taken
-    ]
+    sensors = [n for n, c in table.columns.items() if has(f"{n} {c.label}", "sensor")]
+    free = [name for name in sensors if name not in taken]
     return best if "p_o_kpa" in best or not free else {**best, "p_o_kpa": free}
 
 
@@ -111,11 +96,11 @@ def _spec(channel: str, name: str, column: Column) -> tuple[dict[str, Any], list
         words.append("no pressure, so in its own unit; scale it to between 1 and 1000")
         return {"column": name, "unit": "1", "note": what}, words
     spec: dict[str, Any] = {"column": name, "unit": unit.text if unit else target}
+    others = other_units(channel, spec["unit"], column.values * (unit.multiple if unit else 1.0))
     if unit is None:
-        others = other_units(channel, target, column.values)
         spec["unit"] = [*others, target][0]
         words.append(f"unit? {in_words(others, 'or')} by its size" if others else "unit?")
-    elif others := other_units(channel, unit.text, column.values * unit.multiple):
+    elif others:
         words.append(f"unusual in {unit.text}; in {in_words(others, 'or')}?")
     if unit and unit.multiple != 1.0:
         spec["scale"] = unit.multiple
@@ -131,9 +116,7 @@ def _spec(channel: str, name: str, column: Column) -> tuple[dict[str, Any], list
         words.append("absolute: better the air's pressure of that day as offset")
     elif reference is None:
         at_rest = "command" not in channel and _AT_REST_KPA[0] < lowest < _AT_REST_KPA[1]
-        words.append(
-            f"{'absolute? then' if at_rest else 'gauge? if absolute,'} add offset: {air:g}"
-        )
+        words.append(f"{'absolute? then' * at_rest or 'gauge? if absolute,'} add offset: {air:g}")
     return spec, words
 
 
@@ -165,8 +148,7 @@ def _quoted(name: str) -> str:
 
 
 def _line(key: str, value: Mapping[str, Any], comments: list[str]) -> str:
-    """Return a line of YAML; names are in quotes, with unprintable characters as its escapes."""
-    return visible(f"{key}: {json.dumps(value, ensure_ascii=False)}  # {'; '.join(comments)}")
+    return f"{key}: {json.dumps(value, ensure_ascii=False)}  # {'; '.join(comments)}"
 
 
 def _in_words(column: Column) -> str:

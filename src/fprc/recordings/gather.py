@@ -1,6 +1,5 @@
 """Select the channels of a recording from a table, in the units of a raw log."""
 
-from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +19,7 @@ class Recording(NamedTuple):
     time_s: np.ndarray  #: time stamps, increasing, 0 at the first sample kept
     channels: dict[str, np.ndarray]
     start_s: float = 0.0  #: time stamp of the first sample kept, on the file's clock
+    since_s: float = 0.0  #: of the first sample kept, since the first one of the file
     notes: tuple[str, ...] = ()  #: samples that were left out, and gaps that will be filled
 
 
@@ -30,21 +30,28 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
     Raises
     ------
     LogError
-        Lists every column that is missing, or every channel with a value that is not finite or too
-        large; or lengths differ, time does not increase, or nothing is left.
+        Lists every column that is missing; or lengths differ, time does not increase, a value is
+        not finite or too large, or nothing is left.
     """
-    specs, time = mapping.columns, mapping.time
+    path, specs, time = table.path, mapping.columns, mapping.time
     asked = {name: spec["column"] for name, spec in specs.items()}
     asked |= {f"{name}.time": spec["time"] for name, spec in specs.items() if "time" in spec}
     asked |= {"time": time.column} if time.column else {}
-    picked = _each(table, asked, lambda name: table.pick(asked[name]).values)
+    picked, problems = {}, []
+    for name, column in asked.items():
+        try:
+            picked[name] = table.pick(column).values
+        except LogError as error:
+            problems.append(f"{path}: {name}: {column}: {error}")
+    if problems:
+        raise LogError("\n".join(problems))
     own = [name for name in specs if f"{name}.time" in picked]
     lengths = {n: len(values) for n, values in picked.items() if n.partition(".")[0] not in own}
     if len(set(lengths.values())) > 1:
         unequal = ", ".join(f"{asked[name]} {length}" for name, length in lengths.items())
         raise LogError(
-            f"{table.path}: columns have unequal numbers of samples ({unequal}); say for each that "
-            "has another clock which column that is, as `time: column`, or resample them first"
+            f"{path}: columns have unequal numbers of samples ({unequal}); say for each that has "
+            "another clock which column that is, as `time: column`, or resample them first"
         )
     count = next(iter(lengths.values()), 0) or max(map(len, picked.values()))
     stamps = picked["time"] if time.rate_hz is None else np.arange(count) / time.rate_hz
@@ -52,31 +59,33 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
     usable, notes = _usable(table, mapping, stamps, values)
     numbers = np.flatnonzero(usable)
     if not numbers.size:
-        raise LogError(f"{table.path}: no usable sample is left")
+        raise LogError(f"{path}: no usable sample is left")
     stamps, values = stamps[usable], {name: array[usable] for name, array in values.items()}
     begins = np.append(0, 1 + np.flatnonzero(np.diff(stamps) != 0.0))
     if time.repeated and len(begins) < len(stamps):
-        counts = np.diff(np.append(begins, len(stamps)))
-        what = "the first" if time.repeated == "first" else "their mean"
+        repeats, taken = len(stamps) - len(begins), {"first": "the first", "mean": "their mean"}
         notes.append(
-            f"{len(stamps) - len(begins)} samples repeat a time stamp; {what} of each was taken"
+            f"{repeats} samples repeat a time stamp; {taken[time.repeated]} of each was taken"
         )
-        values = {
-            name: array[begins] if time.repeated == "first"
-            else np.add.reduceat(array, begins) / counts
-            for name, array in values.items()
-        }  # fmt: skip
+        counts = np.diff(np.append(begins, len(stamps)))
+        for name, array in values.items():
+            mean = np.add.reduceat(array, begins) / counts
+            values[name] = array[begins] if time.repeated == "first" else mean
         stamps, numbers = stamps[begins], numbers[begins]
     late = 1 + np.flatnonzero(np.diff(stamps) <= 0.0)
     if late.size:
         k = int(late[0])
         raise LogError(
-            f"{table.path}: time: {time.column}: {table.sample(numbers[k])} at {stamps[k]:.16g} "
-            f"does not come after {stamps[k - 1]:.16g}; such samples in all: {late.size}; if they "
-            "repeat a time stamp, write `repeated: first` or `repeated: mean` beside the column; "
-            "repair the clock if it was set back or restarted, or give time.rate_hz"
+            f"{path}: time: {time.column}: {table.sample(numbers[k])} at {stamps[k]:.16g} does not "
+            f"come after {stamps[k - 1]:.16g}; such samples in all: {late.size}; give "
+            "time.repeated, first or mean, if they repeat a stamp, or time.rate_hz, or repair it"
         )
-    values |= {name: _at(table, name, stamps, picked[f"{name}.time"], picked[name]) for name in own}
+    for name in own:
+        clock, given = picked[f"{name}.time"], picked[name]
+        known = np.isfinite(clock) & np.isfinite(given) if len(clock) == len(given) else None
+        if known is None or not known.any() or (np.diff(clock[known]) < 0.0).any():
+            raise LogError(f"{path}: channels.{name}.time is no clock of its column")
+        values[name] = np.interp(stamps, clock[known], given[known], left=np.nan, right=np.nan)
     # subtract before converting, or stamps counted from 1970 would lose digits
     since_s = (stamps - stamps[0]) * SECONDS[time.unit]
     last_s = np.inf if mapping.end_s is None else mapping.end_s
@@ -86,40 +95,33 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
         kept &= np.isfinite(values[name])
     if kept.sum() < 2:
         raise LogError(
-            f"{table.path}: {kept.sum()} samples lie from {mapping.start_s:g} s to {last_s:g} s; "
+            f"{path}: {kept.sum()} samples lie from {mapping.start_s:g} s to {last_s:g} s; "
             f"the file has {len(since_s)}, over {since_s[-1]:g} s; correct start_s and end_s"
         )
-
-    def convert(name: str) -> np.ndarray:
-        """Return a channel in the unit of a raw log."""
-        spec, given = specs[name], values[name][kept]
-        factor = factor_of(spec["unit"], unit_of(name)) or 1.0
-        scaled = (given * spec["scale"] + spec["offset"]) * factor
-        bad = np.flatnonzero(~(np.abs(scaled) <= LARGEST))  # NaN is neither
+    channels = {}
+    for name, spec in specs.items():
+        given, factor = values[name][kept], factor_of(spec["unit"], unit_of(name)) or 1.0
+        channels[name] = (given * spec["scale"] + spec["offset"]) * factor
+        bad = np.flatnonzero(~(np.abs(channels[name]) <= LARGEST))  # NaN is neither
         if bad.size:
             raise LogError(
-                f"{table.sample(numbers[kept][bad[0]])} is {given[bad[0]]:g}; not finite or beyond "
-                f"{LARGEST:g} after scale, offset and unit in all: {bad.size}; correct these "
-                "settings, cut the samples off with start_s and end_s, or leave those without a "
-                "value out with `skip_unusable: true` in the map"
+                f"{path}: {name}: {asked[name]}: {table.sample(numbers[kept][bad[0]])} is "
+                f"{given[bad[0]]:g}; not finite or beyond {LARGEST:g} after scale, offset and unit "
+                f"in all: {bad.size}; correct these settings, cut the samples off with start_s and "
+                "end_s, or leave those without a value out with `skip_unusable: true` in the map"
             )
-        return scaled
-
-    converted = _each(table, {name: asked[name] for name in specs}, convert)
-    time_s = since_s[kept] - since_s[kept][0]
-    begin_s = float(stamps[0] * SECONDS[time.unit] + since_s[kept][0])
-    return Recording(time_s, converted, begin_s, (*notes, *_gaps(time_s)))
+    first_s = float(since_s[kept][0])
+    time_s, start_s = since_s[kept] - first_s, float(stamps[0] * SECONDS[time.unit]) + first_s
+    return Recording(time_s, channels, start_s, first_s, (*notes, *_gaps(time_s)))
 
 
 def _usable(
-    table: Table, mapping: ImportMap, stamps: np.ndarray, values: Mapping[str, np.ndarray]
+    table: Table, mapping: ImportMap, stamps: np.ndarray, values: dict[str, np.ndarray]
 ) -> tuple[np.ndarray, list[str]]:
-    """Return which samples have a stamp and, of those to be skipped, values; notes on the others.
+    """Return which samples have a stamp and, if others are to be skipped, values; notes on those.
 
-    Raises
-    ------
-    LogError
-        A line is no sample, or a stamp is not finite, and they are not to be skipped.
+    A line that is no sample, or a stamp that is missing, raises LogError unless it is to be
+    skipped.
     """
     remedy = "leave them out with `skip_unusable: true` in the map"
     lines = f"lines that are no samples: {len(table.unusable)}: {'; '.join(table.unusable[:3])}"
@@ -141,39 +143,13 @@ def _usable(
     return usable, notes
 
 
-def _at(
-    table: Table, name: str, stamps: np.ndarray, clock: np.ndarray, values: np.ndarray
-) -> np.ndarray:
-    """Return a channel with a clock of its own at other stamps; NaN before and after it."""
-    known = np.isfinite(clock) & np.isfinite(values) if len(clock) == len(values) else None
-    if known is None or not known.any() or (np.diff(clock[known]) < 0.0).any():
-        raise LogError(f"{table.path}: channels.{name}.time is no clock of its column")
-    return np.interp(stamps, clock[known], values[known], left=np.nan, right=np.nan)
-
-
 def _gaps(time_s: np.ndarray) -> list[str]:
-    gaps = pauses_of(time_s)
+    gaps, steps = pauses_of(time_s), np.diff(time_s)
     if not gaps.size:
         return []
-    steps = np.diff(time_s)
     missing = np.maximum(np.round(steps[gaps] * rate_of(time_s)) - 1.0, 1.0).sum()
     k = gaps[steps[gaps].argmax()]
     return [
         f"gaps in the clock, filled by linear interpolation: {gaps.size}, about {missing:.0f} "
         f"samples missing, the longest from {time_s[k]:.4g} to {time_s[k + 1]:.4g} s"
     ]
-
-
-def _each(
-    table: Table, columns: Mapping[str, str], work: Callable[[str], np.ndarray]
-) -> dict[str, np.ndarray]:
-    """Return what ``work`` returns for each name; report its errors together."""
-    results, problems = {}, []
-    for name, column in columns.items():
-        try:
-            results[name] = work(name)
-        except LogError as error:
-            problems.append(f"{table.path}: {name}: {column}: {error}")
-    if problems:
-        raise LogError("\n".join(problems))
-    return results

@@ -60,46 +60,42 @@ def judge(
     target : {"command", "measured"}
         P_exp that the models would learn.
     """
-    time_s, units = recording.time_s, mapping.units
-    rate_hz, steps = rate_of(time_s), np.diff(time_s)
+    time_s, channels, units = recording.time_s, recording.channels, mapping.units
+    rate_hz, steps_ms = rate_of(time_s), 1e3 * np.diff(time_s)
     words = [
         f"{len(time_s)} samples over {time_s[-1]:.6g} s at {rate_hz:.6g} Hz, 98 % of the steps "
-        "from {:.4g} to {:.4g} ms".format(*np.percentile(1e3 * steps, (1, 99)))
-    ]
-    words += [
-        f"{name} from {mapping.columns[name]['column']}: {values.min():.4g} to "
-        f"{values.max():.4g} {units[name]}".rstrip()
-        for name, values in recording.channels.items()
+        "from {:.4g} to {:.4g} ms".format(*np.percentile(steps_ms, (1, 99)))
     ]
     log = Columns(
         table.path,
-        {"time_s": time_s, **recording.channels},
+        {"time_s": time_s, **channels},
         {"experiment": mapping.experiment, "source": "import", "notes": mapping.notes},
     )
     limits = limits.changed(stuck_s=max(limits.stuck_s, 20.0 / rate_hz))  # slow logs repeat values
     checks = assess(log, limits, rate_hz)["checks"]
-    # gaps are in the notes of the recording
-    failed = [name for name, check in checks.items() if not check["passed"] and name != "gaps"]
-    doubts = [f"{name}: {checks[name]['finding']}" for name in failed]
+    doubts = [  # gaps are in the notes of the recording
+        f"{name}: {check['finding']}"
+        for name, check in checks.items()
+        if not check["passed"] and name != "gaps"
+    ]
     stops = []
     for name, spec in mapping.columns.items():
-        quantity, column = unit_of(name), table.pick(spec["column"])
-        factor = factor_of(spec["unit"], quantity) or 1.0
-        stated = stated_unit(spec["column"], column.label, column.unit)
+        column, quantity, unit = spec["column"], unit_of(name), spec["unit"]
+        given, factor = table.pick(column), factor_of(unit, quantity) or 1.0
+        low, high = channels[name].min(), channels[name].max()
+        words.append(f"{name} from {column}: {low:.4g} to {high:.4g} {units[name]}".rstrip())
+        stated = stated_unit(column, given.label, given.unit)
         # a scale, or a note, says that the map is meant as it is
-        meant = spec["scale"] != 1.0 or spec["note"] or spec["unit"] == "1"
-        others = other_units(name, spec["unit"], recording.channels[name] / factor)
+        meant = spec["scale"] != 1.0 or spec["note"] or unit == "1"
+        others = other_units(name, unit, channels[name] / factor)
         if stated and not meant and (stated.quantity, stated.factor) != (quantity, factor):
             stops.append(
-                f"channels.{name}: the file says {stated.text} of {spec['column']}, the map "
-                f"{spec['unit']}: correct unit, or say in note why it is right"
+                f"channels.{name}: the file says {stated.text} of {column}, the map {unit}: "
+                "correct unit, or say in note why it is right"
             )
         elif others and spec["scale"] == 1.0:
-            doubts.append(
-                f"{name}: its size is unusual; is {spec['column']} in {in_words(others, 'or')}?"
-            )
-        outside = checks["range"]["samples"].get(name, 0)
-        if outside > MOST_OUTSIDE * len(time_s):
+            doubts.append(f"{name}: its size is unusual; is {column} in {in_words(others, 'or')}?")
+        if (outside := checks["range"]["samples"].get(name, 0)) > MOST_OUTSIDE * len(time_s):
             stops.append(
                 f"{name}: {outside} samples are outside its possible range: correct unit, scale or "
                 "offset in the map"
@@ -109,12 +105,7 @@ def judge(
             f"time: {rate_hz:.4g} Hz are unusual: check time.unit = {mapping.time.unit}; if it is "
             "right, give sample_rate_hz"
         )
-    channels = {
-        word: (recording.channels[name], units[name])
-        for word, name in (("theta", "theta_deg"), ("P_exp", TARGETS[target]), ("P_o", "p_o_kpa"))
-        if name in recording.channels
-    }
-    return Judgement(words, doubts, [*stops, *_unfit(time_s, rate_hz, channels)])
+    return Judgement(words, doubts, [*stops, *_unfit(recording, units, target)])
 
 
 def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:
@@ -128,15 +119,14 @@ def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:
     return [] if low <= top * factor <= high else fit
 
 
-def _unfit(
-    time_s: np.ndarray, rate_hz: float, channels: Mapping[str, tuple[np.ndarray, str]]
-) -> Iterator[str]:
-    """Yield why no answer can be right: a channel stands still, is too small, or is a copy."""
+def _unfit(recording: Recording, units: Mapping[str, str], target: str) -> Iterator[str]:
+    """Yield why no answer can be right: a channel stands still, spans too little, or is a copy."""
+    unit = {"theta": units["theta_deg"], "P_exp": units[TARGETS[target]]}  # P_o may span little
     still = False
-    for name, (values, unit) in channels.items():
+    for name, values in _named(recording, target).items():
         begins, lengths = runs(values)
         longest = int(lengths.argmax())
-        span, least = float(np.ptp(values)), LEAST_SPAN.get(unit, 0.0) * (name != "P_o")
+        span, least = float(np.ptp(values)), LEAST_SPAN.get(unit.get(name, ""), 0.0)
         if lengths[longest] >= STUCK * len(values):
             still = True
             yield (
@@ -146,30 +136,36 @@ def _unfit(
             )
         elif span < least:
             yield (
-                f"{name} spans {span:.3g} {unit}, less than {least:g}: is it in another "
+                f"{name} spans {span:.3g} {unit[name]}, less than {least:g}: is it in another "
                 "unit? Correct unit or scale in the map; unit: 1 with a note takes any quantity"
             )
     if still:
         return
-    hz = min(rate_hz, _RATE_HZ)
-    grid_s = np.arange(0.0, time_s[-1], 1.0 / hz)
-    even = {name: np.interp(grid_s, time_s, values) for name, (values, _) in channels.items()}
-    lag = int(COPY_LAG_S * hz)
-    copies = False
+    even, hz = _evenly(recording, target)
     for (one, other), most in COPIES.items():
-        if one in even and other in even and _alike(even[one], even[other], lag) > most:
-            copies = True
+        if {one, other} <= even.keys() and _alike(
+            even[one], even[other], int(COPY_LAG_S * hz)
+        ) > most:
             yield (
                 f"a straight line of {one} explains more than {100.0 * most:g} % of {other}: they "
                 "are one signal; give the columns of the angle, of the pressure and of the sealed "
                 "chamber"
             )
-    explained = 0.0 if copies else explained_by(even["theta"], even["P_exp"], hz)
-    if not copies and explained < NEXT_TO_NOTHING:
-        yield (
-            f"theta explains {100.0 * max(explained, 0.0):.1f} % of P_exp, next to nothing: check "
-            "the columns and the clock"
-        )
+
+
+def _named(recording: Recording, target: str) -> dict[str, np.ndarray]:
+    names = {"theta": "theta_deg", "P_exp": TARGETS[target], "P_o": "p_o_kpa"}
+    channels = recording.channels
+    return {word: channels[name] for word, name in names.items() if name in channels}
+
+
+def _evenly(recording: Recording, target: str) -> tuple[dict[str, np.ndarray], float]:
+    """Return the channels at a rate that is low enough for the checks, and that rate, Hz."""
+    time_s = recording.time_s
+    hz = min(rate_of(time_s), _RATE_HZ)
+    grid_s = np.arange(0.0, time_s[-1], 1.0 / hz)
+    named = _named(recording, target)
+    return {word: np.interp(grid_s, time_s, values) for word, values in named.items()}, hz
 
 
 def _alike(one: np.ndarray, other: np.ndarray, lag: int) -> float:
@@ -184,14 +180,18 @@ def _alike(one: np.ndarray, other: np.ndarray, lag: int) -> float:
     return max(shares)
 
 
-def explained_by(theta: np.ndarray, target: np.ndarray, rate_hz: float) -> float:
-    """Return the share of the target's variance that theta and its past explain, fitted."""
-    from fprc.models import LowpassBank, PlayOperators  # slow to import, and a draft needs none
+def unexplained(recording: Recording, target: str) -> list[str]:
+    """Return a line that stops an answer if theta and its past explain next to nothing of P_exp."""
+    from fprc.models import LowpassBank, PlayOperators  # slow to import, and an import needs none
 
-    X = theta[:, None]
-    epsilons = [1.0 - np.exp(-1.0 / (s * rate_hz)) for s in (0.15, 0.5, 1.7)]
+    even, hz = _evenly(recording, target)
+    X, p_exp = even["theta"][:, None], even["P_exp"]
+    epsilons = [1.0 - np.exp(-1.0 / (s * hz)) for s in (0.15, 0.5, 1.7)]
     past = [part.fit(X).map_log(X) for part in (LowpassBank(epsilons), PlayOperators())]
     rows = np.hstack([np.ones_like(X), X, X**2, *past])
-    left = target - rows @ np.linalg.lstsq(rows, target)[0]
-    spread = float(np.var(target))  # 0 if the recording has no two of these samples
-    return 1.0 - float(np.var(left)) / spread if spread else 0.0
+    left, spread = np.var(p_exp - rows @ np.linalg.lstsq(rows, p_exp)[0]), np.var(p_exp)
+    share = max(0.0, 1.0 - left / spread) if spread else 0.0
+    return [
+        f"theta explains {100.0 * share:.1f} % of P_exp, next to nothing: check the columns and "
+        "the clock"
+    ] * bool(share < NEXT_TO_NOTHING)

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Mapping, Sequence
-from importlib.util import find_spec
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from fprc.artifacts import (
 )
 from fprc.channels import TARGETS
 from fprc.config import from_files
-from fprc.errors import ConfigError, FprcError, LogError
+from fprc.errors import ConfigError, LogError
 from fprc.evaluation.rates import PAPER_HZ, settings_at
 from fprc.evaluation.sides import PURGE_S, PURGES, SHIFTS, WARM_UP_S, Recordings, progress
 from fprc.given import refuse_repeats
@@ -27,14 +27,13 @@ from fprc.plan.arguments import paper_models
 from fprc.provenance import sha256
 from fprc.recordings.answer import answer_recordings
 from fprc.recordings.clock import rate_of
-from fprc.recordings.gather import gather
-from fprc.recordings.import_recording import is_imported, write_log
+from fprc.recordings.gather import Recording, gather
+from fprc.recordings.import_recording import draw_recording, is_imported, write_log
 from fprc.recordings.importing import read_map
-from fprc.recordings.judge import judge
+from fprc.recordings.judge import Judgement, judge, unexplained
 from fprc.recordings.memory import draw_memory, judge_memory
 from fprc.recordings.paper_models import MODELS, judge_claims, judge_models, sentences
-from fprc.recordings.picture import draw_recording
-from fprc.recordings.readout_page import Recorded, report_page
+from fprc.recordings.readout_page import report_page
 from fprc.recordings.resample import resample
 from fprc.recordings.table import read_table
 from fprc.registry import SIDES
@@ -54,12 +53,12 @@ def report_readout(
     out: str | None = None,
     config: Sequence[str] = (),
 ) -> None:
-    """Say whether P_o of a recording is worth a second sensor."""
-    if find_spec("tabulate") is None:  # which pandas imports only when it writes a table
-        raise FprcError(
-            "fprc readout needs tabulate to write its tables; install with: "
-            "pip install 'fprc[readout]'"
-        )
+    """Say whether P_o of a recording is worth a second sensor.
+
+    All recordings are resampled whole. The logs for the workflow are parts of them, so that no
+    sample between training and test is lost.
+    """
+    import_module("tabulate")  # pandas imports it at the end, when it writes a table
     given = from_files(config)
     settings = given.model_dump(mode="json")
     refuse_repeats([source, *train], "what is judged on its training samples proves nothing")
@@ -68,8 +67,7 @@ def report_readout(
         raise ConfigError(f"{map_}: channels.p_o_kpa is missing: it is the sensor in question")
     folder = Path(out or Path("results", Path(source).stem))
     page, answered = folder / "report.md", folder / "readout/answer.json"
-    layout = mapping.csv.model_dump()
-    tables = {path: read_table(path, **layout) for path in (source, *train)}
+    tables = {path: read_table(path, **mapping.csv.model_dump()) for path in (source, *train)}
     hashes = [sha256(path) for path in tables]
 
     def is_ours(old: Path) -> bool:
@@ -79,63 +77,68 @@ def report_readout(
     refuse_output(page, ".md", ours=is_ours)
     target = mapping.target(settings["evaluation"]["target"])
     whole = mapping.changed(start_s=0.0, end_s=None)
-    recorded: dict[str, Recorded] = {}
+    recorded: dict[str, tuple[Recording, Judgement]] = {}
     for path, table in tables.items():
         recording = gather(table, mapping if path == source else whole)
-        recorded[path] = Recorded(
-            recording, judge(recording, mapping, table, given.quality, target)
-        )
-    if stops := [f"{path}: {line}" for path, one in recorded.items() for line in one.found.stops]:
+        recorded[path] = recording, judge(recording, mapping, table, given.quality, target)
+    stops = [
+        f"{path}: {line}"
+        for path, (recording, found) in recorded.items()
+        for line in found.stops or unexplained(recording, target)
+    ]
+    if stops:
         raise LogError("\n".join(stops))
-    recorded_hz = [rate_of(one.recording.time_s) for one in recorded.values()]
     # that of the slowest recording, at least 1 Hz as in a map, at most the configuration's
-    highest_hz = settings["control"]["sample_rate_hz"]
-    rate_hz = mapping.sample_rate_hz or min(highest_hz, max(1.0, min(recorded_hz)))
-    duration_s = float(recorded[source].recording.time_s[-1])
-    border_s = mapping.test_from_s or mapping.start_s + float(f"{_TRAINED * duration_s:.4g}")
-    train_map = mapping.changed(experiment="sweep", sample_rate_hz=rate_hz)
-    # the sample at the border belongs to the test
-    parts = {
-        "sweep": (source, train_map.changed(end_s=border_s - 0.5 / rate_hz)),
-        "complex": (source, train_map.changed(experiment="complex", start_s=border_s)),
-    } | {
-        f"sweep_{k}": (path, train_map.changed(start_s=0.0, end_s=None))
-        for k, path in enumerate(train, 2)
-    }
-    gathered = {name: gather(tables[path], part) for name, (path, part) in parts.items()}
-    logs = {
-        name: resample(one.time_s, one.channels, rate_hz, parts[name][0])
-        for name, one in gathered.items()
-    }
-    lengths = [len(time_s) for time_s, _ in logs.values()]
+    slowest_hz = max(1.0, min(rate_of(recording.time_s) for recording, _ in recorded.values()))
+    rate_hz = mapping.sample_rate_hz or min(settings["control"]["sample_rate_hz"], slowest_hz)
+    samples = [
+        resample(recording.time_s, recording.channels, rate_hz, path)
+        for path, (recording, _) in recorded.items()
+    ]
     theta, p_o, p_exp = (
-        np.concatenate([channels[name] for _, channels in logs.values()])
+        np.concatenate([channels[name] for _, channels in samples])
         for name in ("theta_deg", "p_o_kpa", TARGETS[target])
     )
-    lengths = [sum(lengths[:2]), *lengths[2:]]
-    recordings = Recordings(theta, p_o, p_exp, lengths, rate_hz)
-    if len(recordings.thinned().folds()) < LEAST_BLOCKS:
+    recordings = Recordings(theta, p_o, p_exp, [len(time_s) for time_s, _ in samples], rate_hz)
+    given_s, needed_s = len(theta) / rate_hz, WARM_UP_S + LEAST_BLOCKS * PURGES * PURGE_S
+    if given_s < 0.9 * needed_s or len(recordings.thinned().folds()) < LEAST_BLOCKS:
         raise LogError(
-            f"{source}: {sum(lengths) / rate_hz:.3g} s are too short to judge anything; at least "
-            f"{WARM_UP_S + LEAST_BLOCKS * PURGES * PURGE_S:g} s are needed"
+            f"{source}: {given_s:.3g} s are too short to judge anything; at least {needed_s:g} s "
+            "are needed"
         )
+    time_s, begin_s = samples[0][0], recorded[source][0].since_s
+    border_s = float(f"{_TRAINED * time_s[-1]:.4g}")
+    if mapping.test_from_s is not None:
+        border_s = mapping.test_from_s - begin_s
+    border = int(np.searchsorted(time_s, border_s - 1e-9))  # it belongs to the test
+    if not 2 <= border <= len(time_s) - 2:
+        raise ConfigError(f"{map_}: test_from_s lies outside of the recording; correct it")
+    parts = {
+        "sweep": (0, slice(border), {"end_s": begin_s + float(time_s[border - 1])}),
+        "complex": (0, slice(border, None), {"start_s": begin_s + float(time_s[border])}),
+    } | {f"sweep_{k + 1}": (k, slice(None), {}) for k in range(1, len(samples))}
     raw = {name: folder / f"raw/{name}.h5" for name in parts}
     for log in raw.values():
         refuse_output(log, ".h5", ours=is_imported)
     with threadpool_limits(1):
-        for name, (path, part) in parts.items():
-            write_log(gathered[name], logs[name], part, path, raw[name])
-        for number, one in enumerate(recorded.values(), 1):
-            draw_recording(one.recording, mapping, str(folder / f"raw/recording_{number}.png"))
+        for name, (k, rows, changed) in parts.items():
+            path, (recording, _) = list(recorded.items())[k]
+            part = (mapping if k == 0 else whole).changed(
+                experiment=name.partition("_")[0], sample_rate_hz=rate_hz, **changed
+            )
+            channels = {channel: values[rows] for channel, values in samples[k][1].items()}
+            write_log(raw[name], recording, samples[k][0][rows], channels, part, path)
+        for number, (recording, _) in enumerate(recorded.values(), 1):
+            draw_recording(recording, mapping, str(folder / f"raw/recording_{number}.png"))
         unit = noted_unit(TARGETS[target], {"notes": mapping.notes})
         described = {"recordings": hashes, "unit": unit, "source": "import", "target": target}
         report = described | _judge(recordings, settings, unit)
         write_json(answered, report)
         draw_memory(report["memory"], str(folder / "readout/memory.png"))
-        write_text(page, report_page(recorded, map_, settings, report, rate_hz))
-        doubts = [f"Doubtful: {line}" for one in recorded.values() for line in one.found.doubts]
-        lines = [report["answer"]["words"], *doubts, *sentences(report["claims"]), str(page)]
-        print("\n".join(lines))
+        write_text(page, report_page(recorded, map_, report, rate_hz))
+    doubts = [f"Doubtful: {line}" for _, found in recorded.values() for line in found.doubts]
+    lines = [report["answer"]["words"], *doubts, *sentences(report["claims"]), str(page)]
+    print("\n".join(lines))
 
 
 def _judge(recordings: Recordings, settings: Mapping[str, Any], unit: str) -> dict[str, Any]:

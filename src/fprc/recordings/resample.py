@@ -19,6 +19,7 @@ STOP_DB = 70.0
 _HALF_TAPS = (STOP_DB - 7.95) / (2.285 * math.pi * (STOP - PASS)) / 2.0
 
 
+@np.errstate(all="ignore")  # too many points are refused
 def resample(
     time_s: np.ndarray, channels: Mapping[str, np.ndarray], rate_hz: float, path: object = ""
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -38,13 +39,19 @@ def resample(
     LogError
         The recording is shorter than a sample, or takes more than ``MOST_POINTS``.
     """
-    span_s, factor, aligned = float(time_s[-1] - time_s[0]), 0, False
-    with np.errstate(all="ignore"):
+    span_s, ratio = float(time_s[-1] - time_s[0]), rate_of(time_s) / rate_hz
+    factor, aligned = 1, False  # how much finer the grid of the low-pass is; 1: there is none
+    if 0.0 < ratio < 1e9:  # else the time stamps are nearly equal
+        factor = max(round(ratio), 1)
+        even_s = time_s[0] + np.arange(len(time_s)) / (factor * rate_hz)
+        aligned = bool(np.abs(time_s - even_s).max() <= 1e-3 / (factor * rate_hz))
+        if not aligned:
+            # up to 1.01 it is the same rate, with clock error; above, where values are
+            # interpolated, the grid is twice as fine, so that less is lost
+            factor = 1 if ratio <= 1.01 else math.ceil(2.0 * ratio)
+    points = factor * (span_s * rate_hz + 2.0 * _HALF_TAPS)
+    if not (span_s * rate_hz >= 1.0 and points <= MOST_POINTS and ratio < 1e9):
         k = int(np.argmax(np.diff(time_s)))
-        if rate_of(time_s) < 1e9 * rate_hz:  # else the time stamps are nearly equal
-            factor, aligned = _refinement(time_s, rate_hz)
-        points = factor * (span_s * rate_hz + 2.0 * _HALF_TAPS)
-    if not (span_s * rate_hz >= 1.0 and 0.0 < points <= MOST_POINTS):
         raise LogError(
             f"{path}: {span_s:.4g} s at sample_rate_hz = {rate_hz:g} are {span_s * rate_hz:.4g} "
             f"samples, {points:.2g} while resampled; must be from 1 to {MOST_POINTS:.2g}: check "
@@ -58,21 +65,6 @@ def resample(
         fine = values[: len(fine_s)] if aligned else np.interp(fine_s, time_s, values)
         resampled[name] = np.array(fine) if factor == 1 else _lowpass(fine, factor)[::factor]
     return time_s[0] + np.arange(samples) / rate_hz, resampled
-
-
-def _refinement(time_s: np.ndarray, rate_hz: float) -> tuple[int, bool]:
-    """Return the rate of the finer grid over the new rate, and whether it is the recording's grid.
-
-    With the factor 1 there is no low-pass.
-    """
-    ratio = rate_of(time_s) / rate_hz
-    whole = max(round(ratio), 1)
-    grid_s = time_s[0] + np.arange(len(time_s)) / (whole * rate_hz)
-    if np.abs(time_s - grid_s).max() <= 1e-3 / (whole * rate_hz):
-        return whole, True
-    # up to 1.01 it is the same rate, with clock error; above, where values are interpolated, the
-    # grid is twice as fine, so that less is lost
-    return 1 if ratio <= 1.01 else math.ceil(2.0 * ratio), False
 
 
 def _lowpass(values: np.ndarray, factor: int) -> np.ndarray:

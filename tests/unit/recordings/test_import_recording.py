@@ -11,6 +11,7 @@ from fprc.channels import RAW_CHANNELS
 from fprc.cli import main
 from fprc.config import Settings
 from fprc.errors import ConfigError, OutputError
+from fprc.escape import visible
 from fprc.experiments.data import select_channels
 from fprc.figures import style
 from fprc.logs import assess, read_raw
@@ -130,6 +131,6 @@ def test_import_repeats_what_it_took_and_what_it_left_out(tmp_path, capsys):
 
 @given(name=st.text())
 def test_draft_quotes_any_name_as_yaml(name):
-    line = _line("time", {"column": name, "unit": "s"}, [name])
+    line = visible(_line("time", {"column": name, "unit": "s"}, [name]))
     assert line.isprintable()
     assert yaml.safe_load(line) == {"time": {"column": name, "unit": "s"}}

@@ -25,16 +25,6 @@ def read(tmp_path):
     return read
 
 
-@pytest.fixture
-def problems(read):
-    def problems(content):
-        with pytest.raises(ConfigError) as caught:
-            read(content)
-        return str(caught.value)
-
-    return problems
-
-
 def with_channel(name, **column):
     return SMALL | {"channels": SMALL["channels"] | {name: column}}
 
@@ -57,7 +47,6 @@ def test_small_map_has_defaults_and_numbers_of_yaml_serve_as_names(read):
     ("content", "message"),
     [
         (SMALL | {"sample_rate": 100}, "sample_rate: unknown key; did you mean sample_rate_hz?"),
-        (SMALL | {"csv": {"zzz": 1}}, "csv.zzz: unknown key; the keys are separator, decimal, "),
         (
             with_channel("p_o_kpa", column="P", unit="kPa", ofset=1),
             "channels.p_o_kpa.ofset: unknown key; did you mean channels.p_o_kpa.offset?",
@@ -65,20 +54,10 @@ def test_small_map_has_defaults_and_numbers_of_yaml_serve_as_names(read):
         (with_channel("p_o_kpa", column="P", unit="deg"), "channels.p_o_kpa: unit deg is none"),
         (with_channel("p_o_kpa", column="P", unit="1"), "channels.p_o_kpa: unit 1 stands for"),
         (with_channel("p_o_kpa", column="P"), "channels.p_o_kpa.unit: missing"),
-        (with_channel("p_o_kpa", column="P", unit="Pa", scale=0), "channels.p_o_kpa.scale: 0 "),
-        (with_channel("p_o_kpa", column="P", unit="Pa", scale=float("inf")), "finite"),
         (SMALL | {"time": {"rate_hz": "?"}}, "time.rate_hz = ?: the draft did not find it"),
         (with_channel("p_o_kpa", column="?", unit="kPa"), "p_o_kpa.column = ?: the draft did"),
         (SMALL | {"experiment": "swep"}, "experiment = swep: must be 'sweep' or 'complex'"),
         (SMALL | {"time": {}}, "time: give either column (with its unit) or rate_hz"),
-        (SMALL | {"time": {"column": "t", "rate_hz": 10}}, "time: give either column"),
-        (SMALL | {"time": {"rate_hz": 10, "unit": "ms"}}, "time: unit belongs to a column"),
-        (SMALL | {"time": {"rate_hz": 0}}, "time.rate_hz = 0: must be greater than 0"),
-        (SMALL | {"start_s": 3, "end_s": 2}, "end_s = 2; must be above start_s = 3"),
-        (SMALL | {"test_from_s": 3, "start_s": 4}, "between start_s = 4 and end_s = inf"),
-        (SMALL | {"end_s": "soon"}, "end_s = soon: must be a valid number"),
-        (SMALL | {"channels": {"theta_deg": 5}}, "channels.theta_deg = 5: must hold keys"),
-        (SMALL | {"channels": {}}, "channels.theta_deg: missing"),
         (
             SMALL | {"channels": {"theta_deg": SMALL["channels"]["theta_deg"]}},
             "channels: p_exp_kpa or p_exp_command_kpa is missing",
@@ -86,16 +65,20 @@ def test_small_map_has_defaults_and_numbers_of_yaml_serve_as_names(read):
         ("", "channels: missing"),
     ],
 )
-def test_error_names_place_value_and_remedy(problems, content, message):
-    assert message in problems(content)
+def test_error_names_place_value_and_remedy(read, content, message):
+    with pytest.raises(ConfigError) as caught:
+        read(content)
+    assert message in str(caught.value)
 
 
-def test_all_errors_are_told_at_once(problems):
+def test_all_errors_are_told_at_once(read):
     channels = {"theta_deg": {"column": "x", "unit": "kPa"}, "p_exp": {}}
-    message = problems({"experiment": "swep", "rate": 1, "channels": channels})
-    assert message.splitlines()[0].endswith("5 errors in the map:")
+    with pytest.raises(ConfigError) as caught:
+        read({"experiment": "swep", "rate": 1, "channels": channels})
+    first, *lines = str(caught.value).splitlines()
+    assert first.endswith("5 errors in the map:")
     for part in ("experiment", "rate", "time", "channels.theta_deg", "channels.p_exp"):
-        assert sum(line.startswith(f"  {part}") for line in message.splitlines()) == 1
+        assert sum(line.startswith(f"  {part}") for line in lines) == 1
 
 
 def test_format_of_the_text_is_read_from_a_map_that_is_not_complete(tmp_path):

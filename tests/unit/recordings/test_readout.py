@@ -106,24 +106,30 @@ def test_report_has_both_sides_the_papers_models_and_pictures(finished):
     assert all((out / name).exists() for name in pictures)
 
 
+@pytest.mark.parametrize("rate_hz", [50, 20])
 @pytest.mark.parametrize(
     ("pause_s", "kept", "lengths"),
     [
         (0, {}, [2000, 1000]),
-        (0, {"start_s": 1, "test_from_s": 35}, [1700, 1250]),
-        (0, {"start_s": 3, "end_s": 33}, [1000, 500]),
-        (20_000, {"start_s": 20_000}, [2000, 1000]),
+        (0, {"start_s": 50, "test_from_s": 1750}, [1700, 1250]),
+        (0, {"start_s": 150, "end_s": 1650}, [1000, 501]),
+        (0, {"start_s": 49.5, "test_from_s": 1999.7}, [1950, 1000]),
+        (20_000, {}, [1999, 1000]),
     ],
 )
 def test_logs_of_the_workflow_meet_at_two_thirds_or_where_the_map_says(
-    recording, stopped, tmp_path, pause_s, kept, lengths
+    recording, stopped, tmp_path, rate_hz, pause_s, kept, lengths
 ):
+    """Every sample is in one of them, also where the border is between two; times in samples."""
     table = pd.read_csv(tmp_path / "log.csv")
-    table.loc[1:, "t"] += pause_s
+    table["t"] = (np.arange(3000) + rate_hz * pause_s * (np.arange(3000) > 0)) / rate_hz
     table.to_csv(tmp_path / "log.csv", index=False)
+    kept = {name: number / rate_hz for name, number in kept.items()} | (
+        {"start_s": pause_s} if pause_s else {}
+    )
     assert run(tmp_path, recording(**kept)) == 130
     found = [len(log_of(tmp_path, name).channels["time_s"]) for name in ("sweep", "complex")]
-    assert found == pytest.approx(lengths, abs=2)
+    assert found == lengths
     assert stopped.call_args.args[0].lengths == [sum(found)]
 
 
