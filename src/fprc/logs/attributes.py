@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import reprlib
 from typing import Any
 
 import h5py
@@ -43,11 +42,9 @@ def read_attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], list
             valid[name] = _value(name, holder[name])
         except (ValueError, TypeError, RecursionError) as error:
             if name in KINDS:
-                stored = holder[name]
-                shown = stored.decode(errors="replace") if isinstance(stored, bytes) else stored
                 problems.append(
-                    f"attribute {name} = {reprlib.repr(shown)}: must be {_WORDS[KINDS[name]]} "
-                    f"({error}); see data/raw/README.md"
+                    f"attribute {name}: must be {_WORDS[KINDS[name]]} ({error!s:.200}); see "
+                    "data/raw/README.md"
                 )
     return valid, problems
 
@@ -58,16 +55,14 @@ def _value(name: str, stored: Any) -> Any:
         value = (value if isinstance(value, bytes) else os.fsencode(value)).decode("utf-8")
     kind = KINDS.get(name, type(value))
     if kind is dict:
-        content = parse_object(value)
-        # refuses NaN and lone surrogates, as \udce9
-        json.dumps(content, ensure_ascii=False, allow_nan=False).encode("utf-8")
-        if name == "notes" and not all(isinstance(note, str) for note in content.values()):
+        value = parse_object(value)
+        json.dumps(value, allow_nan=False)
+        if name == "notes" and not all(isinstance(note, str) for note in value.values()):
             raise ValueError("each channel has a text")
-        return content
     # not isinstance, for which a bool is an int
-    if type(value) not in ((float, int) if kind is float else (kind,)) or kind not in _WORDS:
+    elif type(value) not in ((float, int) if kind is float else (kind,)) or kind not in _WORDS:
         raise TypeError(f"is of type {type(value).__name__}")
-    if isinstance(value, float) and not math.isfinite(value):
+    elif isinstance(value, float) and not math.isfinite(value):
         raise ValueError("is not finite")
     return value
 

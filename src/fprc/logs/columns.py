@@ -1,7 +1,6 @@
 """HDF5 files of channels of equal length, each with a unit and checksums."""
 
 import errno
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -16,8 +15,8 @@ from fprc.errors import LogError
 from fprc.given import open_given
 from fprc.logs.attributes import as_written, read_attributes
 
-#: The first bytes of an HDF5 file, and of a model file, which is an HDF5 file behind a block.
-_SIGNATURE, _MODEL = b"\x89HDF\r\n\x1a\n", b"fprc model"
+#: The first bytes of an HDF5 file; a model file has others.
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 #: Largest magnitude of a sample, in any unit; its square does not overflow.
 LARGEST = 1e10
 
@@ -105,7 +104,7 @@ def gather_columns(
     optional: tuple[str, ...] = (),
     attributes: tuple[str, ...] = (),
 ) -> tuple[Columns, list[str]]:
-    """Read those of the named channels that can be read; return them and the problems.
+    """Read those of the named channels that are as they should be; return them and the problems.
 
     ``attributes`` are required, all others are read too. LogError: the file cannot be opened, or
     is cut short.
@@ -116,33 +115,27 @@ def gather_columns(
         present = frozenset(file)  # `name in file` would follow a link
         for name in (*names, *(name for name in optional if name in present)):
             try:
-                channels[name], wrong = _read(file, name)
+                channels[name] = _read(file, name)
             except LogError as error:
-                wrong = [str(error)]
-            problems += [f"channel {name}: {problem}" for problem in wrong]
-        lengths = {name: len(values) for name, values in channels.items()}
-        if len(set(lengths.values())) > 1:
-            shortest = min(lengths, key=lengths.__getitem__)
+                problems.append(f"channel {name}: {error}")
+        lengths = {len(values): name for name, values in channels.items()}
+        if len(lengths) > 1 or 0 in lengths:
             problems.append(
-                f"channel {shortest}: {lengths[shortest]} samples, but others have up to "
-                f"{max(lengths.values())}; record the log again"
+                f"channel {lengths[min(lengths)]}: {min(lengths)} samples, others have up to "
+                f"{max(lengths)}; record the log again"
             )
-        elif 0 in lengths.values():
-            problems.append("no samples; record the log again")
-        values, wrong = read_attributes(file.attrs)
+        valid, wrong = read_attributes(file.attrs)
         missing = [name for name in attributes if name not in file.attrs]
         wrong += [f"attribute {name}: missing; see data/raw/README.md" for name in missing]
     found = [f"{path}: {problem}" for problem in problems + wrong]
-    return Columns(Path(path), channels, values, present), found
+    return Columns(Path(path), channels, valid, present), found
 
 
-def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:
-    """Return the samples of a channel, and what is wrong with them; LogError if there are none."""
+def _read(file: h5py.File, name: str) -> np.ndarray:
+    """Return the samples of a channel; LogError if something is wrong with them."""
     dataset = file.get(name)
     if not isinstance(dataset, h5py.Dataset):
-        every = [os.fsdecode(name) for name in file]  # bytes: the name is not UTF-8
-        more = f" and {len(every) - 12} more" if len(every) > 12 else ""
-        raise LogError(f"missing; the file has {', '.join(every[:12]) or 'none'}{more}")
+        raise LogError(f"missing; the file has {', '.join(map(repr, file)) or 'none':.200}")
     if dataset.is_virtual or dataset.external:  # which read as zeros where that file is gone
         raise LogError("its samples are in another file; copy them into this one")
     if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
@@ -150,11 +143,9 @@ def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:
             f"is {dataset.dtype} of shape {dataset.shape}; must be one number per sample"
         )
     refuse_never_written(dataset)
-    attributes, wrong = read_attributes(dataset.attrs)
-    problems = [problem for problem in wrong if problem.startswith("attribute units")]
-    unit = attributes.get("units", "none")
-    if unit != unit_of(name) and not problems:
-        problems.append(
+    unit = read_attributes(dataset.attrs)[0].get("units", "none")
+    if unit != unit_of(name):
+        raise LogError(
             f"units are {unit}, must be {unit_of(name)}; convert the values and set the attribute"
         )
     try:
@@ -166,11 +157,11 @@ def _read(file: h5py.File, name: str) -> tuple[np.ndarray, list[str]]:
         ) from error
     bad = np.flatnonzero(~(np.abs(values) <= LARGEST))  # NaN is neither
     if bad.size:
-        problems.append(
+        raise LogError(
             f"sample {bad[0]} is {values[bad[0]]:g}; not finite or beyond {LARGEST:g} in all: "
             f"{bad.size}; cut them out or record again"
         )
-    return values, problems
+    return values
 
 
 def open_hdf5(path: Path) -> h5py.File:
@@ -201,14 +192,11 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     """Open a file for reading; turn the library's exceptions into ``LogError``."""
     try:
         with open_given(path, error=LogError) as given:
-            head = given.read(len(_MODEL))
-        if head == _MODEL:
-            raise LogError(f"{path}: is a model, no log; give the log")
-        if not head.startswith(_SIGNATURE):
-            raise LogError(
-                f"{path}: not an HDF5 file; `fprc import` makes a raw log from a recording of "
-                "another program"
-            )
+            if given.read(len(_SIGNATURE)) != _SIGNATURE:
+                raise LogError(
+                    f"{path}: not a log in HDF5; `fprc import` makes a raw log from a recording of "
+                    "another program"
+                )
         with open_hdf5(path) as file:
             yield file
     except LogError:

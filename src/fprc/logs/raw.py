@@ -11,7 +11,7 @@ from fprc import __version__
 from fprc.channels import RAW_CHANNELS, TARGETS, needed_by
 from fprc.errors import LogError
 from fprc.escape import in_words
-from fprc.logs.columns import LARGEST, Columns, gather_columns, write_columns
+from fprc.logs.columns import Columns, gather_columns, write_columns
 from fprc.paper import SOURCES
 
 #: Prefix of the experiment names of closed-loop runs.
@@ -124,12 +124,7 @@ def _impossible(log: Columns, experiment: str | None) -> Iterator[str]:
         yield f"channel {in_words(TARGETS.values(), 'or')}: missing; import one of them"
     if not rate_hz > 0.0:
         yield f"attribute sample_rate_hz = {rate_hz}; must be above 0"
-    time_s, settle_s = (
-        log.channels.get("time_s", np.empty(0)),
-        attributes.get("settle_s", -math.inf),
-    )
-    if not time_s.size or not (np.abs(time_s) <= LARGEST).all():
-        return
+    time_s = log.channels.get("time_s", np.zeros(1))
     back = np.flatnonzero(time_s[1:] <= time_s[:-1])
     if back.size:
         k = int(back[0]) + 1
@@ -137,9 +132,9 @@ def _impossible(log: Columns, experiment: str | None) -> Iterator[str]:
             f"channel time_s: sample {k} at {time_s[k]:.6f} s does not come after "
             f"{time_s[k - 1]:.6f} s; sort or cut the log"
         )
-    elif settle_s > time_s[-1]:
+    elif (settle_s := attributes.get("settle_s", -math.inf)) > time_s.max(initial=0.0):
         yield (
-            f"attribute settle_s = {settle_s:g}; must be at most {time_s[-1]:g}, the end of the "
+            f"attribute settle_s = {settle_s:g}; must be at most {time_s.max():g}, the end of the "
             "log, or nothing is left to evaluate"
         )
 
@@ -148,17 +143,12 @@ def _wrong_rate(log: Columns, expected_hz: float | None, tolerance: float) -> st
     """Return an error text if the declared rate, or the mean one, is not the expected rate."""
     time_s, declared_hz = log.channels["time_s"], log.attributes["sample_rate_hz"]
     expected_hz = expected_hz or declared_hz
-    if abs(declared_hz / expected_hz - 1.0) > tolerance:
-        return (
-            f"{log.path}: attribute sample_rate_hz = {declared_hz:g}; must be {expected_hz:g}, as "
-            "control.sample_rate_hz; import the recording again with that sample_rate_hz in the "
-            "map, or change control.sample_rate_hz and all settings in samples"
-        )
-    steps = len(time_s) - 1
-    period_s = (time_s[-1] - time_s[0]) / steps if steps else 1.0 / expected_hz
-    if abs(period_s * expected_hz - 1.0) > tolerance:
-        return (
-            f"{log.path}: channel time_s: the mean rate up to sample {steps} is "
-            f"{1.0 / period_s:.4g} Hz, must be {expected_hz:g} Hz; resample the log"
-        )
+    mean_hz = (len(time_s) - 1) / np.ptp(time_s) if len(time_s) > 1 else expected_hz
+    for what, hz, remedy in (
+        ("attribute sample_rate_hz", declared_hz, "change control.sample_rate_hz and all settings "
+         "in samples, or import the recording again with that sample_rate_hz in the map"),
+        ("channel time_s: the mean rate", mean_hz, "resample the log"),
+    ):  # fmt: skip
+        if abs(expected_hz / hz - 1.0) > tolerance:
+            return f"{log.path}: {what} = {hz:.6g} Hz; must be {expected_hz:g} Hz; {remedy}"
     return ""

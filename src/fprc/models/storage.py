@@ -105,8 +105,7 @@ def sealed(image: bytes) -> bytes:
 def _unpacked(content: bytes) -> dict[str, Any]:
     """Return the text and every array of a file by name."""
     if not content.startswith(_FORMAT):
-        log = content.startswith(b"\x89HDF") and b"time_s" in content  # the name of a channel
-        raise ValueError(f"it is {'a log' if log else 'none, or one of another version'}")
+        raise ValueError("it is none, or one of another version")
     if content != sealed(content[_BLOCK:]):
         raise ValueError("it was changed after it was saved, its SHA-256 is another")
     with h5py.File(h5py.h5f.open_file_image(content[_BLOCK:])) as file:

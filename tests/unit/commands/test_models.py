@@ -114,9 +114,9 @@ def test_logs_of_the_same_name_train_together(
         (["train", "LOG", "LOG", "--out", "m.h5"], "given twice"),
         (["train", "DATA", "--out", "m.h5"], "is preprocessed; give the raw log"),
         (["train", "LOG", "--model", "fpcr", "--out", "m.h5"], "use esn, fprc or fuzzy_linear"),
-        (["train", "MODEL", "--out", "m.h5"], "is a model, no log"),
+        (["train", "MODEL", "--out", "m.h5"], "not a log in HDF5"),
         (["predict", "precious.h5", "LOG", "--out", "p.csv"], "precious.h5: holds no model"),
-        (["predict", "LOG", "LOG", "--out", "p.csv"], "it is a log"),
+        (["predict", "LOG", "LOG", "--out", "p.csv"], "holds no model"),
         (["predict", "none.h5", "LOG", "--out", "p.txt"], "must end in .csv or .h5"),
     ],
 )

@@ -8,7 +8,6 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.logs import read_columns, write_columns
-from fprc.logs.attributes import KINDS
 
 
 @pytest.fixture
@@ -57,32 +56,18 @@ def test_attributes_of_other_programs_are_kept_where_they_are_plain_and_else_lef
 
 
 WRONG = {
-    "experiment": [3, np.bytes_(b"swe\xff\xfep")],
-    "source": [1, np.bytes_(b"\xff"), ["sim", "rig"]],
-    "complete": ["no", 5, "false", [True, False]],
-    "incomplete_reason": [5, np.bytes_(b"\xff\xfe")],
-    "software": [np.bytes_(b"LabVIEW \xb5"), ["a", "b"], h5py.Empty("f8")],
+    "experiment": [3, np.bytes_(b"swe\xff\xfep"), ["sim", "rig"], h5py.Empty("f8")],
+    "complete": ["no", 5, [True, False]],
     "sample_rate_hz": [np.inf, np.nan, "200", True],
-    "settle_s": [-np.inf],
-    "seed": [1.5, True],
-    "lost_samples": ["3", 1.5, np.nan],
-    "rig": ["{", "[1, 2]", "[" * 100_000, '{"a": NaN}', '{"a": 1e999}', '{"a": "\\udce9"}'],
-    "statistics": [5, "5", "[1]", "{", "NaN", '"x"', '{"overruns": NaN}', np.arange(3)],
-    "notes": ["{", "null", "[" * 3000, '{"theta_deg": 5}', '{"p_o_kpa": null}'],
-    "map": ["null"],
+    "seed": [1.5, True, "3"],
+    "rig": ["{", "[1, 2]", "[" * 100_000, '{"a": NaN}', '{"a": 1e999}', 5, np.arange(3)],
+    "notes": ["null", '{"theta_deg": 5}', '{"p_o_kpa": null}'],
 }
 
 
 @pytest.mark.parametrize("name", WRONG)
 def test_attribute_that_is_not_of_its_kind_is_named(attributes_of, name):
     for value in WRONG[name]:
-        with pytest.raises(LogError, match=rf"log\.h5: attribute {name}( =|: )") as caught:
+        with pytest.raises(LogError, match=rf"log\.h5: attribute {name}: ") as caught:
             attributes_of({name: value})
         assert len(str(caught.value)) < 400
-
-
-def test_every_kind_is_refused_at_once(attributes_of):
-    attributes = {name: 1.0 if kind is str else "x" for name, kind in KINDS.items()}
-    with pytest.raises(LogError) as caught:
-        attributes_of(attributes)
-    assert len(str(caught.value).splitlines()) == len(KINDS)

@@ -22,8 +22,8 @@ def test_every_file_that_cannot_be_read_is_named(write_log, tmp_path):
     with pytest.raises(LogError) as caught:
         there(tmp_path)
     first, second = str(caught.value).splitlines()
-    assert first.startswith(f"{tmp_path / 'sweep.h5'}: not an HDF5 file")
-    assert second.startswith(f"{tmp_path / 'complex.h5'}: attribute notes = '{{': must be a JSON")
+    assert first.startswith(f"{tmp_path / 'sweep.h5'}: not a log in HDF5")
+    assert second.startswith(f"{tmp_path / 'complex.h5'}: attribute notes: must be a JSON")
 
 
 def test_logs_are_listed_in_the_order_of_the_plan(write_log, tmp_path):
