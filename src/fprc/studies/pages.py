@@ -5,8 +5,7 @@ They stand in blocks between two markers.
 
 import logging
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from decimal import Decimal
+from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -53,9 +52,9 @@ def update_pages(
         judged = read_json(tables["verdicts"])
         blocks |= {"verdicts": _verdicts(judged), "held": _held(judged["claims"], tables)}
     texts = {path: with_blocks(path, blocks) for path in pages}
-    for name, block in blocks.items():
+    for name in blocks:
         if not any(f"<!-- {name}: " in text for text in texts.values()):
-            replace_block(texts[pages[-1]], name, block, pages[-1])  # which refuses it
+            raise FprcError(f"{' and '.join(pages)}: the block {name} is missing; put it back")
     for path, text in texts.items():
         write_text(path, text)
     for figure, picture in zip(figures, pictures, strict=True):
@@ -80,20 +79,12 @@ def check_results(ledger: str, verdicts: str, pages: Sequence[str] = ()) -> None
         with other numbers.
     """
     declared = {name: row["verdict"] for name, row in read_yaml(verdicts)["claims"].items()}
-    claims = read_json(ledger)["claims"]
-    tables = {Path(page).stem: Path(page).read_text(encoding="utf-8") for page in pages}
-    failures = {
-        f"verdicts differ from {verdicts}; if the new ones in {ledger} are right, declare them in "
-        f"{verdicts}": changed_verdicts(claims, declared),
-        "numbers differ from those that were built; `make docs` puts these there": [
-            *(different_lines("README.md", tables) if tables else ())
-        ],
-    }
-    problems = [
-        "\n".join([f"{what}:", *(f"  {line}" for line in lines)])
-        for what, lines in failures.items()
-        if lines
-    ]
+    problems = changed_verdicts(read_json(ledger)["claims"], declared)
+    if problems:
+        problems.insert(0, f"if these verdicts of {ledger} are right, declare them in {verdicts}:")
+    if pages:
+        tables = {Path(page).stem: Path(page).read_text(encoding="utf-8") for page in pages}
+        problems += different_lines("README.md", tables)
     if problems:
         raise FprcError("\n".join(problems))
     log.info("all %d verdicts are as declared", len(declared))
@@ -115,26 +106,29 @@ def replace_block(text: str, name: str, block: str, path: str = "README.md") -> 
     Raises
     ------
     FprcError
-        The two markers do not occur exactly once each.
+        There is not exactly one pair of markers.
     """
     begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
-    if not (text.count(begin) == text.count(end) == 1 and text.index(begin) < text.index(end)):
+    new = f"{begin}\n{block.strip()}\n{end}"
+    text, count = re.subn(f"{begin}.*?{end}", lambda _: new, text, flags=re.DOTALL)
+    if count != 1:
         raise FprcError(f"{path}: needs the lines {begin} and {end} once each; put them back")
-    before, _, rest = text.partition(begin)
-    return f"{before}{begin}\n{block.strip()}\n{end}{rest.partition(end)[2]}"
+    return text
 
 
-def different_lines(path: str, blocks: Mapping[str, str]) -> Iterator[str]:
-    """Yield what the first line is that differs from ``with_blocks``, if one does.
+def different_lines(path: str, blocks: Mapping[str, str]) -> list[str]:
+    """Return what the first line is that differs from ``with_blocks``, if one does.
 
     The last digit of a number may differ by one, as it does on another processor.
     """
     texts = Path(path).read_text(encoding="utf-8"), with_blocks(path, blocks)
     lines = zip_longest(*(text.splitlines() for text in texts), fillvalue="")
-    for number, (is_now, would_be) in enumerate(lines, start=1):
-        if not _same(is_now, would_be):
-            yield f"{path}, line {number}: {is_now!r} would be {would_be!r}"
-            return
+    different = (
+        f"{path}, line {number}: {is_now!r} would be {would_be!r}; `make docs` puts it there"
+        for number, (is_now, would_be) in enumerate(lines, start=1)
+        if not _same(is_now, would_be)
+    )
+    return [*different][:1]
 
 
 def _same(one: str, other: str) -> bool:
@@ -142,13 +136,12 @@ def _same(one: str, other: str) -> bool:
     parts, others = _NUMBER.split(one), _NUMBER.split(other)
     if parts[::2] != others[::2]:
         return False
-    numbers = [(Decimal(a), Decimal(b)) for a, b in zip(parts[1::2], others[1::2], strict=True)]
-    # what a unit of the last digit is, as of 12.40 0.01
-    return all(abs(a - b) <= max(_unit(a), _unit(b)) for a, b in numbers)
-
-
-def _unit(number: Decimal) -> Decimal:
-    return Decimal(1).scaleb(int(number.as_tuple().exponent))
+    numbers = list(zip(parts[1::2], others[1::2], strict=True))
+    # a unit of the last digit, as of 12.40 0.01, and a little for rounding
+    units = [1.01 * 10.0 ** -min(len(n.partition(".")[2]) for n in pair) for pair in numbers]
+    return all(
+        abs(float(a) - float(b)) <= unit for (a, b), unit in zip(numbers, units, strict=True)
+    )
 
 
 def _held(claims: Sequence[Mapping[str, Any]], tables: Mapping[str, str]) -> str:
@@ -159,13 +152,16 @@ def _held(claims: Sequence[Mapping[str, Any]], tables: Mapping[str, str]) -> str
     ]
     left_out = sum(claim["verdict"] == "not informative" for claim in claims)
     table = pd.DataFrame(rows, columns=["A claim of the paper is", "Reproduced"])
-    errors = pd.concat([_read(tables[name]) for name in ("table2_seeds", "table3_seeds")])
+    two, three, four = (
+        pd.read_csv(Path(tables[f"table{number}_seeds"]).with_suffix(".csv"))
+        for number in (2, 3, 4)
+    )
+    errors, four = pd.concat([two, three]), four.dropna(subset="published_rmse_deg")
     off = 100.0 * np.abs(errors["mean"] / errors["published_mean"] - 1.0)
-    tracking = _read(tables["table4_seeds"]).dropna(subset="published_rmse_deg")
-    ratio = tracking["rmse_deg"] / tracking["published_rmse_deg"]
-    most = (100.0 * np.abs(ratio - 1.0)).groupby(tracking["controller"]).max()
+    away = 100.0 * np.abs(four["rmse_deg"] / four["published_rmse_deg"] - 1.0)
+    most = away.groupby(four["controller"]).max()
     return (
-        f"{_as_text(table)}\n\n"
+        f"{table.to_markdown(index=False, disable_numparse=True)}\n\n"
         f"Left out: {left_out} that hold for almost any numbers. The {len(off)} means of Tables "
         f"II and III are {off.median():.1f} % off print in the median and {off.max():.0f} % at "
         f"most; those of Table IV up to {most['fprc']:.0f} % in open loop and "
@@ -180,13 +176,12 @@ def _verdicts(judged: Mapping[str, Any]) -> str:
         claims = [claim for claim in judged["claims"] if claim["rig"] == kind]
         parts += [f"### {kind.capitalize()}: {what}\n"] if claims else []
         for claim in claims:
-            text = claim["claim"].replace("+-", "±")
-            verdicts = [statement["verdict"] for statement in claim["statements"]]
-            at = verdicts.index(claim["verdict"]) if claim["verdict"] in verdicts else 0
-            found = claim["statements"][at]
+            text, of = claim["claim"].replace("+-", "±"), claim["statements"]
+            deciding = (found for found in of if found["verdict"] == claim["verdict"])
+            found = next(deciding, of[0])
             mean, first, last = (f"{found[key]:.3g}" for key in ("mean", "first", "last"))
             interval = f" ({first} to {last})" if first != last else ""
-            more = f" (one of {len(verdicts)} numbers)" if len(verdicts) > 1 else ""
+            more = f" (one of {len(of)} numbers)" if len(of) > 1 else ""
             rigs = f"; holds on {claim['rigs']} rigs" if claim["rigs"] != "-" else ""
             parts.append(
                 f"- **{claim['id']}, {claim['verdict']}.** {text[:1].upper()}{text[1:]}. "
@@ -194,11 +189,3 @@ def _verdicts(judged: Mapping[str, Any]) -> str:
             )
         parts += [""] if claims else []
     return "\n".join([*parts, judged["note"]])
-
-
-def _read(page: str) -> pd.DataFrame:
-    return pd.read_csv(Path(page).with_suffix(".csv"))
-
-
-def _as_text(page: pd.DataFrame) -> str:
-    return str(page.to_markdown(index=False, disable_numparse=True))

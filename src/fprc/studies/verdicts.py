@@ -40,17 +40,6 @@ def family_title(name: str) -> str:
     return "Bouc-Wen" if name == "bouc_wen" else name.replace("_", "-")
 
 
-_NONE = pd.Series(index=pd.Index([], name="unit"), dtype=float)
-
-
-def part_of(pair: Pair, numbers: Numbers, family: Mapping[str, Any]) -> Part:
-    """Return a pair as it was measured in a family."""
-    ours, theirs = (np.log(numbers.get(key, _NONE)) for key in (pair.ours, pair.theirs))
-    by_unit = (ours - theirs - math.log(pair.limit)).dropna().to_dict()
-    dropped = len({cell["unit"] for cell in family["cells"]}) - len(by_unit)
-    return Part(pair.text, by_unit, pair.limit, dropped)
-
-
 def decide(
     family: Mapping[str, Any], claims: Mapping[str, Claim], numbers: Numbers
 ) -> pd.DataFrame:
@@ -71,27 +60,30 @@ def decide(
         rigs favour, which in ``words`` a symbol says; and ``source``. A ratio below 1 supports the
         claim.
     """
-    rows = []
-    parts = {
-        name: (claim.text, [part_of(pair, numbers, family) for pair in claim.parts])
-        for name, claim in claims.items()
-    }
-    for row in decide_together(parts):
-        terms = claims[row["id"]].favours
-        favoured = list(dict.fromkeys(terms[term] for term in terms if term in family["fitted"]))
-        marks = [SYMBOLS[whom] for whom in favoured if row["verdict"] != NOT_JUDGED]
-        rows.append(
-            {
-                **row,
-                "family": family["name"],
-                "title": family_title(family["name"]),
-                "words": "".join([row["words"], *marks]),
-                "favours": in_words(favoured) or "nobody",
-                "source": "sim",
-            }
+    units, nothing = {cell["unit"] for cell in family["cells"]}, pd.Series(dtype=float)
+
+    def part_of(pair: Pair) -> Part:
+        ours, theirs = (np.log(numbers.get(key, nothing)) for key in (pair.ours, pair.theirs))
+        by_unit = (ours - theirs - math.log(pair.limit)).dropna().to_dict()
+        return Part(pair.text, by_unit, pair.limit, len(units) - len(by_unit))
+
+    parts = {name: (claim.text, [*map(part_of, claim.parts)]) for name, claim in claims.items()}
+    table = pd.DataFrame(decide_together(parts))
+    favoured = [
+        dict.fromkeys(
+            whom for term, whom in claims[name].favours.items() if term in family["fitted"]
         )
+        for name in table["id"]
+    ]
+    marks = pd.Series(["".join(SYMBOLS[name] for name in whom) for whom in favoured])
     # of a family without any number these would not be numbers
-    return pd.DataFrame(rows).astype(dict.fromkeys(("mean", "low", "high", "stable"), float))
+    return table.astype(dict.fromkeys(("mean", "low", "high", "stable"), float)).assign(
+        family=family["name"],
+        title=family_title(family["name"]),
+        words=table["words"] + marks.where(table["verdict"] != NOT_JUDGED, ""),
+        favours=[in_words(whom) or "nobody" for whom in favoured],
+        source="sim",
+    )
 
 
 def claims_page(verdicts: pd.DataFrame) -> pd.DataFrame:

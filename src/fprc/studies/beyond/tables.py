@@ -13,7 +13,6 @@ from fprc import escape
 from fprc.artifacts import read_json, write_csv, write_text
 from fprc.evaluation.paired import EQUIVALENT_WITHIN
 from fprc.figures import style
-from fprc.intervals import interval_of_mean
 from fprc.paper import SOURCES
 from fprc.studies.beyond.claims import (
     BEST_MEASURES,
@@ -26,15 +25,9 @@ from fprc.studies.beyond.claims import (
 )
 from fprc.studies.verdicts import claims_page, decide, family_title, wide
 from fprc.tables.models import means_of
-from fprc.tables.text import format_mean, markdown, three_digits
+from fprc.tables.text import markdown, three_digits
 
 Families = Sequence[Mapping[str, Any]]
-
-#: Columns of the table of the claims.
-_CLAIMS = [
-    "family", "title", "id", "claim", "part", "mean", "low", "high", "verdict", "p",
-    "stable", "units", "dropped", "favours", "source",
-]  # fmt: skip
 
 #: What the ratios of the short table are, by claim; its parts in their order.
 _WORTH = {
@@ -81,13 +74,13 @@ def tabulate_beyond(
     found = [read_json(path) for path in families]
     judged = [decide(of_family, CLAIMS, numbers_of(of_family)) for of_family in found]
     verdicts = pd.concat(judged, ignore_index=True)
-    made = {"models": models(found), "claims": verdicts[_CLAIMS]}
+    made = {"models": models(found), "claims": verdicts}
     for name, path in csv.items():
         write_csv(path, made[name])
     shown = {
         "claims": claims_page(verdicts),
         "best": best_page(found),
-        "memory": memory_page(found),
+        "memory": memory_page(made["models"]),
         "worth": worth_page(verdicts),
         "models": models_page(made["models"][made["models"]["family"] == family]),
     }
@@ -100,7 +93,7 @@ def tabulate_beyond(
 
 
 def models(families: Families) -> pd.DataFrame:
-    """Mean of each model's measures over the units of each family, tidy.
+    """Return the mean of every measure over the units of each family, tidy.
 
     Returns
     -------
@@ -108,18 +101,14 @@ def models(families: Families) -> pd.DataFrame:
         ``family``, ``model``, ``measure``, ``mean``, ``low``, ``high`` (95 % interval over units;
         empty for a single one), ``units``, ``source``.
     """
-    table = measured(families)
-    table = table[table["measure"].isin(list(MEASURES))]
-    means = means_of(table, "family", "model", "measure", count="units")
+    means = means_of(measured(families), "family", "model", "measure", count="units")
     return means.drop(columns=["std", "min", "max"]).assign(source="sim")
 
 
 def models_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the models of one family as a page, the lowest forward test RMSE first."""
-    forward = table[table["measure"] == "forward"].sort_values("mean", kind="stable")
-    places = {model: place for place, model in enumerate(forward["model"])}
-    ranked = table[table["model"].isin(list(places))]
-    ranked = ranked.sort_values("model", key=lambda names: names.map(places), kind="stable")
+    forward = table[table["measure"] == "forward"].sort_values("mean", kind="stable")["model"]
+    ranked = table.set_index("model").loc[forward].reset_index()
     headings = {words[0].upper() + words[1:]: measure for measure, words in MEASURES.items()}
     rows = {"model": ("Model", model_title)}
     page = wide(ranked, rows, "measure", headings, intervals=True)
@@ -139,11 +128,22 @@ def best_page(families: Families) -> pd.DataFrame:
                 best, text = best_of(table, side, measure), "-"
                 if len(best):
                     name = best["model"].value_counts().index[0]
-                    mean = best["value"].groupby(level="unit").mean().mean()
-                    text = f"{three_digits(mean)}, {model_title(name)}"
+                    text = f"{three_digits(best['value'].mean())}, {model_title(name)}"
                 row[model_title(side)] = text
             rows.append(row)
     return pd.DataFrame(rows)
+
+
+def memory_page(table: pd.DataFrame) -> pd.DataFrame:
+    """Return memory and nonlinear capacity of P_o and of theta, mean and 95 % interval, by rigs."""
+    words = {"memory_s": "memory [s]", "nonlinear": "nonlinear capacity"}
+    headings = {
+        f"{signal}: {text}": (signal.lower(), measure)
+        for signal in ("P_o", "theta")
+        for measure, text in words.items()
+    }
+    rows = {"family": ("Rigs", family_title)}
+    return wide(table, rows, ["model", "measure"], headings, intervals=True)
 
 
 def worth_page(verdicts: pd.DataFrame) -> pd.DataFrame:
@@ -155,20 +155,6 @@ def worth_page(verdicts: pd.DataFrame) -> pd.DataFrame:
             undecided = row.low <= 1.0 <= row.high
             page.setdefault(what, {})[title] = f"({text})" if undecided else text
     return pd.DataFrame(page).T.reset_index(names="With P_o over without, best of each")
-
-
-def memory_page(families: Families) -> pd.DataFrame:
-    """Return memory and nonlinear capacity of P_o and of theta, mean and 95 % interval, by rigs."""
-    table = measured(families)
-    table = table[table["model"].isin(["p_o", "theta"])]
-    groups = table.groupby(["family", "model", "measure"], sort=False)["value"]
-    words = {"memory_s": "memory [s]", "nonlinear": "nonlinear capacity"}
-    page: dict[str, dict[str, str]] = {}
-    for (family, model, measure), values in groups:
-        ends = dict(zip(("mean", "low", "high"), interval_of_mean(values.to_numpy()), strict=True))
-        heading = f"{'P_o' if model == 'p_o' else 'theta'}: {words[measure]}"
-        page.setdefault(family_title(family), {})[heading] = format_mean(ends, "mean")
-    return pd.DataFrame(page).T.reset_index(names="Rigs")
 
 
 def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:

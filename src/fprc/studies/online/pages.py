@@ -60,10 +60,14 @@ CLAIMS = {
 _RUN = ["model", "condition", "learns", "loop"]
 _VERDICTS_NOTE = (
     "Learning while it runs: verdicts on D1 to D3, with the means of the ratios. D1: at -5 and +5 "
-    "kPa, in open and in closed loop; D2: open and closed loop; D3: at 0.5 Hz and in the sweep."
+    "kPa, in open and in closed loop; D2: open and closed loop; D3: at 0.5 Hz and in the sweep.\n"
+    f"Data: {SOURCES['sim']}."
 )
-#: Last line of the notes.
-_DATA = f"Data: {SOURCES['sim']}."
+_ERRORS_NOTE = (
+    "Tracking error on the rig {title}, root mean square over the four references of Table IV, "
+    "mean over {units} seeds [deg]. Re-zeroed, an FPRC with a constant offset of P_o is one "
+    f"without.\nData: {SOURCES['sim']}."
+)
 
 
 def rmse_of(family: Mapping[str, Any]) -> pd.DataFrame:
@@ -101,29 +105,24 @@ def tabulate_online(
         As PDF and as PNG: the families ``shown``.
     """
     found = [read_json(path) for path in families]
-    judged = pd.concat(map(_decided, found), ignore_index=True)
-    kept = ["family", "id", "claim", "part", "verdict", "mean", "low", "high", "units", "source"]
-    tidy = judged.assign(verdict=judged["words"])[kept]
-    write_table(tidy, claims_page(judged), f"{_VERDICTS_NOTE}\n{_DATA}", *verdicts)
+    judged = pd.concat(map(decided, found), ignore_index=True)
+    write_table(judged, claims_page(judged), _VERDICTS_NOTE, *verdicts)
     table = errors_of(found)
     first = table[table["family"] == found[0]["name"]].rename(columns={"mean_deg": "mean"})
-    of_page = first[(first["model"] == "fprc") | (first["condition"] == _words("none"))]
     page = wide(
-        of_page,
+        first[(first["model"] == "fprc") | (first["condition"] == _words("none"))],
         {"model": ("Model", _title), "condition": ("Changed since the training", str)},
         ["loop", "learns"],
         _HEADINGS,
     )
-    note = (
-        f"Tracking error on the rig {family_title(found[0]['name'])}, root mean square over the "
-        f"four references of Table IV, mean over {int(first['units'].max())} seeds [deg]. "
-        "Re-zeroed, an FPRC with a constant offset of P_o is one without."
-    )
-    write_table(table, page, f"{note}\n{_DATA}", *errors)
+    title = family_title(found[0]["name"])
+    note = _ERRORS_NOTE.format(title=title, units=int(first["units"].max()))
+    write_table(table, page, note, *errors)
     draw_errors(table, figure, shown)
 
 
-def _decided(family: Mapping[str, Any]) -> pd.DataFrame:
+def decided(family: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the verdicts on D1 to D3 in a family, see ``fprc.studies.verdicts.decide``."""
     by_run = rmse_of(family).set_index("unit").groupby([*_RUN, "reference"])["rmse_deg"]
     return decide(family, CLAIMS, dict(iter(by_run)))
 
@@ -153,24 +152,21 @@ def _words(condition: str) -> str:
 
 def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
     """Draw FPRC's error over the offset of P_o, as trained and learning; and Fuzzy-linear's."""
-    of_fprc = table[table["model"] == "fprc"]
-    offsets = of_fprc["condition"].str.extract(r"P_o ([+-][\d.]+) kPa")[0]
-    offsets = offsets.mask(of_fprc["condition"] == _words("none"), "0")
-    of_fprc = of_fprc.assign(offset=pd.to_numeric(offsets)).dropna(subset=["offset"])
-    for learns, marker, color in ((False, "o", "0.55"), (True, "s", "black")):
-        line = of_fprc[of_fprc["learns"] == learns].sort_values("offset")
-        label = "FPRC, learning" if learns else "FPRC as trained"
+    offsets = table["condition"].replace(_words("none"), "P_o 0 kPa")
+    offsets = pd.to_numeric(offsets.str.extract(r"^P_o (\S+) kPa$")[0])
+    table = table.assign(offset=offsets).dropna(subset="offset").sort_values("offset")
+    runs = table.set_index(["model", "learns"]).sort_index(kind="stable")
+    looks = ((" as trained", "o", "0.55", ":"), (", learning", "s", "black", "--"))
+    for learns, (words, marker, color, _) in enumerate(looks):
+        line = runs.loc["fprc", bool(learns)]
         ax.plot(line["offset"], line["mean_deg"], marker=marker, color=color, markersize=3,
-                label=label)  # fmt: skip
+                label=f"FPRC{words}")  # fmt: skip
         ax.fill_between(line["offset"], line["low_deg"], line["high_deg"], color=color, alpha=0.2,
                         linewidth=0)  # fmt: skip
-    other = table[(table["model"] == "fuzzy_linear") & (table["condition"] == _words("none"))]
-    for learns, dashes in ((False, ":"), (True, "--")):
-        level = other.loc[other["learns"] == learns, "mean_deg"]
-        if len(level):
-            label = "Fuzzy-linear, learning" if learns else "Fuzzy-linear as trained"
-            ax.axhline(level.iloc[0], color=style.SIGNALS["theta"], linestyle=dashes, linewidth=0.9,
-                       label=label)  # fmt: skip
+    for learns, (words, *_, dashes) in enumerate(looks):
+        (level,) = runs.loc[[("fuzzy_linear", bool(learns))], "mean_deg"]
+        ax.axhline(level, color=style.SIGNALS["theta"], linestyle=dashes, linewidth=0.9,
+                   label=f"Fuzzy-linear{words}")  # fmt: skip
     ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", yscale="log")
 
 

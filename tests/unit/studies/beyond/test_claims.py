@@ -5,7 +5,7 @@ import math
 import pytest
 
 from fprc.studies.beyond.claims import CLAIMS, best_of, measured, numbers_of
-from fprc.studies.beyond.tables import best_page, memory_page
+from fprc.studies.beyond.tables import best_page, memory_page, models
 from fprc.studies.verdicts import decide
 
 
@@ -95,6 +95,6 @@ def test_pages_name_the_best_of_each_side_and_what_p_o_remembers(make_family):
     row = page.loc[("dry", "forward test [kPa]")]
     assert row.tolist() == ["13.2, Ridge on low-passes", "12.0, FPRC"]
     assert set(page.loc["broken"].to_numpy().ravel()) == {"-"}
-    memory = memory_page(families).set_index("Rigs").loc["dry"]
+    memory = memory_page(models(families)).set_index("Rigs").loc["dry"]
     assert float(memory["P_o: nonlinear capacity"].split()[0]) == pytest.approx(0.01)
     assert float(memory["theta: memory [s]"].split()[0]) == pytest.approx(0.7)
