@@ -13,7 +13,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     # figures go to files; with an unknown backend, Matplotlib cannot be imported
     os.environ["MPLBACKEND"] = "agg"
-    _prepare_output()
+    for stream in (sys.stdout, sys.stderr):  # of a terminal without Unicode
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         return _run(arguments)
     except KeyboardInterrupt:
@@ -54,17 +56,3 @@ def _run(arguments: Sequence[str] | None) -> int:
         problem = f"{what}: {error.strerror}; check the disk and the path"
     print(f"error: {problem}", file=sys.stderr)
     return 1
-
-
-def _prepare_output() -> None:
-    """Prevent errors of output to a closed descriptor or to a terminal without Unicode."""
-    for number in range(3):
-        try:
-            os.fstat(number)
-        except OSError:  # else the next file to be opened would get the number, and the output
-            os.open(os.devnull, os.O_RDWR)
-    sys.stdout = sys.stdout or open(1, "w", closefd=False)
-    sys.stderr = sys.stderr or open(2, "w", closefd=False)
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")

@@ -30,8 +30,6 @@ def calibrate_from_files(
     *,
     out: str = "config/rigs/fitted.yaml",
     ensemble: str | None = None,
-    published: str | None = None,
-    workers: int | None = None,
 ) -> None:
     """Fit the simulated rig to what the paper prints and claims."""
     settings = from_files(files or local_files()).model_dump(mode="json")
@@ -47,13 +45,13 @@ def calibrate_from_files(
         )
     path = ensemble or out
     refuse_output(path, Path(path).suffix, ours=lambda old: WRITTEN.encode() in read_given(old))
-    printed = read_yaml(PUBLISHED if published is None else published)
+    printed = read_yaml(PUBLISHED)
     rig = RigSettings(**on_rig(settings))
     how = {
         "validation": validation(settings, without="seed"),
         "calibration": settings["calibration"],
         "tracking": settings["tracking"],
-        "workers": effective_n_jobs(workers or -1),
+        "workers": effective_n_jobs(-1),
     }
     with threadpool_limits(1):
         if ensemble:

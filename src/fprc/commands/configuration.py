@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from fprc.config import PUBLISHED, from_files
+from fprc.config import from_files
 from fprc.config import reference as pages
 from fprc.config.load import RIG, rig_file
 from fprc.given import read_given
@@ -27,8 +27,3 @@ def reference() -> None:
 def rig(name: str | None = None) -> None:
     """Print the parameters of a fitted rig."""
     print(read_given(rig_file(name or RIG)).decode(errors="backslashreplace"), end="")
-
-
-def published() -> None:
-    """Print the numbers of the paper, as YAML."""
-    print(PUBLISHED.read_text(encoding="utf-8"), end="")

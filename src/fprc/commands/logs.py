@@ -1,6 +1,5 @@
 """`fprc log`: check raw logs, and convert journals to raw logs."""
 
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -16,24 +15,21 @@ from fprc.paper import SOURCES
 COMPLETE, SOME_LOST = 0, 3
 
 
-def check(paths: Sequence[str], *, json_: bool = False) -> int:
+def check(paths: Sequence[str]) -> int:
     """Check raw logs and say what is wrong with them."""
-    limits = Quality()
+    limits, failed = Quality(), False
     how: dict[str, Any] = {"sample_rate_hz": None, "rate_tolerance": limits.rate_tolerance}
-    records = []
     for path in paths:
         try:
             log = read_raw(path, experiment=None, **how)
-            records.append(record := assess(log, limits, log.attributes["sample_rate_hz"]))
+            record = assess(log, limits, log.attributes["sample_rate_hz"])
         except LogError as error:
             print(f"error: {error}", file=sys.stderr)
-            records.append({"log": path, "error": str(error)})
+            failed = True
             continue
-        if not json_:
-            print("\n".join(_page(path, record)))
-    if json_:
-        print(json.dumps(records, indent=2))
-    return int(any("error" in record or warnings(record) for record in records))
+        print("\n".join(_page(path, record)))
+        failed = failed or bool(warnings(record))
+    return int(failed)
 
 
 def _page(path: str, record: Mapping[str, Any]) -> list[str]:

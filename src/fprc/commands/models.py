@@ -1,7 +1,6 @@
 """`fprc train` and `fprc predict`: a model from raw logs to predictions, without Snakemake."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -17,7 +16,6 @@ from fprc.experiments.data import Data, join
 from fprc.experiments.settings import CrossValidation
 from fprc.experiments.trained import refuse_other_data, trained_on
 from fprc.given import refuse_repeats
-from fprc.logs import write_columns
 from fprc.models import SequenceModel, load_model, save_model
 from fprc.plan.arguments import validation
 from fprc.registry import build, entries, entry_of, load_class, outside_classes
@@ -59,7 +57,7 @@ def train(
 
 def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> None:
     """Compute the pressure P_ff that a trained model gives for a raw log."""
-    refuse_output(out, ".csv", ".h5")
+    refuse_output(out, ".csv")
     settings = from_files(config or local_files())
     models = settings.models.model_dump()
     fitted = load_model(model, outside_classes(models))
@@ -73,10 +71,7 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
         output = fitted.predict(X)
     names = ("time_s", *inputs, "p_target_kpa")
     columns = {key: data.channels[key] for key in names} | {"p_ff_kpa": output}
-    if Path(out).suffix == ".h5":
-        write_columns(out, columns, dict(data.attributes) | {"model": name})
-    else:
-        write_text(out, pd.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
+    write_text(out, pd.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
     report = (
         f"{out}: {name} on {raw}, {len(y)} samples; RMSE against the "
         f"{'commanded' if data.attributes['target'] == 'command' else 'measured'} P_exp "

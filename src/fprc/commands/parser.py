@@ -5,8 +5,6 @@ A command is imported when it runs, so that the help appears at once.
 
 import argparse
 import textwrap
-from collections.abc import Iterable
-from difflib import get_close_matches
 from functools import partial
 from importlib import import_module
 from typing import Any
@@ -31,34 +29,6 @@ _GROUPS = {
     "rig": "Check and run the real rig",
 }
 
-
-class _Parser(argparse.ArgumentParser):
-    """A parser that suggests the nearest name for an unknown one."""
-
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
-
-    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Refuse unknown arguments here, where the options of the command are known."""
-        known, unknown = super().parse_known_args(args, namespace)
-        if unknown:
-            hint = _nearest(unknown[0], self._option_string_actions)
-            self.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
-        return known, unknown
-
-    def _check_value(self, action: argparse.Action, value: Any) -> None:
-        try:
-            super()._check_value(action, value)
-        except argparse.ArgumentError as error:
-            error.message += _nearest(value, action.choices or ())
-            raise
-
-
-def _nearest(word: str, names: Iterable[str]) -> str:
-    near = get_close_matches(word, list(names), n=1)
-    return f"; did you mean {near[0]}?" if near else ""
-
-
 Argument = tuple[str, dict[str, Any]]
 
 
@@ -67,11 +37,8 @@ def _arg(name: str, metavar: str | None, text: str, **settings: Any) -> Argument
     return name, {"help": text, **named, **settings}
 
 
-def _flag(name: str, text: str, **settings: Any) -> Argument:
-    return name, {"help": text, "action": "store_true", **settings}
-
-
 # fmt: off
+_ON: dict[str, Any] = {"action": "store_true"}
 _OUT: dict[str, Any] = {"required": True}
 _MANY: dict[str, Any] = {"nargs": "+", "default": ()}
 _LATER = "later files override earlier ones"
@@ -79,15 +46,11 @@ _LOCAL = f"{_LATER}; by default config/config.yaml if that file exists, else the
 _CONFIG = _arg("--config", "FILE", f"configuration; {_LOCAL}", **_MANY)
 _MODEL = _arg("model", "MODEL.h5", "model of `fprc train` or the workflow")
 _SOURCE = _arg("source", "SOURCE", "recording: text, MATLAB, HDF5, Excel or others")
-_WORKERS = _arg("--workers", None, "processes; by default one per processor", type=int)
 
 #: Name, function as ``module:function``, help with examples, arguments of each command.
 COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
     ("simulate", "commands.simulate:simulate", """
         Simulate an experiment and write its raw log.
-
-        The simulated rig performs a hysteresis experiment of the paper, as in
-        `snakemake logs`.
 
         examples:
           fprc simulate sweep --out sweep.h5
@@ -131,7 +94,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         _MODEL,
         _arg("raw", "LOG.h5", "raw log"),
         _CONFIG,
-        _arg("--out", "FILE", "table to write: FILE.csv or FILE.h5", **_OUT),
+        _arg("--out", "FILE.csv", "table to write", **_OUT),
     ]),
     ("export", "commands.export:export_c", """
         Turn a trained model into C code for a controller.
@@ -145,8 +108,8 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
     """, [
         _MODEL,
         _arg("--c", "NAME.h", "header to write; every name in it begins with NAME", **_OUT),
-        _flag("--learn", "let the model learn on the controller, with the settings of "
-              "control.feedforward"),
+        _arg("--learn", None, "let the model learn on the controller, with the settings of "
+             "control.feedforward", **_ON),
         _CONFIG,
     ]),
     ("import", "recordings.import_recording:import_or_draft", """
@@ -159,8 +122,8 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
           fprc import arm.csv --map arm.yaml --out sweep.h5
     """, [
         _SOURCE,
-        _flag("--draft", "print a map with channels, units and clock guessed from the file, and "
-              "all its columns, and exit"),
+        _arg("--draft", None, "print a map with channels, units and clock guessed from the file, "
+             "and all its columns, and exit", **_ON),
         _arg("--map", "MAP.yaml", "columns, units, clock and sample rate", dest="map_"),
         _arg("--out", "FILE.h5", "raw log to write"),
     ]),
@@ -172,12 +135,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
 
         examples:
           fprc log check sweep.h5 complex.h5
-          fprc log check --json sweep.h5
-    """, [
-        _arg("paths", "FILE.h5", "raw log", nargs="+"),
-        _flag("--json", "print a JSON list: the quality record of each log, or `log` and `error` "
-              "if it cannot be read", dest="json_"),
-    ]),
+    """, [_arg("paths", "FILE.h5", "raw log", nargs="+")]),
     ("log repair", "commands.logs:repair", """
         Recover a raw log from the journal of a run.
 
@@ -197,14 +155,8 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         Compares the best model of theta alone with the best one that also has P_o, on
         parts of the recording that did not train them, and P_o with itself at other
         times; then the paper's models. docs/own-data.md describes the map and the
-        answer. Without a rate in the map, the models work at the
-        recording's own rate, at most 200 Hz; settings in samples are scaled to the
-        same time. A recording that can give no right answer stops the command before
-        any training.
-
-        Writes `report.md`, `readout/answer.json` (every number) and `raw/`: two logs
-        for the workflow, divided at test_from_s of the map, by default at two thirds;
-        the answer is of both.
+        answer. Writes `report.md`, `readout/answer.json` (every number) and two logs
+        for the workflow.
 
         examples:
           fprc readout recording.csv --map map.yaml --out results/mine
@@ -229,8 +181,6 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         examples:
           fprc config rig viscous
     """, [_arg("name", "NAME", "name of the rig; by default that of the defaults", nargs="?")]),
-    ("config published", "commands.configuration:published", "Print the paper's numbers, as YAML.",
-     []),
     ("calibrate", "commands.calibrate:calibrate_from_files", """
         Fit the simulated rig to what the paper prints and claims.
 
@@ -247,9 +197,6 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
              "its name becomes that of the rig", default="config/rigs/fitted.yaml"),
         _arg("--ensemble", "FILE.json", "write 40 rigs around that of the configuration that fit "
              "Tables II and III too, instead of a fit"),
-        _arg("--published", "FILE", "numbers to fit; by default what `fprc config published` "
-             "prints"),
-        _WORKERS,
     ]),
     ("rig check", "apparatus.command:check", """
         Check valves and sensors one by one.
@@ -258,7 +205,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
           fprc rig check --config config/config.yaml config/bench.yaml
           fprc rig check --armed --config config/config.yaml config/bench.yaml
     """, [
-        _flag("--armed", "let the valves move; otherwise only the sensors are checked"),
+        _arg("--armed", None, "let the valves move; otherwise only the sensors are checked", **_ON),
         _CONFIG,
     ]),
     ("rig run", "apparatus.command:run", """
@@ -274,7 +221,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         _arg("--out", "FILE.h5", "raw log to write; by default EXPERIMENT.h5 in folders.raw"),
         _arg("--model", "MODEL.h5", "fitted model of the experiment's name; by default that in "
              "the results folder"),
-        _flag("--armed", "let the valves move"),
+        _arg("--armed", None, "let the valves move", **_ON),
         _CONFIG,
     ]),
 ]
@@ -286,25 +233,19 @@ def parser() -> argparse.ArgumentParser:
 
     After parsing, ``run`` of the namespace is a function that takes it and runs the command.
     """
-    top = _Parser(
-        prog="fprc", description=_ABOUT, epilog="`fprc COMMAND --help` explains a command."
-    )
+    shown: dict[str, Any] = {"formatter_class": argparse.RawDescriptionHelpFormatter}
+    top = argparse.ArgumentParser("fprc", description=_ABOUT, **shown)
     top.add_argument("--version", action="version", version=f"fprc {__version__}")
     top.set_defaults(run=lambda _: top.print_help())
     groups: dict[str, Any] = {"": top.add_subparsers(title="commands", metavar="COMMAND")}
     for words, run, text, arguments in COMMANDS:
         group, _, name = words.rpartition(" ")
         if group not in groups:
-            about = _GROUPS[group]
-            first = groups[""].add_parser(group, help=about, description=f"{about}.")
+            first = groups[""].add_parser(group, help=_GROUPS[group], description=_GROUPS[group])
             groups[group] = first.add_subparsers(title="verbs", required=True)
-        description, _, examples = textwrap.dedent(text).strip().partition("examples:\n")
-        command = groups[group].add_parser(
-            name,
-            help=description.split(".\n")[0],
-            description=description.strip(),
-            epilog=examples and f"examples:\n{examples}",
-        )
+        description, *examples = textwrap.dedent(text).strip().partition("examples:\n")
+        about = {"description": description.strip(), "epilog": "".join(examples)}
+        command = groups[group].add_parser(name, help=description.split(".\n")[0], **about, **shown)
         command.set_defaults(run=partial(_call, run))
         for argument, settings in arguments:
             command.add_argument(argument, **settings)

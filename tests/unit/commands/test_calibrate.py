@@ -40,15 +40,14 @@ def test_fit_is_written_where_it_is_asked_for_with_settings_of_the_merged_files(
     mine = tmp_path / "mine.yaml"
     mine.write_text("calibration: {seed: 5}\nmodels: {n_y: 4}\n")
     out = tmp_path / "out.yaml"
-    given = [*FILES, str(mine), "--out", str(out), "--published", str(PUBLISHED)]
-    assert main(["calibrate", *given, "--workers", "2"]) == 0
+    assert main(["calibrate", *FILES, str(mine), "--out", str(out)]) == 0
     (call,) = fit.calls
     smoke = from_files([*FILES, mine]).model_dump(mode="json")
     assert (call["calibration"], call["tracking"]) == (smoke["calibration"], smoke["tracking"])
     assert (call["calibration"]["seed"], call["calibration"]["members"]) == (5, 4)
     assert call["on_rig"]["signals"] == smoke["experiments"]
     assert call["validation"]["models"]["n_y"] == 4
-    assert (call["printed"], call["workers"]) == (read_yaml(PUBLISHED), 2)
+    assert call["printed"] == read_yaml(PUBLISHED)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml", "out.yaml"]
     assert read_yaml(out)["rig"] == {"drift": {"time_s": 3.5}}
     assert "out.yaml" in capsys.readouterr().err

@@ -20,7 +20,7 @@ MAP = {
 READING = (
     "config check X.yaml",
     "simulate sweep --config X.yaml --out out.h5",
-    "calibrate --published X.yaml --out out.yaml",
+    "calibrate X.yaml --out out.yaml",
     "rig run sweep --config X.yaml",
     "rig run track_sweep_fprc --model X.h5",
     "rig check --config X.yaml",
@@ -44,7 +44,7 @@ WRITING = (
     "import none.csv --map map.yaml --out X.h5",
     "log repair none.h5 --out X.h5",
     "rig run sweep --out X.h5",
-    "calibrate --published none.yaml --out X.yaml",
+    "calibrate --out X.yaml",
 )
 
 

@@ -79,16 +79,12 @@ def test_model_and_prediction_are_those_of_the_workflow(
     assert (inside / "mine.h5").read_bytes() == (inside / "model0").read_bytes()
     assert load_model("mine.h5").sample_rate_hz_ == pytest.approx(200.0)
 
-    for out in ("out.h5", "out.csv"):
-        assert run("predict", "mine.h5", raw["complex"], "--config", few, "--out", out) == 0
+    assert run("predict", "mine.h5", raw["complex"], "--config", few, "--out", "out.csv") == 0
     columns = ("time_s", "theta_deg", *["p_o_kpa"] * (name == "fprc"), "p_target_kpa", "p_ff_kpa")
     assert tuple((inside / "out.csv").read_text().split("\n", 1)[0].split(",")) == columns
     table = dict(zip(columns, np.loadtxt("out.csv", delimiter=",", skiprows=1).T, strict=True))
-    log = read_columns("out.h5", columns)
-    assert log.attributes["model"] == name
     theirs = read_columns("prediction0", ("time_s", "p_target_kpa", "p_ff_kpa")).channels
     for key, values in theirs.items():
-        np.testing.assert_array_equal(log.channels[key], values)
         np.testing.assert_array_equal(table[key], values)
 
 
@@ -117,7 +113,7 @@ def test_logs_of_the_same_name_train_together(
         (["train", "MODEL", "--out", "m.h5"], "not a log in HDF5"),
         (["predict", "precious.h5", "LOG", "--out", "p.csv"], "precious.h5: holds no model"),
         (["predict", "LOG", "LOG", "--out", "p.csv"], "holds no model"),
-        (["predict", "none.h5", "LOG", "--out", "p.txt"], "must end in .csv or .h5"),
+        (["predict", "none.h5", "LOG", "--out", "p.txt"], "must end in .csv"),
     ],
 )
 def test_wrong_request_is_refused_and_leaves_no_file(
