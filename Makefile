@@ -38,8 +38,7 @@ lint: style  ## style, types, layers, workflow lint
 
 test: lint site tests  ## everything that must pass: ten minutes or more
 
-# Four processes, because tests often wait for programs. Faults in one, because docs/hardware.md is
-# compared with all they found.
+# Four processes, because tests often wait for programs. Faults in one: their clocks want a processor.
 tests: .venv/.ready
 	@shared=$$(mktemp -d) && trap 'rm -rf "$$shared"' EXIT && FPRC_SMOKED=$$shared $(ONE_THREAD) \
 	  pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder \

@@ -95,44 +95,45 @@ class Session:
         return (self._bench.tick - self._begin) * self._bench.period_s
 
 
-@pytest.fixture
-def asking():
-    """Return what makes a stand-in for ``Stop``, of a run whose guardian is there or not."""
+class StandIn:
+    """Stands for the guardian of a run; it is there, or has gone."""
 
-    def asking(stop=lambda: "", guarded=True):
-        def ask():
-            return stop()
+    def __init__(self, stop, guarded):
+        self._stop, self._guarded, self.messages = stop, guarded, []
 
-        ask.guarded = lambda: guarded
-        return ask
+    def __call__(self):
+        return self._stop()
 
-    return asking
+    def notify(self, message):
+        self.messages.append(message)
+
+    def is_there(self):
+        return self._guarded
 
 
 @pytest.fixture
 def live_by(monkeypatch):
     """Let sessions with the rig live by the clock of a bench, in this process.
 
-    Gives the list of the sessions, and that of the messages to the guardian.
+    Gives the list of the sessions, and the stand-in for their guardian.
     """
-    sessions, messages = [], []
+    sessions, waited_s = [], [0.0]
 
-    def live_by(bench, at=lambda tick: None):
-        def begin(*arguments, **more):
+    def live_by(bench, at=lambda tick: None, *, stop=lambda: "", guarded=True):
+        def begin(*arguments):
             sessions.append(Session(bench, at, bench.tick + 1 if sessions else 0))
             return sessions[-1]
-
-        monkeypatch.setattr(session, "Metronome", begin)
-        monkeypatch.setattr(session, "notify", messages.append)
-        waited_s = [0.0]
 
         def wait(seconds):
             waited_s[0] += seconds
             if sessions and sessions[-1].tick >= 0:  # the session begins once the rig is open
                 bench.wait(seconds)
 
-        monkeypatch.setattr(session, "_wait", wait)
-        monkeypatch.setattr(session, "HardwareRig", partial(HardwareRig, now=lambda: waited_s[0]))
-        return sessions, messages
+        def open_rig(hardware, elapsed, *, sleep):
+            return HardwareRig(hardware, elapsed, sleep=wait, now=lambda: waited_s[0])
+
+        monkeypatch.setattr(session, "Metronome", begin)
+        monkeypatch.setattr(session, "HardwareRig", open_rig)
+        return sessions, StandIn(stop, guarded)
 
     return live_by

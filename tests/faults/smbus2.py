@@ -12,7 +12,7 @@ import os
 import struct
 from collections import deque
 
-ANGLES, FAULT = 320, 336
+ANGLES, FAULT = 328, 344
 #: Codes of an answer: a bend sample; a stretch sample; no answer, the lines stay high.
 SAMPLE, STRETCH, NOTHING = 0x00, 0x03, 0xFF
 #: By the codes of the shared memory.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fprc.apparatus import process
-from fprc.apparatus.recovery import read_journal
+from fprc.apparatus.journal import read_journal
 from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, SENSORS, TRACKING_CHANNELS
 from fprc.config.settings import Control, Signal
 from fprc.config.tracking import Tracking
@@ -32,11 +32,11 @@ def compare(found, expected):
     assert found["time_s"] == pytest.approx(expected["time_s"], abs=1e-9)
 
 
-def test_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by, asking, tmp_path):
+def test_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by, tmp_path):
     settings["experiments"]["sweep"]["duration_s"] = 20.0
-    live_by(bench)
+    _, guardian = live_by(bench)
     raw = tmp_path / "sweep.h5"
-    process.record("sweep", str(raw), settings=settings, stop=asking())
+    process.record("sweep", str(raw), settings=settings, guardian=guardian)
     log = read_raw(raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=1e-6)
     signal, control = Signal(**settings["experiments"]["sweep"]), Control(**settings["control"])
     assert len(log.channels["time_s"]) == round(signal.duration_s * 200.0) == 4_000
@@ -46,9 +46,7 @@ def test_hysteresis_experiment_is_that_of_the_simulator(bench, settings, live_by
 
 
 @pytest.mark.parametrize("adapt", [False, True])
-def test_closed_loop_is_that_of_the_simulator(
-    make_bench, settings, live_by, asking, tmp_path, adapt
-):
+def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp_path, adapt):
     settings["control"]["feedforward"]["adapt"] = adapt
     reference = settings["tracking"]["references"]["sine_0p5"]
     reference |= {"duration_s": 5.0, "settle_s": 0.5}
@@ -59,9 +57,9 @@ def test_closed_loop_is_that_of_the_simulator(
     model = tmp_path / "fprc.h5"
     save_model(FPRC(n_c=2, random_state=1).fit(X, log["p_exp_command_kpa"]).remember(X), model)
 
-    live_by(make_bench(settings, run=TRACKING_RUNS["sine_0p5"]))
+    _, guardian = live_by(make_bench(settings, run=TRACKING_RUNS["sine_0p5"]))
     raw, name = tmp_path / "track.h5", "track_sine_0p5_fprc_pd"
-    process.record(name, str(raw), settings=settings, model=str(model), stop=asking())
+    process.record(name, str(raw), settings=settings, model=str(model), guardian=guardian)
     learned = LEARNING_CHANNELS if adapt else ()
     found = read_columns(raw, (*RAW_CHANNELS, *TRACKING_CHANNELS, *learned))
 

@@ -69,7 +69,7 @@ if SETTINGS["source"] == "rig":
             name="|".join(name for name in PLAN.every_log if name not in PLAN.existing) or "none",
         threads: workflow.cores
         params:
-            stage="apparatus.record_on_rig.record_on_rig",
+            stage="apparatus.command.record",
             name="{name}",
             settings=SETTINGS,
             armed=ARMED,

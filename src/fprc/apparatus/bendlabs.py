@@ -21,17 +21,17 @@ _SETTLE_S = 2e-3
 
 
 def open_bus(number: int) -> Any:
-    """Open an I2C bus with smbus2, and store its ``number`` on it for messages."""
+    """Open an I2C bus with smbus2."""
     try:
-        bus = _smbus2().SMBus(number)
-    except OSError as error:
+        from smbus2 import SMBus
+
+        return SMBus(number)
+    except (ImportError, OSError) as error:
         raise DeviceError(
-            f"I2C bus {number}: /dev/i2c-{number} cannot be opened ({error}); enable I2C, choose a "
-            "bus that `i2cdetect -l` lists, and be a member of its group: "
-            "`sudo usermod -aG i2c $USER`, then log in again"
+            f"I2C bus {number}: cannot be opened ({error}); `pip install smbus2`, enable I2C, "
+            "choose a bus that `i2cdetect -l` lists, and be a member of its group: `sudo usermod "
+            "-aG i2c $USER`, then log in again"
         ) from error
-    bus.number = number
-    return bus
 
 
 class BendSensor:
@@ -41,9 +41,10 @@ class BendSensor:
     """
 
     def __init__(self, bus: Any, address: int, *, gain: float = 1.0, offset_deg: float = 0.0):
-        self._bus, self._address = bus, address
+        from smbus2 import i2c_msg
+
+        self._bus, self._address, self._message = bus, address, i2c_msg
         self._gain, self._offset_deg = gain, offset_deg
-        self._message = _smbus2().i2c_msg
 
     def start(self, sleep: Callable[[float], None] = time.sleep) -> None:
         """Start sampling, and wait for the first sample."""
@@ -71,28 +72,14 @@ class BendSensor:
         self._exchange(action, self._message.write(self._address, bytes(packet)))
 
     def _exchange(self, action: str, message: Any) -> bytes:
-        """Exchange a message; return its packet."""
         try:
             self._bus.i2c_rdwr(message)
             packet = bytes(message)
             if len(packet) != _LENGTH:
                 raise OSError(f"the reply has {len(packet)} bytes, not {_LENGTH}")
         except OSError as error:
-            number = getattr(self._bus, "number", "N")
             raise DeviceError(
-                f"angle sensor 0x{self._address:02x} on I2C bus {number}: {action} failed "
-                f"({error}); check cable, supply and address: `i2cdetect -y {number}` lists the "
-                "devices that answer"
+                f"angle sensor 0x{self._address:02x}: {action} failed ({error}); check cable, "
+                "supply, bus and address: `i2cdetect -y BUS` lists the devices that answer"
             ) from error
         return packet
-
-
-def _smbus2() -> Any:
-    try:
-        import smbus2
-    except ImportError as error:
-        raise DeviceError(
-            f"I2C needs Linux and the package smbus2 ({error}); install it with "
-            "`pip install smbus2`"
-        ) from error
-    return smbus2

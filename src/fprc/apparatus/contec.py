@@ -1,4 +1,4 @@
-"""Contec analog boards through their C driver, libcaio.so.
+"""Contec analog boards through their C driver, libcaio.so, and the locks that guard them.
 
 Every call returns 0 on success, else a code that ``AioGetErrorString`` translates
 (Contec API-AIO).
@@ -6,6 +6,9 @@ Every call returns 0 on success, else a code that ``AioGetErrorString`` translat
 
 import contextlib
 import ctypes
+import socket
+import sys
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from fprc.errors import DeviceError
@@ -23,20 +26,29 @@ _SIGNATURES = {
 }
 
 
-def load_library(path: str = "") -> ctypes.CDLL:
-    """Load the driver, by default that of its usual name, and declare the types of its calls."""
-    name = path or "libcaio.so"
-    try:
-        library = ctypes.CDLL(name)
-        for call, types in _SIGNATURES.items():
-            function = getattr(library, call)
-            function.argtypes, function.restype = types, ctypes.c_long
-    except (OSError, ValueError, AttributeError) as error:  # ValueError: a NUL in the name
-        raise DeviceError(
-            f"driver {name}: is not Contec's API-AIO, or cannot be loaded ({error}); install "
-            "API-AIO(LNX) from contec.com, or set hardware.boards.library to its path"
-        ) from error
-    return library
+@contextlib.contextmanager
+def locked(hardware: Mapping[str, Any]) -> Iterator[list[int]]:
+    """Hold the locks of both boards; the operating system releases them if the process ends.
+
+    A lock is an abstract socket of Linux: its name exists once for all users of a computer, without
+    a file that could be deleted or that a user could not write to. Yields the file descriptors: a
+    process that inherits them also holds the locks until it ends.
+    """
+    if sys.platform != "linux":
+        raise DeviceError("the real rig can be driven only from Linux; nothing was moved")
+    with contextlib.ExitStack() as held:
+        files = []
+        for board in (hardware["boards"][f"{kind}_device"] for kind in ("input", "output")):
+            lock = held.enter_context(socket.socket(socket.AF_UNIX))
+            try:
+                lock.bind(f"\0fprc-{board}".encode())
+            except OSError as error:
+                raise DeviceError(
+                    f"board {board} is in use by another process ({error.strerror}); wait until it "
+                    f"ends, or stop it: `ss -xap | grep fprc-{board}` shows it; nothing was moved"
+                ) from None
+            files.append(lock.fileno())
+        yield files
 
 
 class Board:
@@ -49,7 +61,17 @@ class Board:
 
     def __init__(self, library: str, name: str, kind: str, *, reset: bool = True):
         self.name = name
-        self._library = load_library(library)
+        try:
+            self._library = ctypes.CDLL(library or "libcaio.so")
+            for call, types in _SIGNATURES.items():
+                function = getattr(self._library, call)
+                function.argtypes, function.restype = types, ctypes.c_long
+        except (OSError, ValueError, AttributeError) as error:  # ValueError: a NUL in the name
+            raise DeviceError(
+                f"driver {library or 'libcaio.so'}: is not Contec's API-AIO, or cannot be loaded "
+                f"({error}); install API-AIO(LNX) from contec.com, or set hardware.boards.library "
+                "to its path"
+            ) from error
         self._id = ctypes.c_short()
         self._call("AioInit", name.encode(), ctypes.byref(self._id))
         try:
@@ -76,12 +98,10 @@ class Board:
         self._call("AioExit", self._id)
 
     def _call(self, name: str, *arguments: Any) -> None:
-        code = getattr(self._library, name)(*arguments)
-        if code:
+        if code := getattr(self._library, name)(*arguments):
             text = ctypes.create_string_buffer(b"no description", 256)
             self._library.AioGetErrorString(code, text)
             raise DeviceError(
                 f"board {self.name}: {name} failed with code {code} "
-                f"({text.value.decode('utf-8', 'replace')}); "
-                "check power and cable, and the name in Contec's device utility"
+                f"({text.value.decode('utf-8', 'replace')}); check power, cable and device name"
             )

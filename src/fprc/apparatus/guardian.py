@@ -19,7 +19,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import IO, Any
 
-from fprc.apparatus.locks import boards_of, locked
+from fprc.apparatus.contec import locked
 from fprc.apparatus.pneumatics import NotVentedError, vent_from_outside
 from fprc.errors import ControlError
 
@@ -36,9 +36,6 @@ _RETRY_S, _MESSAGE_S, _POLL_S = 0.1, 1.0, 0.02
 #: Number of stop signals after which the guardian kills the loop and vents.
 _KILL_AFTER = 3
 
-_VENTED = "both chambers are vented, as their sensors show"
-_NOT_VENTED = "THE CHAMBERS COULD NOT BE VENTED, cut the supply and open them by hand"
-
 
 def guard(request: Mapping[str, Any]) -> None:
     """Run a request in a child process and supervise it (see ``fprc.apparatus.process``).
@@ -51,7 +48,7 @@ def guard(request: Mapping[str, Any]) -> None:
         The child failed, was killed or stopped responding; says whether the chambers are vented.
     """
     hardware = request["settings"]["hardware"]
-    with locked(boards_of(hardware)) as locks:
+    with locked(hardware) as locks:
         # the loop gets its own session: a closed terminal, Ctrl-Z or a kill of the process group
         # hits the guardian alone, and the loop then stops and vents
         process = _Process(
@@ -101,18 +98,14 @@ def _supervise(process: _Process, hardware: Mapping[str, Any], received: Sequenc
             f"({process.pid}) does not end: IT MAY STILL OPEN A VALVE. Cut the supply and open the "
             "chambers by hand, then restart the computer"
         )
-    if end == "silent":
-        # again: the last driver call of the killed process may have come after the venting
-        vented = vent_until_shown(hardware, received)
     if end == "safe":
         return f"failed (exit code {code}); see its messages above" if code else ""
     how = f"ended with code {code} before it released the rig"
     if end == "silent":
-        how = "was silent for too long (hardware.loop.stalled_s, opening_s), and was killed"
-    return (
-        f"{how}; {vented}; if a run had begun, its samples are in the journal beside its log: "
-        "fprc log repair"
-    )
+        how = "was silent for too long (hardware.loop), and was killed"
+        # again: the last driver call of the killed process may have come after the venting
+        vented = vent_until_shown(hardware, received)
+    return f"{how}; {vented}; `fprc log repair` reads the journal beside the log of its run"
 
 
 def _watch(process: _Process, loop: Mapping[str, float]) -> str:
@@ -139,10 +132,9 @@ def _watch(process: _Process, loop: Mapping[str, float]) -> str:
 
 
 class _Venting(threading.Thread):
-    """Attempts to vent until it succeeds or is given up.
+    """Attempts to vent until it succeeds or is given up, in a thread: a call may never return.
 
-    It prints nothing, because printing may block. A driver call may never return: then
-    ``outcome`` stays empty.
+    It prints nothing, because printing may block.
     """
 
     def __init__(self, hardware: Mapping[str, Any]):
@@ -157,7 +149,7 @@ class _Venting(threading.Thread):
         while not self.given_up.is_set() and not self.outcome:
             try:
                 vent_from_outside(self._hardware, self._note)
-                self.outcome = _VENTED
+                self.outcome = "both chambers are vented, as their sensors show"
             except NotVentedError as error:
                 self.outcome = str(error)
             except Exception as error:  # of any type: the next attempt may succeed
@@ -166,7 +158,7 @@ class _Venting(threading.Thread):
 
     def _note(self, error: str) -> None:
         """Note a write to the valves by its error, empty if it succeeded."""
-        self.problem = error or "the driver took the voltages"
+        self.problem = error or "both valves were set to vent, but no reading confirms it yet"
         if not error:
             self.written_s = min(self.written_s, time.monotonic())
 
@@ -174,33 +166,23 @@ class _Venting(threading.Thread):
 def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) -> str:
     """Vent until the sensors confirm it or the user gives up; return the outcome as text.
 
-    ``received`` has the signals to this process; a SIGINT more gives up.
+    ``received`` has the signals to this process; a SIGINT more gives up, and so does a driver that
+    took the voltages, and then does not answer for more than twice ``vent_s``.
     """
-    before, began_s = received.count(signal.SIGINT), time.monotonic()
-    venting, printed_s = _Venting(hardware), began_s
+    before, printed_s = received.count(signal.SIGINT), time.monotonic()
+    venting = _Venting(hardware)
     venting.start()
-    while True:
+    while not venting.outcome:
         venting.join(_POLL_S)
-        if venting.outcome:
-            return venting.outcome
-        now_s, written = time.monotonic(), venting.written_s < math.inf
-        if now_s - venting.written_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S:
-            return str(NotVentedError("no pressure can be read: the driver does not answer"))
-        if received.count(signal.SIGINT) > before:
+        now_s = time.monotonic()
+        hangs = now_s - venting.written_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S
+        if hangs or received.count(signal.SIGINT) > before:
             venting.given_up.set()
-            if written:
-                return str(NotVentedError("Ctrl-C ended the wait for the pressures"))
-            return f"{_NOT_VENTED} ({venting.problem})"
+            return venting.outcome or str(NotVentedError(venting.problem))
         if now_s - printed_s > _MESSAGE_S:
             printed_s = now_s
-            log.error(
-                "%s after %.1f s (%s). Still trying; Ctrl-C gives up",
-                "the valves were set to vent, but no reading confirms it yet"
-                if written
-                else _NOT_VENTED,
-                now_s - began_s,
-                venting.problem,
-            )
+            log.error("%s Still trying; Ctrl-C gives up", NotVentedError(venting.problem))
+    return venting.outcome
 
 
 def _wait(process: _Process, received: Sequence[int]) -> int | None:
@@ -212,10 +194,7 @@ def _wait(process: _Process, received: Sequence[int]) -> int | None:
             process.stdin.close()
             process.stdout.close()
             return code
-        log.error(
-            "process %d has not ended: it may hang in a driver call. Ctrl-C stops the wait",
-            process.pid,
-        )
+        log.error("process %d has not ended, Ctrl-C gives up", process.pid)
     return None
 
 

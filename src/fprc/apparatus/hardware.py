@@ -4,18 +4,17 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import Any
 
 from fprc.apparatus.bendlabs import BendSensor, open_bus
-from fprc.apparatus.locks import boards_of, locked
 from fprc.apparatus.pneumatics import Pressures, Valves, call_all, quietly, vent
 from fprc.channels import Readings
-from fprc.errors import DeviceError
 
 
 class HardwareRig:
     """The paper's apparatus (Sec. II-B, Fig. 3).
+
+    The caller holds the locks of the boards, see ``fprc.apparatus.contec``.
 
     Parameters
     ----------
@@ -23,15 +22,13 @@ class HardwareRig:
         As in ``fprc.config.hardware.Hardware``.
     elapsed : callable
         Returns the time since the start of the run, s, which becomes the time of a reading.
-    has_lock : bool
-        Whether this process already holds the locks of the boards; see ``fprc.apparatus.locks``.
     sleep, now : callable
         Sleep function, and a monotonic clock, s.
 
     Raises
     ------
     DeviceError
-        Lists every part that cannot be opened; the others are released.
+        A part cannot be opened; the others are released, vented.
     """
 
     def __init__(
@@ -39,47 +36,28 @@ class HardwareRig:
         hardware: Mapping[str, Any],
         elapsed: Callable[[], float],
         *,
-        has_lock: bool = False,
         sleep: Callable[[float], None] = time.sleep,
         now: Callable[[], float] = time.monotonic,
     ):
-        self._elapsed = elapsed
-        self._voltages = hardware["valves"]
+        self._elapsed, self._voltages = elapsed, hardware["valves"]
         self._venting: dict[str, Any] = {"sleep": sleep, "now": now}
         self._buses: dict[int, Any] = {}
+        self._sensors: list[BendSensor] = []
         self._angles = [math.nan, math.nan]
-        problems: dict[str, None] = {}  # each once: both boards may lack the driver
         with contextlib.ExitStack() as opened:
-            self._locks = opened.enter_context(contextlib.ExitStack())
-            if not has_lock:
-                self._locks.enter_context(locked(boards_of(hardware)))
-
-            def attempt(build: Callable[[], Any], release: str) -> Any:
-                try:
-                    part = build()
-                except DeviceError as error:
-                    problems[str(error)] = None
-                    return None
-                opened.callback(quietly, getattr(part, release))
-                return part
-
-            def sensor(bus: int, address: int, **calibration: float) -> BendSensor:
-                if bus not in self._buses:
-                    self._buses[bus] = open_bus(bus)
-                    opened.callback(quietly, self._buses[bus].close)
-                built = BendSensor(self._buses[bus], address, **calibration)
-                built.start(sleep=sleep)
-                return built
-
-            self._valves: Valves = attempt(partial(Valves, hardware, reset=True), "close")
-            self._inputs: Pressures = attempt(partial(Pressures, hardware), "close")
-            self._sensors: list[BendSensor] = [
-                attempt(partial(sensor, **hardware[name]), "shutdown")
-                for name in ("theta", "phi")
-                if hardware[name]
-            ]
-            if problems:
-                raise DeviceError("\n".join(problems))
+            self._valves = Valves(hardware, reset=True)
+            opened.callback(quietly, self._valves.close)
+            self._inputs = Pressures(hardware)
+            opened.callback(quietly, self._inputs.close)
+            for place in filter(None, (hardware["theta"], hardware["phi"])):
+                calibration = dict(place)
+                number = calibration.pop("bus")
+                if number not in self._buses:
+                    self._buses[number] = open_bus(number)
+                    opened.callback(quietly, self._buses[number].close)
+                self._sensors.append(BendSensor(self._buses[number], **calibration))
+                opened.callback(quietly, self._sensors[-1].shutdown)
+                self._sensors[-1].start(sleep=sleep)
             opened.pop_all()
         self.write, self.safe = self._valves.write, self._valves.vent
 
@@ -108,11 +86,10 @@ class HardwareRig:
             No reading confirms that both chambers are vented; the driver or a sensor reports
             an error.
         """
-        with self._locks:
-            call_all(
-                lambda: vent(self._valves, lambda: self._inputs, self._voltages, **self._venting),
-                self._valves.release,
-                self._inputs.close,
-                *(sensor.shutdown for sensor in self._sensors),
-                *(bus.close for bus in self._buses.values()),
-            )
+        call_all(
+            lambda: vent(self._valves, lambda: self._inputs, self._voltages, **self._venting),
+            self._valves.release,
+            self._inputs.close,
+            *(sensor.shutdown for sensor in self._sensors),
+            *(bus.close for bus in self._buses.values()),
+        )

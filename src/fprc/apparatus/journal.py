@@ -10,6 +10,7 @@ rejected (after a power cut a disk may return an old page).
 
 import json
 import os
+import re
 import struct
 import threading
 import zlib
@@ -17,17 +18,27 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
+import numpy as np
+
+from fprc.artifacts import refuse_output
 from fprc.errors import LogError
+from fprc.given import read_given
+from fprc.logs import write_raw
 
 #: Marker of the header; the digit is the version of the format.
-MAGIC = b"\x89FPRCJ2\n"
+_MAGIC = b"\x89FPRCJ2\n"
 #: Marker of the end mark, at the place where a sample has its tick.
-END = b"\x89FPRCE2\n"
-
+_END = b"\x89FPRCE2\n"
 #: Encoding of a sample's CRC-32.
-UINT32 = struct.Struct("<I")
+_UINT32 = struct.Struct("<I")
+#: What header and end mark must hold.
+_IN_HEADER = {"names": list, "started": str}
+_IN_END = {"samples": int, "reason": str, "statistics": dict}
+_NOT_ZERO = re.compile(rb"[^\0]")
+#: Largest journal: 16 h of ten channels at 200 Hz.
+_LARGEST_BYTES = 1 << 30
 
 
 class Journal:
@@ -56,27 +67,18 @@ class Journal:
         self.attributes = started | dict(attributes)
         line = _line(self.attributes | {"names": list(names)})
         self._seed = int(line[:8], 16)
-        self._start = len(MAGIC + line)
+        self._start = len(_MAGIC + line)
         self._record = struct.Struct(f"<Q{len(names)}d")
         self._problem = ""
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o644)
-        except FileExistsError as error:
-            raise LogError(
-                f"{path}: exists and is not overwritten; move it away (`fprc log repair` reads it)"
-            ) from error
-        except OSError as error:
-            raise LogError(f"{path}: cannot be created ({error.strerror})") from error
-        try:
-            _write(self._file, MAGIC + line)
+            _write(self._file, _MAGIC + line)
             os.fsync(self._file)
             folder = os.open(path.parent, os.O_RDONLY)
             os.fsync(folder)
             os.close(folder)
         except OSError as error:
-            os.close(self._file)
-            path.unlink()
             raise LogError(
                 f"{path}: cannot be written ({error.strerror}); no run was started, free the disk "
                 "or choose another folder"
@@ -94,12 +96,9 @@ class Journal:
             raise LogError(self._problem)
         sample = self._record.pack(tick, *row)
         try:
-            _write(self._file, sample + UINT32.pack(zlib.crc32(sample, self._seed)))
+            _write(self._file, sample + _UINT32.pack(zlib.crc32(sample, self._seed)))
         except OSError as error:
-            self._problem = (
-                f"{self.path}: sample {self.samples} could not be written ({error.strerror}); free "
-                "the disk and run again"
-            )
+            self._problem = self._unwritten("sample", error)
             raise LogError(self._problem) from error
         self.samples += 1
 
@@ -116,12 +115,10 @@ class Journal:
         problem = self._problem or self._loss()
         content = {"reason": problem or reason, "statistics": statistics, "samples": self.samples}
         try:
-            _write(self._file, END + _line(content, self._seed))
+            _write(self._file, _END + _line(content, self._seed))
             os.fsync(self._file)
         except OSError as error:
-            problem = problem or (
-                f"{self.path}: the end mark could not be written ({error.strerror})"
-            )
+            problem = problem or self._unwritten("end mark after sample", error)
         finally:
             os.close(self._file)
             self._problem = problem or f"{self.path}: is closed"
@@ -151,14 +148,17 @@ class Journal:
                     os.fsync(self._file)
                     on_disk = samples
                 except OSError as error:
-                    self._problem = (
-                        f"{self.path}: samples from {on_disk} on may not have reached the disk "
-                        f"({error.strerror}); check the disk"
-                    )
+                    self._problem = self._unwritten("what follows sample", error)
+
+    def _unwritten(self, what: str, error: OSError) -> str:
+        return (
+            f"{self.path}: {what} {self.samples} may not have reached the disk ({error.strerror}); "
+            "check it, or free some space, and run again"
+        )
 
     def _loss(self) -> str:
         """Return an error text if the file was lost; empty if it is whole."""
-        written = self._start + self.samples * (self._record.size + UINT32.size)
+        written = self._start + self.samples * (self._record.size + _UINT32.size)
         with suppress(OSError):  # if it was moved or unmounted
             kept = os.fstat(self._file)
             if os.path.samestat(self.path.stat(), kept) and kept.st_size >= written:
@@ -178,3 +178,103 @@ def _write(file: int, data: bytes) -> None:
 def _line(content: Mapping[str, Any], seed: int = 0) -> bytes:
     text = json.dumps(content).encode("ascii")
     return b"%08x %b\n" % (zlib.crc32(text, seed), text)
+
+
+class Findings(NamedTuple):
+    """Which samples of a run can be read, and how the run ended."""
+
+    samples: int  #: number of readable samples
+    lost: int  #: number of samples that were written but cannot be read
+    closed: bool  #: whether the end mark exists
+    reason: str  #: why it is not complete; empty if it is
+    statistics: dict[str, Any]  #: statistics from the end mark
+
+
+def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any], Findings]:
+    """Read a journal, even if it is truncated, damaged, or still being written.
+
+    Returns the channels, with every sample whose checksum is right, by tick; the attributes; and
+    what was found. LogError: it cannot be opened, is no journal, or its header is damaged.
+    """
+    data = read_given(path, error=LogError, most_bytes=_LARGEST_BYTES)
+    line = data[: data.find(b"\n", len(_MAGIC)) + 1]
+    header = _content(line.removeprefix(_MAGIC), _IN_HEADER) if data.startswith(_MAGIC) else None
+    names = header[0].pop("names") if header else []
+    if header is None or not names or not all(isinstance(name, str) for name in names):
+        raise LogError(
+            f"{path}: not a journal of this version, or its header is damaged or cut; give the "
+            "file *.journal beside the raw log, restore it, or run again"
+        )
+    attributes, seed = header
+    record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
+    starts, end, inside, after = _find(data, len(line), record.itemsize, seed)
+    records = np.array([data[at : at + record.itemsize] for at in starts], "V").view(record)
+    # a disk that returns a page twice, or in another place, loses nothing
+    ticks, kept = np.unique(records["tick"].astype(np.int64), return_index=True)
+    channels = {name: records["row"][kept, j] for j, name in enumerate(names)}
+    if end:
+        lost, reasons = max(end["samples"] - kept.size, 0), [end["reason"]]
+    else:  # among foreign bytes, a tick that is missing is a sample that is lost
+        lost = (int(ticks.max(initial=-1)) + 1 - kept.size if inside else 0) + after
+        reasons = [
+            "the end mark is missing: the program was killed, or the power failed and up to a "
+            "second more is lost"
+        ]
+    if lost:
+        reasons.append(f"{lost} of {kept.size + lost} samples are lost")
+    reason, statistics = "; ".join(filter(None, reasons)), end["statistics"] if end else {}
+    return channels, attributes, Findings(kept.size, lost, end is not None, reason, statistics)
+
+
+def _find(
+    data: bytes, at: int, size: int, seed: int
+) -> tuple[list[int], dict[str, Any] | None, bool, int]:
+    """Return where samples begin, the end mark, whether other bytes are between, samples after.
+
+    After bytes that are no sample, the next one is looked for at each byte: another program may
+    have written to the file.
+    """
+    starts, foreign, inside = list[int](), 0, False
+    while at < len(data):
+        sample = data[at : at + size]
+        if len(sample) == size and zlib.crc32(sample[:-4], seed) == _UINT32.unpack(sample[-4:])[0]:
+            starts.append(at)
+            inside, foreign, at = inside or foreign > 0, 0, at + size
+        elif sample.startswith(_END) and (end := _content(data[at + len(_END) :], _IN_END, seed)):
+            return starts, end[0], inside, 0
+        else:
+            other = _NOT_ZERO.search(data, at)  # a disk may return a long hole as zeros
+            step = max((other.start() if other else len(data)) - size + 1 - at, 1)
+            foreign, at = foreign + step, at + step
+    return starts, None, inside, -(-foreign // size)
+
+
+def _content(line: bytes, types: Mapping[str, type], seed: int = 0) -> tuple[Any, int] | None:
+    """Return the content of a line and its checksum; None if it was cut, damaged or forged."""
+    crc, _, text = line.rstrip(b"\n").partition(b" ")
+    right = zlib.crc32(text, seed)
+    with suppress(ValueError, RecursionError):
+        content = json.loads(text) if crc == b"%08x" % right else None
+        if isinstance(content, dict) and all(type(content.get(k)) is types[k] for k in types):
+            return content, right
+    return None
+
+
+def recover(journal: Path | str, raw: Path | str) -> Findings:
+    """Write the readable samples of a journal as a raw log; the journal is not changed.
+
+    Errors are those of ``read_journal`` and ``refuse_output``; LogError also if there is no sample.
+    """
+    refuse_output(raw, ".h5")
+    channels, attributes, findings = read_journal(journal)
+    if not findings.samples:
+        raise LogError(f"{journal}: no sample can be read; nothing was written")
+    state = state_of(findings.reason, findings.statistics, findings.lost)
+    write_raw(raw, channels, **attributes | state)
+    return findings
+
+
+def state_of(reason: str, statistics: Mapping[str, Any], lost: int = 0) -> dict[str, Any]:
+    """Return the attributes of a log that tell how its run ended, complete without a reason."""
+    state = {"statistics": statistics, "complete": not reason, "lost_samples": lost}
+    return state | ({"incomplete_reason": reason} if reason else {})

@@ -12,10 +12,7 @@ from typing import Any
 
 from fprc.apparatus.contec import Board
 from fprc.errors import DeviceError
-from fprc.escape import in_words
 
-#: The two voltages of the heartbeat output, for a watchdog relay.
-_HEARTBEAT_V = (0.0, 5.0)
 #: Time between two readings while a chamber vents, s.
 _POLL_S = 0.02
 #: Consecutive readings that must show a vented chamber.
@@ -23,13 +20,12 @@ _IN_A_ROW = 10
 
 
 class NotVentedError(DeviceError):
-    """The valves were set to vent, but no reading confirms that the chambers are vented."""
+    """No reading confirms that the chambers are vented."""
 
     def __init__(self, why: str):
         super().__init__(
-            f"THE CHAMBERS MAY BE UNDER PRESSURE: both valves were set to vent, but {why}. Cut the "
-            "supply and open the chambers by hand; if a gauge shows 0 kPa, check the sensors' "
-            "cables and zero_v"
+            f"THE CHAMBERS MAY BE UNDER PRESSURE: {why}. Cut the supply and open the chambers by "
+            "hand; if a gauge shows 0 kPa, check the sensors' cables and zero_v"
         )
 
 
@@ -41,13 +37,12 @@ class Valves:
     """
 
     def __init__(self, hardware: Mapping[str, Any], *, reset: bool):
-        boards = hardware["boards"]
+        boards, volts = hardware["boards"], hardware["valves"]
         self._board = Board(boards["library"], boards["output_device"], "Ao", reset=reset)
-        self._outputs = (boards["main_output"], boards["reservoir_output"])
-        self._heartbeat, self._beats = boards["heartbeat_output"], 0
-        self._neutral_v, self._vent_v = (
-            hardware["valves"][f"{at}_v"] for at in ("neutral", "vent")
-        )
+        self._outputs = boards["main_output"], boards["reservoir_output"]
+        # for a watchdog relay
+        self._heartbeat, self._beat_v = boards["heartbeat_output"], cycle((5.0, 0.0))
+        self._neutral_v, self._vent_v = volts["neutral_v"], volts["vent_v"]
         self.release = self._board.close  #: releases the board; its outputs hold their voltages
         if reset:
             try:
@@ -60,8 +55,7 @@ class Valves:
         """Set both voltages; if both writes succeed, toggle the heartbeat output."""
         self._write_in_turn(main_v, reservoir_v)
         if self._heartbeat is not None:
-            self._beats += 1
-            self._board.write(self._heartbeat, _HEARTBEAT_V[self._beats % 2])
+            self._board.write(self._heartbeat, next(self._beat_v))
 
     def vent(self) -> None:
         """Close both valves, then open both chambers to the atmosphere."""
@@ -118,9 +112,8 @@ def vent(
     write, no reading shows that both chambers are vented. DeviceError: every write has failed for
     ``vent_s``.
     """
-    began_s, longest_s = now(), voltages["vent_s"]
+    began_s, longest_s, limit_kpa = now(), voltages["vent_s"], voltages["vented_kpa"]
     written_s: float | None = None
-    names, limit_kpa = ("p_exp_kpa", "p_i_kpa"), voltages["vented_kpa"]
     seen: list[list[float]] = []
     in_a_row = 0
     while True:
@@ -129,7 +122,7 @@ def vent(
             valves.exhaust()
             written_s = now() if written_s is None else written_s
         except DeviceError as error:
-            failed = str(error)
+            failed = f"{error}; "
             if written_s is None and now() - began_s > longest_s:
                 raise
         on_write(failed)
@@ -137,18 +130,18 @@ def vent(
             seen.append(open_inputs().read()[:2])
             # abs: a disconnected sensor reads far below 0
             in_a_row = in_a_row + 1 if all(abs(kpa) <= limit_kpa for kpa in seen[-1]) else 0
-            shown = (f"{name} = {kpa:.1f}" for name, kpa in zip(names, seen[-1], strict=True))
-            state = f"{in_words(shown)}; vented is {limit_kpa:g} or less (valves.vented_kpa)"
+            state = "p_exp_kpa = {:.1f}, p_i_kpa = {:.1f}".format(*seen[-1])
         except DeviceError as error:
             in_a_row, state = 0, f"no pressure can be read ({error})"
-        frozen = [name for k, name in enumerate(names) if len({row[k] for row in seen}) == 1]
+        frozen = any(len(set(values)) == 1 for values in zip(*seen, strict=True))
         if written_s is not None:
             if in_a_row >= _IN_A_ROW and not frozen:
                 return
             if now() - written_s > longest_s:
-                state += f"; {in_words(frozen)} never changed: frozen sensor" if frozen else ""
+                state += ", a frozen sensor" if frozen else ""
                 raise NotVentedError(
-                    "; ".join(filter(None, [f"after {longest_s:g} s", failed, state]))
+                    f"after {longest_s:g} s at vent, {failed}{state}; vented is {limit_kpa:g} or "
+                    "less (valves.vented_kpa)"
                 )
         sleep(_POLL_S)
 

@@ -9,10 +9,10 @@ released and readings show it vented.
 import gc
 import json
 import logging
+import os
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -20,18 +20,15 @@ from typing import Any
 import numpy as np
 
 from fprc.apparatus.check import check_rig
-from fprc.apparatus.journal import Journal
+from fprc.apparatus.journal import Journal, state_of
 from fprc.apparatus.programme import plan
-from fprc.apparatus.recovery import state_of
-from fprc.apparatus.session import Stop, on_rig, reserve_pipes
+from fprc.apparatus.session import Guardian, on_rig
 from fprc.artifacts import refuse_output
 from fprc.channels import RAW_CHANNELS
 from fprc.errors import ControlError, FprcError, LogError
 from fprc.logs import write_raw
 
 log = logging.getLogger("fprc.rig")
-
-_READ_ONLY = 0o444
 
 
 def main() -> int:
@@ -40,13 +37,14 @@ def main() -> int:
     # unbuffered, because the bytes after the line are heartbeats
     with open(0, "rb", buffering=0, closefd=False) as unbuffered:
         request = json.loads(unbuffered.readline())
-    reserve_pipes()
+    messages = os.dup(1)
+    os.dup2(2, 1)  # what a driver prints must not pass for a message
     gc.disable()  # a collection may take longer than a tick
-    stop = Stop(request["settings"]["hardware"]["loop"]["stalled_s"])
+    guardian = Guardian(request["settings"]["hardware"]["loop"]["stalled_s"], messages)
     try:
         if request["what"] == "check":
-            return check_rig(request["settings"], request["armed"], stop)
-        record(**request["run"], settings=request["settings"], stop=stop)
+            return check_rig(request["settings"], request["armed"], guardian)
+        record(**request["run"], settings=request["settings"], guardian=guardian)
     except FprcError as error:
         log.error("error: %s", error)
         return 1
@@ -59,9 +57,9 @@ def record(
     *,
     settings: Mapping[str, Any],
     model: str = "",
-    stop: Stop,
+    guardian: Guardian,
 ) -> None:
-    """Run an experiment on the real rig and write its raw log, read-only.
+    """Run an experiment on the real rig and write its raw log.
 
     During the run its samples also go to a journal beside the log, named after the log and the
     time, which is kept. The log of a run that was stopped has another name than ``raw``; the
@@ -70,25 +68,14 @@ def record(
     experiment = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
-    period_s = 1.0 / settings["control"]["sample_rate_hz"]
-    seconds, tenth = experiment.samples * period_s, max(experiment.samples // 10, 1)
-    log.info("%s, %.0f s; Ctrl-C stops it and vents", name, seconds)
-    if experiment.hint:
-        log.info("%s", experiment.hint)
+    seconds = experiment.samples / settings["control"]["sample_rate_hz"]
+    log.info("%s, %.0f s; Ctrl-C stops it and vents%s", name, seconds, experiment.hint)
     with Journal(path, experiment.channels, experiment.attributes) as journal:
-
-        def keep(tick: int, row: Sequence[float]) -> None:
-            journal.append(tick, row)
-            if tick % tenth == 0:  # from 0 s, the start, on; a missed tick tells nothing
-                log.info("%.3g of %.3g s", tick * period_s, seconds)
-
         extra = experiment.channels[len(RAW_CHANNELS) :]
         channels, statistics, stopped, unvented = on_rig(
-            settings, experiment.law, experiment.samples, stop, extra=extra, keep=keep
+            settings, experiment.law, experiment.samples, guardian, extra=extra, keep=journal.append
         )
-        if unvented:
-            complete = "the samples are complete, but the rig was not closed: "
-            stopped = (f"{stopped}\n" if stopped else complete) + unvented
+        stopped = "\n".join(filter(None, [stopped, unvented]))
         try:
             journal.close(stopped, **statistics)
         except LogError as error:
@@ -99,17 +86,8 @@ def record(
     if samples:
         saved, problems = _save(channels, attributes, path, "" if stopped else raw)
     if saved == Path(raw):
-        for file in (path, saved):
-            with suppress(OSError):  # the journal may be lost
-                file.chmod(_READ_ONLY)
-        log.info(
-            "%d samples, %d ticks missed, lateness %.3f ms median, %.3f ms at 99.9 %%; wrote %s",
-            statistics["ticks"],
-            statistics["overruns"],
-            1e3 * statistics["jitter_p50_s"],
-            1e3 * statistics["jitter_p99_9_s"],
-            raw,
-        )
+        missed = statistics["overruns"]
+        log.info("%d samples, %d ticks missed; wrote %s", samples, missed, raw)
         return
     shown = "" if unvented else "; both chambers are vented, as their sensors show"
     where = "no sample was recorded"

@@ -22,7 +22,7 @@ class Experiment(NamedTuple):
     samples: int
     channels: tuple[str, ...]
     attributes: dict[str, Any]
-    hint: str = ""  #: instruction for the user at the rig
+    hint: str = ""  #: what the user at the rig must do, after a semicolon
 
 
 def names(settings: Mapping[str, Any]) -> list[str]:
@@ -61,10 +61,8 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
     control, signal = Control(**settings["control"]), Signal(**settings["experiments"][name])
     p_exp_kpa = pressure_command(signal, control.sample_rate_hz)
-    lower = f"experiments.{name}: amplitude_kpa or offset_kpa"
-    _refuse_beyond(settings, "p_exp_kpa", p_exp_kpa.max(), lower)
-    limit = "control.reservoir_limit_kpa"
-    _refuse_beyond(settings, "p_i_kpa", control.reservoir_limit_kpa, limit)
+    highest = {"p_exp_kpa": p_exp_kpa.max(), "p_i_kpa": control.reservoir_limit_kpa}
+    _refuse_beyond(settings, highest, f"experiments.{name} or control.reservoir_limit_kpa")
     attributes = {
         "experiment": name,
         "sample_rate_hz": control.sample_rate_hz,
@@ -83,11 +81,13 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     bench = Track(tracking, control, {}, settings["seed"])
     reference, controller = reference_and_controller(name)
     theta_d = bench.reference(reference)
-    p_i_kpa = min(control.reservoir_limit_kpa, control.k_in_kpa_per_deg * theta_d.max())
-    _refuse_beyond(settings, "p_i_kpa", p_i_kpa, "control.reservoir_limit_kpa")
-    limit = "tracking.pressure_limit_kpa"
-    _refuse_beyond(settings, "p_exp_kpa", tracking.pressure_limit_kpa, limit)
-    hint = f"push the reservoir by hand from {tracking.pushes.quiet_s:g} s on"
+    highest = {
+        "p_exp_kpa": tracking.pressure_limit_kpa,
+        "p_i_kpa": min(control.reservoir_limit_kpa, control.k_in_kpa_per_deg * theta_d.max()),
+    }
+    limits = "tracking.pressure_limit_kpa or control.reservoir_limit_kpa"
+    _refuse_beyond(settings, highest, limits)
+    hint = f"; push the reservoir by hand from {tracking.pushes.quiet_s:g} s on"
     attributes, fitted = bench.describe(reference, controller), None
     driver = feedforward_of(controller)
     if driver and model:  # without a file the law refuses to start
@@ -102,14 +102,16 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     )
 
 
-def _refuse_beyond(settings: Mapping[str, Any], sensor: str, highest: float, lower: str) -> None:
-    """Check that a command, as far as it may go, does not end the run by its reading."""
-    _, limit = settings["hardware"]["limits"][sensor]
-    if highest > limit:
-        raise ConfigError(
-            f"commands go up to {highest:g} kPa, and a reading above {limit:g} ends a run "
-            f"(hardware.limits.{sensor}); lower {lower}"
-        )
+def _refuse_beyond(
+    settings: Mapping[str, Any], highest_kpa: Mapping[str, float], lower: str
+) -> None:
+    """Check that commands, as far as they may go, do not end the run by their readings."""
+    for sensor, kpa in highest_kpa.items():
+        if kpa > (limit := settings["hardware"]["limits"][sensor][1]):
+            raise ConfigError(
+                f"commands go up to {kpa:g} kPa, and a reading above {limit:g} ends a run "
+                f"(hardware.limits.{sensor}); lower {lower}"
+            )
 
 
 def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any:
@@ -122,8 +124,8 @@ def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any
     fitted = load_model(file, outside_classes(models))
     if type(fitted) is not needed:
         raise ConfigError(
-            f"{which}, is a {type(fitted).__name__}, must be a {needed.__name__}; give --model a "
-            f"file of {driver}, or choose the experiment that is named after the model"
+            f"{which}, is a {type(fitted).__name__}, must be a {needed.__name__}; give another "
+            "--model, or choose the experiment that is named after it"
         )
     columns = getattr(fitted, "n_features_in_", None)  # a class from outside may have none
     if columns != len(inputs):

@@ -31,20 +31,63 @@ class Session(NamedTuple):
     unvented: str  #: error of closing the rig; empty if readings show that it is vented
 
 
+class Guardian:
+    """The guardian as the loop sees it; called at every tick, it tells why to stop.
+
+    It is a signal, or a guardian that ended or is silent for longer than ``stalled_s``.
+    ``messages`` is the file descriptor of the messages to it, ``heartbeats`` that of its own.
+    """
+
+    def __init__(self, stalled_s: float, messages: int, heartbeats: int = 0) -> None:
+        self._reason = ""
+        self._stalled_s, self._messages, self._heartbeats = stalled_s, messages, heartbeats
+        self._heartbeat_s = self._sent_s = time.monotonic()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, lambda *_: self._stop("stopped by Ctrl-C or a signal"))
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def __call__(self) -> str:
+        """Send a heartbeat if one is due; return the reason to stop, empty if there is none."""
+        if time.monotonic() - self._sent_s >= BEAT_S:
+            self.notify(HEARTBEAT)
+        if not self.is_there():
+            self._stop("the guardian process has been silent for too long (hardware.loop)")
+        return self._reason
+
+    def notify(self, message: bytes) -> None:
+        """Send a message to the guardian."""
+        self._sent_s = time.monotonic()
+        with suppress(BrokenPipeError):  # it has ended, which stops the run
+            os.write(self._messages, message)
+
+    def is_there(self) -> bool:
+        """Return whether the guardian was heard lately; it may have ended, or been stopped."""
+        return time.monotonic() - self._heartbeat_s <= self._stalled_s
+
+    def _stop(self, reason: str) -> None:
+        self._reason = self._reason or reason
+
+    def _listen(self) -> None:
+        while os.read(self._heartbeats, 64):
+            self._heartbeat_s = time.monotonic()
+        self._stop("the guardian process has ended")
+        self._heartbeat_s = -math.inf
+
+
 def on_rig(
     settings: Mapping[str, Any],
     law: Law,
     samples: int,
-    stop: "Stop",
+    guardian: Guardian,
     *,
     moves: bool = True,
     **recording: Any,
 ) -> Session:
     """Open the real rig with its safety limits and clock; run a law; make it safe and release it.
 
-    Unless the law ``moves`` the rig, its voltages are not written. ``stop`` also tells whether the
-    guardian was heard lately; if not, it does not vent in our place. ``law``, ``samples`` and
-    ``recording`` are those of ``fprc.control.run``.
+    Unless the law ``moves`` the rig, its voltages are not written. If the guardian is not there to
+    vent in our place, we try until readings show it. ``law``, ``samples`` and ``recording`` are
+    those of ``fprc.control.run``.
 
     Raises
     ------
@@ -53,17 +96,19 @@ def on_rig(
     """
     control, hardware = Control(**settings["control"]), settings["hardware"]
     limits, period_s = hardware["limits"], 1.0 / control.sample_rate_hz
-    clock = Metronome(
-        period_s, overruns_in_a_row=limits["overruns_in_a_row"], spin_s=hardware["loop"]["spin_s"]
-    )
-    notify(OPENING)  # the guardian then notices a call that hangs
+    clock = Metronome(period_s, limits["overruns_in_a_row"])
+
+    def wait(seconds: float) -> None:
+        guardian.notify(HEARTBEAT)
+        time.sleep(seconds)
+
+    guardian.notify(OPENING)  # it then notices a call that hangs
     try:
-        # the locks are inherited from the guardian
-        opened = HardwareRig(hardware, clock.elapsed, has_lock=True, sleep=_wait)
+        opened = HardwareRig(hardware, clock.elapsed, sleep=wait)
     except DeviceError:
-        notify(SAFE)  # nothing was moved
+        guardian.notify(SAFE)  # nothing was moved
         raise
-    notify(ARMED)
+    guardian.notify(ARMED)
     timing: dict[str, float] = {}
     stopped = unvented = ""
     try:
@@ -73,88 +118,20 @@ def on_rig(
             device = SimpleNamespace(
                 read=checked.read, write=lambda *volts: None, safe=lambda: None
             )
-        neutral_v = hardware["valves"]["neutral_v"]
+        more = recording | {"neutral_v": hardware["valves"]["neutral_v"], "stop": guardian}
         try:
-            channels = run(
-                device, clock, law, samples, control, neutral_v=neutral_v, stop=stop, **recording
-            )
+            channels = run(device, clock, law, samples, control, **more)
         except RunAbortedError as aborted:
             channels, stopped = aborted.channels, str(aborted)
         timing = clock.statistics()
     finally:
         try:
             opened.close()
-            notify(SAFE)
+            guardian.notify(SAFE)
         except DeviceError as closing:
             unvented = str(closing)
-            if not stop.guarded():  # else only this process can vent
+            if not guardian.is_there():  # else it vents
                 unvented += f"\n{vent_until_shown(hardware)}"
             if not timing:
                 raise DeviceError(unvented) from closing
     return Session(channels, timing, stopped, unvented)
-
-
-def _wait(seconds: float) -> None:
-    """Send a heartbeat, then sleep."""
-    notify(HEARTBEAT)
-    time.sleep(seconds)
-
-
-#: File descriptors of the messages to the guardian, and of its heartbeats.
-_pipes = {"out": 1, "in": 0}
-
-
-def reserve_pipes() -> None:
-    """Reserve the guardian's pipes for messages, and send what libraries print to stderr."""
-    _pipes.update(out=os.dup(1), **{"in": os.dup(0)})
-    os.dup2(2, 1)
-    with open(os.devnull, "rb") as nothing:
-        os.dup2(nothing.fileno(), 0)
-
-
-def notify(message: bytes) -> None:
-    """Send a message to the guardian. If it has ended, ``Stop`` ends the run."""
-    with suppress(BrokenPipeError):
-        os.write(_pipes["out"], message)
-
-
-class Stop:
-    """Reason to stop: a signal, or a guardian that ended or is silent.
-
-    The loop asks at every tick, and each time the guardian gets a heartbeat if one is due.
-    ``stalled_s`` is the longest time between the guardian's.
-    """
-
-    def __init__(self, stalled_s: float) -> None:
-        self._reason = ""
-        self._stalled_s = stalled_s
-        self._heartbeat_s = self._sent_s = time.monotonic()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, self._signalled)
-        threading.Thread(target=self._listen, daemon=True).start()
-
-    def __call__(self) -> str:
-        """Send a heartbeat; return the reason, empty if there is none."""
-        now_s = time.monotonic()
-        if now_s - self._sent_s >= BEAT_S:
-            self._sent_s = now_s
-            notify(HEARTBEAT)
-        if not self.guarded() and not self._reason:
-            self._reason = (
-                f"the guardian process has been silent for {now_s - self._heartbeat_s:.2f} s "
-                "(hardware.loop.stalled_s)"
-            )
-        return self._reason
-
-    def guarded(self) -> bool:
-        """Return whether the guardian was heard lately; it may have ended, or been stopped."""
-        return time.monotonic() - self._heartbeat_s <= self._stalled_s
-
-    def _signalled(self, number: int, frame: Any) -> None:
-        self._reason = self._reason or "stopped by Ctrl-C or a signal"
-
-    def _listen(self) -> None:
-        while os.read(_pipes["in"], 64):
-            self._heartbeat_s = time.monotonic()
-        self._reason = self._reason or "the guardian process has ended"
-        self._heartbeat_s = -math.inf

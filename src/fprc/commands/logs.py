@@ -4,7 +4,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fprc.apparatus.recovery import recover
+from fprc.apparatus.journal import recover
 from fprc.config.settings import Quality
 from fprc.errors import LogError
 from fprc.logs import assess, read_raw
@@ -60,8 +60,6 @@ def repair(source: str, *, out: str) -> int:
     findings = recover(source, out)
     whole = findings.closed and not findings.lost
     print(f"{out}: {findings.samples} samples from {source}")
-    if findings.missed_ticks:
-        print(f"  {findings.missed_ticks} ticks were missed by the loop; never acquired")
     if findings.reason:
         print(f"  incomplete: {findings.reason}")
     if whole:

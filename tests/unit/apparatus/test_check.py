@@ -8,16 +8,16 @@ from fprc.apparatus.guardian import ARMED, SAFE
 
 
 @pytest.fixture
-def look(make_bench, settings, live_by, asking, caplog):
-    """Check a rig on its bench's clock; return exit code and troubles."""
+def look(make_bench, settings, live_by, caplog):
+    """Check a rig on its bench's clock; return the troubles."""
 
     def look(*, armed=True, stop=lambda: "", touch=lambda bench: None):
         look.bench = bench = make_bench(settings)
         touch(bench)
-        _, look.messages = live_by(bench)
+        _, guardian = live_by(bench, stop=stop)
         caplog.set_level(logging.INFO, logger="fprc.rig")
-        code = check_rig(settings, armed, asking(stop))
-        look.lines = caplog.messages
+        code = check_rig(settings, armed, guardian)
+        look.messages, look.lines = guardian.messages, caplog.messages
         look.volts = {(output, volts) for _, output, volts in bench.writes()}
         troubles = [m.removeprefix("TROUBLE: ") for m in caplog.messages if "TROUBLE" in m]
         assert code == bool(troubles)
@@ -53,23 +53,20 @@ def precharge(kpa):
     return lambda settings: settings["rig"]["reservoir"].update(precharge_kpa=kpa)
 
 
-SWAPPED = [r"stopped: .* p_i_kpa = (1[89]|20)\d\.\d is outside -20 to 180",
-           r"actuator: .* p_exp_kpa = .* p_i_kpa .*main_output .*swapped"]  # fmt: skip
+SWAPPED = ["actuator filled: .* p_i_kpa = (1[89]|20)[0-9].* outside -20 to 180.*swapped"]
 #: What is wrong, and every trouble that is told.
 WRONG = {
     "hoses": (set_boards(main_output=1, reservoir_output=0), SWAPPED),
     "channels": (set_boards(p_exp_input=1, p_i_input=0), SWAPPED),
-    "dead valve": (set_boards(main_output=5),
-                   ["actuator: .* p_exp_kpa = .* hardware.boards.main_output$"]),
+    "dead valve": (set_boards(main_output=5), ["actuator .* p_exp_kpa .*main_output$"]),
     "dead valve of the PAM": (set_boards(reservoir_output=5),
-                              ["PAM A: .* p_i_kpa = .* hardware.boards.reservoir_output$"]),
+                              ["PAM A .* p_i_kpa .*reservoir_output$"]),
     "sign": (lambda settings: settings["hardware"]["theta"].update(gain=-1.0),
              [".*theta_deg .* hardware.theta.gain"]),
-    "empty PAM B": (precharge(50.0), [r"p_o_kpa = \S+ at rest"]),
-    "full PAM B": (precharge(150.0), [r"p_o_kpa = \S+ at rest"]),
+    "empty PAM B": (precharge(50.0), ["rest: p_o_kpa is .* PAM B"]),
+    "full PAM B": (precharge(150.0), ["rest: p_o_kpa is .* PAM B"]),
     "cable": (set_boards(p_i_input=9),
-              [r"stopped: .* sample 0: p_i_kpa = -250.0 .*hardware.limits.p_i_kpa",
-               r"THE CHAMBERS .*p_i_kpa = -250.0"]),
+              ["THE CHAMBERS .*p_i_kpa = -250.0", "rest: .* sample 0: p_i_kpa = -250.0"]),
 }  # fmt: skip
 
 
@@ -93,7 +90,7 @@ def test_chamber_that_is_under_pressure_at_rest_is_named_and_no_other_filled(
     troubles = look(touch=stay)
     assert troubles[0].startswith("THE CHAMBERS MAY BE UNDER PRESSURE")
     assert {volts for _, volts in look.volts} == {0.0}
-    assert any(re.match(f"{own}_kpa = .* at rest.*hardware.{own}", line) for line in troubles)
+    assert any(re.match(f"rest: {own}_kpa is .*hardware.{own}", line) for line in troubles)
 
 
 def test_chamber_that_does_not_vent_is_the_last_that_is_filled(look):
@@ -111,11 +108,10 @@ def test_chamber_that_does_not_vent_is_the_last_that_is_filled(look):
     assert {volts for output, volts in look.volts if output == 1} == {0.0, 5.0}
 
 
-@pytest.mark.parametrize("ticks", [150, 220, 580, 620, 980])
-def test_phase_that_was_cut_short_accuses_no_part(look, ticks):
-    """Whenever the check of a rig as it should be is stopped, the only trouble is the stop."""
+@pytest.mark.parametrize("ticks", [150, 580, 980])
+def test_check_that_is_stopped_names_the_stop_alone_and_vents(look, ticks):
     reasons = iter([""] * ticks + ["stopped by Ctrl-C"] * 2)
     (trouble,) = look(stop=lambda: next(reasons))
-    assert trouble.startswith("stopped: ")
+    assert "stopped by Ctrl-C" in trouble
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
     assert ticks > 200 or look.volts == REST

@@ -4,6 +4,7 @@ from unittest.mock import Mock
 
 import pytest
 
+from fprc.apparatus import hardware as module
 from fprc.apparatus.bendlabs import open_bus
 from fprc.apparatus.hardware import HardwareRig
 from fprc.errors import DeviceError
@@ -24,12 +25,10 @@ def build(bench, hardware, monkeypatch):
         bus.close = Mock(wraps=bus.close)
         return bus
 
-    def build():
-        monkeypatch.setattr("fprc.apparatus.hardware.open_bus", open_and_keep)
-        rig = HardwareRig(hardware, bench.elapsed, sleep=lambda seconds: None)
-        rig._venting = {"sleep": bench.wait, "now": bench.elapsed}
-        return rig
+    def build(wait=bench.wait):
+        return HardwareRig(hardware, bench.elapsed, sleep=wait, now=bench.elapsed)
 
+    monkeypatch.setattr(module, "open_bus", open_and_keep)
     build.buses = {}
     return build
 
@@ -62,15 +61,6 @@ def test_valves_have_their_own_channels_and_voltages_of_the_safe_state(bench, ha
     assert written(bench) == [*vent, (3, 6.0), (2, 7.0), *2 * [(3, 4.5), (2, 4.5), *vent]]
 
 
-@pytest.mark.parametrize("at", range(2))
-def test_valve_that_cannot_be_written_does_not_keep_the_other_from_it(bench, build, at):
-    rig = build()
-    bench.fail(skip=at)
-    with pytest.raises(DeviceError, match="AioSingleAoEx"):
-        rig.write(6.0, 7.0)
-    assert written(bench, since=2) == [[(1, 7.0)], [(0, 6.0)]][at]
-
-
 @pytest.mark.parametrize("phi", [True, False])
 def test_close_vents_and_releases_everything(bench, hardware, build, phi):
     hardware["phi"] = hardware["phi"] if phi else None
@@ -89,11 +79,8 @@ def test_close_vents_and_releases_everything(bench, hardware, build, phi):
 
 def test_rig_without_an_angle_sensor_is_vented_and_released(bench, build):
     bench.shared.i2c_fault = 1
-    with pytest.raises(DeviceError) as caught:
+    with pytest.raises(DeviceError, match="angle sensor 0x12"):
         build()
-    assert [line[:17] for line in str(caught.value).splitlines()] == [
-        "angle sensor 0x12", "angle sensor 0x13",
-    ]  # fmt: skip
     assert written(bench) == 2 * [(0, 0.0), (1, 0.0)]
     assert (bench.shared.opened, build.buses[1].close.call_count) == (0, 1)
 
@@ -105,9 +92,11 @@ def test_heart_beats_at_every_sample_that_reached_both_valves_and_at_no_other(
     rig = build()
     for _ in range(3):
         rig.write(6.0, 7.0)
-    bench.fail()
-    with pytest.raises(DeviceError):
-        rig.write(6.0, 7.0)
+    for at, reached in enumerate([(1, 7.0), (0, 6.0)]):
+        bench.fail(skip=at)
+        with pytest.raises(DeviceError, match="AioSingleAoEx"):
+            rig.write(6.0, 7.0)
+        assert written(bench)[-1] == reached  # though the other valve could not be written
     rig.safe()
     rig.close()
     assert [volts for channel, volts in written(bench) if channel == 6] == [5.0, 0.0, 5.0]
@@ -116,7 +105,7 @@ def test_heart_beats_at_every_sample_that_reached_both_valves_and_at_no_other(
 #: What happens at each look, given its number, and what is said.
 SHOW_NOTHING = {
     "one reading in five": (lambda bench, k: 2.6 if k % 5 else 1.0, "MAY BE UNDER PRESSURE"),
-    "frozen": (lambda bench, k: 1.01, "p_exp_kpa never changed: frozen sensor"),
+    "frozen": (lambda bench, k: 1.01, "frozen"),
     "one failure in five": (lambda bench, k: k % 5 or bench.fail(skip=2), "MAY BE UNDER PRESSURE"),
 }
 
@@ -126,17 +115,17 @@ def test_reading_of_no_pressure_that_shows_nothing_is_not_believed(
     bench, hardware, build, volts, message
 ):
     hardware["valves"]["vent_s"] = 1.0
-    rig = build()
     looks = count(1)
 
     def wait(seconds):
         bench.wait(seconds)
-        reading = volts(bench, next(looks))
+        reading = volts(bench, next(looks)) if opened else None
         if isinstance(reading, float):
             bench.shared.inputs[0] = reading
 
-    if "failure" not in message:
-        hardware["boards"]["main_output"] = 5
-    rig._venting["sleep"], bench.shared.inputs[0] = wait, 1.01
+    opened = []
+    rig = build(wait)
+    opened.append(rig)
+    bench.shared.inputs[0] = 1.01
     with pytest.raises(DeviceError, match=message):
         rig.close()

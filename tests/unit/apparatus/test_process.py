@@ -4,15 +4,13 @@ import os
 import tempfile
 from contextlib import nullcontext
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fprc.apparatus import process
 from fprc.apparatus.journal import Journal
-from fprc.apparatus.record_on_rig import record_on_rig
-from fprc.errors import ControlError, OutputError
+from fprc.errors import ControlError
 from fprc.logs import read_raw
 
 TICKS = 40
@@ -31,7 +29,7 @@ def places(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def record(bench, settings, live_by, asking, places, monkeypatch):
+def record(bench, settings, live_by, places, monkeypatch):
     """Record some ticks of the sweep; lose the journal before one; return error and last tick.
 
     That tick waits until the journal's thread has noticed it, if it does before the end.
@@ -54,14 +52,23 @@ def record(bench, settings, live_by, asking, places, monkeypatch):
 
         monkeypatch.setattr(process, "plan", lambda *given: plan(*given)._replace(samples=TICKS))
         monkeypatch.setattr(process, "Journal", open_journal)
-        sessions, _ = live_by(bench, at_tick)
+        sessions, guardian = live_by(bench, at_tick)
         with pytest.raises(ControlError) if fails else nullcontext() as caught:
             raw = str(places["raw"] / "sweep.h5")
-            process.record("sweep", raw, settings=settings, stop=asking())
+            process.record("sweep", raw, settings=settings, guardian=guardian)
         assert list(bench.shared.outputs[:2]) == [0.0, 0.0]
         return str(caught.value) if fails else "", sessions[-1].tick
 
     return record
+
+
+def log_of(places):
+    """Return the name of the place of the only log, its path, and the log."""
+    ((place, path),) = [
+        (name, path) for name, folder in places.items() for path in folder.rglob("*.h5")
+    ]
+    log = read_raw(path, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=1e-6)
+    return place, path, log
 
 
 def cut(path):
@@ -74,11 +81,6 @@ def replace(path):
     path.write_bytes(content + bytes(10**6))
 
 
-def replace_by_a_folder(path):
-    path.unlink()
-    path.mkdir()
-
-
 def delete_folder(path):
     path.unlink()
     path.parent.rmdir()
@@ -88,18 +90,9 @@ def move_folder(path):
     path.parent.rename(path.parent.with_name("moved"))
 
 
-def log_of(places):
-    """Return the name of the place of the only log, its path, and the log."""
-    ((place, path),) = [
-        (name, path) for name, folder in places.items() for path in folder.rglob("*.h5")
-    ]
-    log = read_raw(path, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=1e-6)
-    return place, path, log
-
-
 LOSSES = [
-    (Path.unlink, "raw"), (cut, "raw"), (replace, "raw"), (replace_by_a_folder, "raw"),
-    (delete_folder, "temporary"), (move_folder, "temporary"),
+    (Path.unlink, "raw"), (cut, "raw"), (replace, "raw"), (delete_folder, "temporary"),
+    (move_folder, "temporary"),
 ]  # fmt: skip
 
 
@@ -117,13 +110,12 @@ def test_run_whose_journal_is_lost_stops_and_saves_every_sample(record, places, 
     assert {"started", "statistics"} <= log.attributes.keys()
 
 
-@pytest.mark.parametrize(("lose", "place"), [LOSSES[1], LOSSES[5]])
-def test_journal_that_is_lost_at_the_last_sample_costs_none(record, places, caplog, lose, place):
+@pytest.mark.parametrize(("lose", "place"), [(cut, "raw"), (move_folder, "temporary")])
+def test_journal_that_is_lost_at_the_last_sample_costs_none(record, places, lose, place):
     error, _ = record(lose, TICKS - 1, notices=False, fails=place == "temporary")
     found, path, log = log_of(places)
     assert (found, path.name == "sweep.h5") == (place, place == "raw")
     assert (str(path) in error) is (place == "temporary")
-    assert "was deleted, moved, replaced, cut" in caplog.text
     assert (len(log.channels["time_s"]), log.attributes["complete"]) == (TICKS, True)
 
 
@@ -150,30 +142,18 @@ def test_log_has_every_sample_whatever_another_program_writes_into_the_journal(
 
 
 def test_log_that_appears_meanwhile_is_not_overwritten(record, places):
-    error, _ = record(lambda path: (places["raw"] / "sweep.h5").write_bytes(b"mine"),
-                      notices=False)  # fmt: skip
-    assert (places["raw"] / "sweep.h5").read_bytes() == b"mine"
+    mine = places["raw"] / "sweep.h5"
+    error, _ = record(lambda path: mine.write_bytes(b"mine"), notices=False)
+    assert mine.read_bytes() == b"mine"
     (rescued,) = places["raw"].glob("*.rescued.h5")
     assert str(rescued) in error
 
 
-def test_samples_that_can_be_saved_nowhere_are_not_said_to_be_saved(record, places, monkeypatch):
+def test_samples_that_can_be_saved_nowhere_are_not_said_to_be_saved(record, monkeypatch):
     def refuse(*arguments, **attributes):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(process, "write_raw", refuse)
     error, _ = record(lambda path: None, notices=False)
     assert error.count("No space left on device") == 3
-    assert f"of the {TICKS} samples" in error
-
-
-def test_run_that_the_disk_cannot_hold_does_not_begin(settings, places, monkeypatch):
-    """Its 36,000 samples of 11 numbers take 3.2 MB in the journal, and as much in the log."""
-    stage = "fprc.apparatus.record_on_rig"
-    monkeypatch.setattr(f"{stage}.disk_usage", lambda folder: SimpleNamespace(free=10**7))
-    monkeypatch.setattr(f"{stage}.guard", None)
-    settings["experiments"]["sweep"]["duration_s"] = 180.0
-    raw = str(places["raw"] / "new/a.h5")
-    with pytest.raises(OutputError, match="10,000,000 left"):
-        record_on_rig(raw, name="sweep", settings=settings, armed=True)
-    assert [*places["raw"].rglob("a.*")] == []
+    assert f"what it can of the {TICKS} samples" in error
