@@ -2,12 +2,10 @@
 
 import logging
 from collections.abc import Mapping
-from itertools import chain
 from typing import Any
 
 import numpy as np
 
-from fprc.escape import in_words
 from fprc.evaluation import CrossValidated, rmse
 from fprc.evaluation.crossval import prepare
 from fprc.experiments.data import Data, refuse_mixture
@@ -31,15 +29,13 @@ def compare_models(
 
     The results are the errors of Tables II and III, and the weights of Fig. 9.
     """
-    found = {
-        name: cross_validate_both(name, validation, data) for name in entries(validation.models)
-    }
-    by_direction = chain.from_iterable(zip(*found.values(), strict=True))
+    names = list(entries(validation.models))
+    both = [cross_validate_both(name, validation, data) for name in names]
     compared = {
-        "models": [report for _, report, _ in by_direction],
+        "models": [report for direction in zip(*both, strict=True) for _, report, _ in direction],
         "weights": weight_shares(data["sweep"], validation),
     }
-    return compared, {name: validated.model for name, ((validated, *_), *_) in found.items()}
+    return compared, {name: of[0][0].model for name, of in zip(names, both, strict=True)}
 
 
 def cross_validate_both(
@@ -51,39 +47,30 @@ def cross_validate_both(
     """
     refuse_mixture(*(logs[key] for key in EXPERIMENTS))
     samples = {key: logs[key].samples(name, validation.models) for key in EXPERIMENTS}
-    lengths = [str(len(y)) for _, y, _ in samples.values()]
-    log.info("%s: features of %s samples", name, in_words(lengths))
     prepared = prepare(build(name, validation.models, validation.seed), samples)
     results = []
     for train, test in DIRECTIONS:
-        label = f"{name}, trained on {logs[train].attributes['experiment']}"
-        validated = prepared.cross_validated(train, validation.split_rows(logs[train]))
-        for fold, errors in enumerate(
-            zip(validated.train_rmse, validated.validation_rmse, strict=True)
-        ):
-            log.info("%s: fold %d: training %.2f, validation %.2f kPa", label, fold + 1, *errors)
-        trained_on(validated.model, logs[train], name, validation.models)
-        tested, expected = validated.model.readout_.predict(prepared.rows[test]), prepared.y[test]
-        test_rmse = rmse(expected, tested)
-        log.info("%s: best fold %d, test %.2f kPa", label, validated.best + 1, test_rmse)
+        data, expected = logs[train], prepared.y[test]
+        validated = prepared.cross_validated(train, validation.split_rows(data))
+        trained_on(validated.model, data, name, validation.models)
+        tested = validated.model.readout_.predict(prepared.rows[test])
         report = {
             "model": name,
-            "trained_on": logs[train].attributes["experiment"],
-            "source": logs[train].attributes["source"],
+            "trained_on": data.attributes["experiment"],
+            "source": data.attributes["source"],
             "seed": validation.seed,
-            "target": logs[train].attributes["target"],
-            "unit": logs[train].unit,
+            "target": data.attributes["target"],
+            "unit": data.unit,
             "split": validation.split,
             "train_rmse_kpa": validated.train_rmse,
             "validation_rmse_kpa": validated.validation_rmse,
             "best_fold": validated.best,
-            "test_rmse_kpa": test_rmse,
+            "test_rmse_kpa": rmse(expected, tested),
             "test_halves_rmse_kpa": _halves(expected, tested),
-            "train_halves_rmse_kpa": _halves(
-                prepared.y[train], validated.model.readout_.predict(prepared.rows[train])
-            ),
-            "seen_test_rmse_kpa": _seen(logs[train], logs[test], expected, tested),
+            "train_halves_rmse_kpa": _halves(prepared.y[train], validated.fit),
+            "seen_test_rmse_kpa": _seen(data, logs[test], expected, tested),
         }
+        log.info("%s, trained on %s: test %.2f", name, train, report["test_rmse_kpa"])
         results.append((validated, report, tested))
     return results
 

@@ -57,8 +57,7 @@ class Data(NamedTuple):
         missing = [name for name in inputs if name not in self.channels]
         if missing:
             raise LogError(
-                f"{self.name}: no {', '.join(missing)}, which {model} needs; import it with that "
-                "channel, or use another model"
+                f"{self.name}: no {', '.join(missing)}, which {model} needs; use another model"
             )
         X = np.column_stack([self.channels[name] for name in inputs])
         return X, self.channels["p_target_kpa"], self.lengths
@@ -84,22 +83,16 @@ def select_channels(
     for name in (TARGETS[target], *inputs):
         if (other := substitute(name, source.attributes)) is not None:
             log.warning("warning: %s: not in %s: %s", name, unit_of(name), other)
-    channels = {
-        "time_s": source.channels["time_s"],
-        "p_target_kpa": source.channels[TARGETS[target]],
-        "theta_deg": source.channels["theta_deg"],
-    }
-    if "p_o_kpa" in source.channels:
-        channels["p_o_kpa"] = source.channels["p_o_kpa"]
     kept = ("experiment", "source", "sample_rate_hz", "seed", "notes")
     attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
-    attributes |= {
-        "target": target,
-        "p_target_unit": noted_unit(TARGETS[target], source.attributes),
-        "theta_unit": noted_unit("theta_deg", source.attributes),
-        "p_o_unit": noted_unit("p_o_kpa", source.attributes),
+    of = {"p_target": TARGETS[target], "theta": "theta_deg", "p_o": "p_o_kpa"}
+    units = {f"{name}_unit": noted_unit(of[name], source.attributes) for name in of}
+    channels = {
+        "time_s": source.channels["time_s"],
+        "p_target_kpa": source.channels[of["p_target"]],
     }
-    return Data(channels, attributes, str(source.path))
+    channels |= {k: source.channels[k] for k in ("theta_deg", "p_o_kpa") if k in source.channels}
+    return Data(channels, {**attributes, "target": target, **units}, str(source.path))
 
 
 def join(logs: Mapping[str, Data], period_s: float) -> Data:
@@ -117,16 +110,12 @@ def join(logs: Mapping[str, Data], period_s: float) -> Data:
     ]
     if problems:
         raise LogError("\n".join(problems))
-    channels = {
-        name: np.concatenate([data.channels[name] for data in logs.values()])
-        for name in one.channels
-    }
-    begin, times = 0.0, []
+    begin, parts = 0.0, []
     for data in logs.values():
         time_s = data.channels["time_s"]
-        times.append(time_s - time_s[0] + begin)
-        begin = float(times[-1][-1]) + period_s
-    channels["time_s"] = np.concatenate(times)
+        parts.append({**data.channels, "time_s": time_s - time_s[0] + begin})
+        begin = float(parts[-1]["time_s"][-1]) + period_s
+    channels = {name: np.concatenate([part[name] for part in parts]) for name in one.channels}
     lengths = {name: len(data.channels["time_s"]) for name, data in logs.items()}
     return Data(channels, {**one.attributes, "recordings": lengths}, ", ".join(logs))
 
@@ -149,14 +138,9 @@ def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:
 
 def refuse_mixture(train: Data, test: Data) -> None:
     """Refuse a training log and a test log of different sources, or units of P_exp."""
-    kinds = train.attributes["source"], test.attributes["source"]
-    if kinds[0] != kinds[1]:
+    ours, theirs = (f"{data.attributes['source']}, {data.unit}" for data in (train, test))
+    if ours != theirs:
         raise LogError(
-            f"the training log's source is {kinds[0]}, the test log's {kinds[1]}; "
-            "use two logs of one kind"
-        )
-    if train.unit != test.unit:
-        raise LogError(
-            f"P_exp of the training log is in {train.unit}, that of the test log in {test.unit}; "
-            "import both in one unit"
+            f"source and unit of P_exp are {ours} in the training log, and {theirs} in the test "
+            "log; use two logs of one kind"
         )

@@ -30,16 +30,15 @@ def evaluate_grids(
     models = models_for(validation.models, train, test)
     rows = validation.split_rows(train)[:folds]
 
-    def evaluated(name: str, cell: Mapping[str, Any]) -> dict[str, Any]:
-        model = build(name, validation.models, validation.seed, **cell)
-        errors = evaluate(model, rows, train.samples(name), test.samples(name))
-        return {"model": name, **cell, **errors}
-
-    found = {}
-    for grid, names in GRID_MODELS.items():
-        cells = ParameterGrid({setting: values[setting] for setting in GRID_SETTINGS[grid]})
-        found[grid] = [evaluated(name, cell) for name in names if name in models for cell in cells]
-        log.info("evaluated grid %s: %d cells", grid, len(found[grid]))
+    found: dict[str, list[dict[str, Any]]] = {grid: [] for grid in GRID_MODELS}
+    for grid, cells in found.items():
+        settings = {setting: values[setting] for setting in GRID_SETTINGS[grid]}
+        for name in (name for name in GRID_MODELS[grid] if name in models):
+            samples = train.samples(name), test.samples(name)
+            for cell in ParameterGrid(settings):
+                model = build(name, validation.models, validation.seed, **cell)
+                cells.append({"model": name, **cell, **evaluate(model, rows, *samples)})
+        log.info("evaluated grid %s: %d cells", grid, len(cells))
     return found
 
 

@@ -12,6 +12,11 @@ from fprc.signals import loop_changes, loop_width, rms, turning_points
 
 Channels = Mapping[str, np.ndarray]
 
+#: Angle up to which the actuator counts as straight, deg.
+_STRAIGHT_DEG = 1.0
+#: Samples that a part of a swing needs to count: a few say nothing, and may be constant.
+_LEG = 20
+
 
 def measure_runs(
     runs: Mapping[str, Channels], unpushed: Channels, quiet_s: float
@@ -19,7 +24,8 @@ def measure_runs(
     """Return the measures of one seed that the claims about control rest on.
 
     They are ``rmse_deg`` of every run; ``effort``, the rms of P_fb over that of P_ff on each
-    reference; and measures of ``sweep``, ``loops`` and ``disturbance``.
+    reference; and measures of ``sweep``, ``loops`` and ``disturbance``: what the pushes change, the
+    rms of bending and P_o over their swing, and the ratio of the errors.
 
     Parameters
     ----------
@@ -30,19 +36,27 @@ def measure_runs(
     quiet_s : float
         Time of the first push in the disturbance test.
     """
+    effort, loops = {}, {}
+    for name in REFERENCES:
+        run = runs[f"{name}/fprc_pd"]
+        effort[name] = rms(run["p_fb_kpa"]) / rms(run["p_ff_kpa"])
+    for name in (f"{reference}/{law}" for reference in LOOPS for law in ("pd", "fprc_pd")):
+        theta_d, theta = runs[name]["theta_d_deg"], runs[name]["theta_deg"]
+        span = max(float(np.ptp(theta)), 1e-9)
+        loops[name] = {"width_over_span": loop_width(theta_d, theta) / span}
+    run = runs["disturbance/fprc_pd"]
+    pushed = run["time_s"] >= quiet_s
+    errors = [rms(_error(channels)[pushed]) for channels in (run, unpushed)]
+    disturbance = {
+        name: rms((run[channel] - unpushed[channel])[pushed]) / float(np.ptp(unpushed[channel]))
+        for name, channel in (("bending", "phi_deg"), ("p_o", "p_o_kpa"))
+    }
     return {
         "rmse_deg": {name: rms(_error(run)) for name, run in runs.items()},
-        "effort": {
-            name: rms(run["p_fb_kpa"]) / rms(run["p_ff_kpa"])
-            for name in REFERENCES
-            for run in [runs[f"{name}/fprc_pd"]]
-        },
+        "effort": effort,
         "sweep": _sweep(runs["sweep/fprc_pd"]),
-        "loops": {
-            name: {"width_over_span": _width_over_span(runs[name])}
-            for name in (f"{reference}/{law}" for reference in LOOPS for law in ("pd", "fprc_pd"))
-        },
-        "disturbance": _disturbance(runs["disturbance/fprc_pd"], unpushed, quiet_s),
+        "loops": loops,
+        "disturbance": {**disturbance, "error_ratio": errors[0] / errors[1]},
     }
 
 
@@ -58,13 +72,6 @@ def measure_hysteresis(sweep: Channels) -> dict[str, dict[str, float]]:
     }
 
 
-#: Angle up to which the actuator counts as straight, deg.
-_STRAIGHT_DEG = 1.0
-
-#: Samples that a part of a swing needs to count.
-_LEG = 20
-
-
 def measure_range(sweep: Channels) -> dict[str, float]:
     """Return the largest angle, the dead zone, and how monotonic the reservoir's response is.
 
@@ -75,12 +82,9 @@ def measure_range(sweep: Channels) -> dict[str, float]:
     """
     theta, command, p_o = (sweep[n] for n in ("theta_deg", "p_exp_command_kpa", "p_o_kpa"))
     rises = np.flatnonzero((theta[:-1] <= _STRAIGHT_DEG) & (theta[1:] > _STRAIGHT_DEG))
-    turns = turning_points(theta)
-    legs = (np.arange(begin, end) for begin, end in pairwise(turns))
+    legs = (np.arange(begin, end) for begin, end in pairwise(turning_points(theta)))
     parts = [leg[theta[leg] > _STRAIGHT_DEG] for leg in legs]
-    # a leg of a few samples says nothing, and may be constant
-    moving = [part for part in parts if len(part) >= _LEG]
-    found = [abs(spearmanr(theta[part], p_o[part]).statistic) for part in moving]
+    found = [abs(spearmanr(theta[k], p_o[k]).statistic) for k in parts if len(k) >= _LEG]
     return {
         "angle_deg": float(theta.max()),
         "dead_zone": float(np.median(command[rises]) / np.ptp(command)) if len(rises) else 0.0,
@@ -90,14 +94,11 @@ def measure_range(sweep: Channels) -> dict[str, float]:
 
 def measure_pressure_error(sweep: Channels) -> dict[str, float]:
     """Return the rms error of each PI controller over the span of its command."""
-    pairs = {
-        "main": ("p_exp_command_kpa", "p_exp_kpa"),
-        "reservoir": ("p_i_command_kpa", "p_i_kpa"),
-    }
-    return {
-        name: rms(sweep[command] - sweep[measured]) / float(np.ptp(sweep[command]))
-        for name, (command, measured) in pairs.items()
-    }
+    found = {}
+    for name, channel in (("main", "p_exp"), ("reservoir", "p_i")):
+        command, measured = sweep[f"{channel}_command_kpa"], sweep[f"{channel}_kpa"]
+        found[name] = rms(command - measured) / float(np.ptp(command))
+    return found
 
 
 def _error(run: Channels) -> np.ndarray:
@@ -119,19 +120,3 @@ def _sweep(run: Channels) -> dict[str, float]:
         "first_third_deg": rms(thirds[0]),
         "last_third_deg": rms(thirds[2]),
     }
-
-
-def _width_over_span(run: Channels) -> float:
-    width, span = loop_width(run["theta_d_deg"], run["theta_deg"]), np.ptp(run["theta_deg"])
-    return width / max(float(span), 1e-9)
-
-
-def _disturbance(run: Channels, unpushed: Channels, quiet_s: float) -> dict[str, float]:
-    """Return what the pushes change: rms of bending and P_o over their swing, ratio of errors."""
-    pushed = run["time_s"] >= quiet_s
-    changes = {
-        name: rms((run[channel] - unpushed[channel])[pushed]) / float(np.ptp(unpushed[channel]))
-        for name, channel in (("bending", "phi_deg"), ("p_o", "p_o_kpa"))
-    }
-    errors = [rms(_error(channels)[pushed]) for channels in (run, unpushed)]
-    return {**changes, "error_ratio": errors[0] / errors[1]}
