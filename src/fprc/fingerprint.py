@@ -18,8 +18,8 @@ from fprc.registry import COMPETITORS, class_module
 #: Beginnings of the names of what makes tables, figures, claims and pages of results.
 SHOWS = (
     "claims", "escape", "figures", "provenance", "stages.draw",
-    "stages.report", "stages.tabulate", "studies.beyond.claims", "studies.beyond.tables",
-    "studies.online.pages", "studies.pages", "studies.verdicts", "tables",
+    "stages.report", "stages.tabulate", "studies.beyond", "studies.online", "studies.pages",
+    "studies.verdicts", "tables",
 )  # fmt: skip
 #: Those of what no rule of the paper runs, or what only passes on files and settings.
 ELSEWHERE = (

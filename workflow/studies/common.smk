@@ -26,7 +26,7 @@ STUDIES = {
         },
     },
     "beyond": {
-        "judge": "beyond.contest.judge_models",
+        "judge": "contest.judge_models",
         "how": {
             # with their own number of starts of a clustering
             "models": paper_models(SETTINGS)
@@ -36,7 +36,7 @@ STUDIES = {
         },
     },
     "online": {
-        "judge": "online.judge.judge_online",
+        "judge": "learning.judge_online",
         "how": {"tracking": SETTINGS["tracking"], "models": paper_models(SETTINGS)},
         "first_seed": 1001,  # no other study has seen it
         "units": min(BEYOND["units"], 10),  # fewer than eight decide nothing

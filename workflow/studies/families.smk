@@ -58,7 +58,7 @@ rule tabulate_beyond:
     log:
         PATHS.messages("tabulate_beyond"),
     params:
-        stage="studies.beyond.tables.tabulate_beyond",
+        stage="studies.beyond.tabulate_beyond",
         code=SHOWS,
         family=CONFIGURED,
     message:
@@ -77,7 +77,7 @@ rule tabulate_online:
     log:
         PATHS.messages("tabulate_online"),
     params:
-        stage="studies.online.pages.tabulate_online",
+        stage="studies.online.tabulate_online",
         code=SHOWS,
         shown=FAMILIES[:3],
     message:

@@ -20,7 +20,7 @@ from fprc.registry import build, entry_of, title_of
 
 #: The paper's models, and those that the claims compare FPRC with.
 MODELS = ("fprc", "fuzzy_linear", "esn", "fprc_lowpass", "ridge_p_o")
-#: FPRC against one model each: text and model by id, as in ``fprc.studies.beyond.claims``; R marks
+#: FPRC against one model each: text and model by id, as in ``fprc.studies.beyond``; R marks
 #: claims on recordings only.
 CLAIMS = {
     "B1": ("P_o beats low-passed theta", "fprc_lowpass"),

@@ -74,7 +74,7 @@ def judge_family(
     Parameters
     ----------
     judge : str
-        Function below ``fprc.studies``, such as ``online.judge.judge_online``. It takes a ``Unit``
+        Function below ``fprc.studies``, such as ``learning.judge_online``. It takes a ``Unit``
         and ``how``, and returns a JSON mapping.
     family : Mapping
         See ``unit_of``; also ``name`` and ``fitted``.

@@ -61,10 +61,10 @@ def test_every_unit_is_judged_and_one_that_fails_is_the_only_one_lost(
             raise SimulationError("it\ndiverged")
         return {"found": factor * unit.number}
 
-    monkeypatch.setattr("fprc.studies.online.judge.judge_online", judge)
+    monkeypatch.setattr("fprc.studies.learning.judge_online", judge)
     out = tmp_path / "judged.json"
     judge_family(
-        str(out), judge="online.judge.judge_online", family=family, units=[0, 1, 2],
+        str(out), judge="learning.judge_online", family=family, units=[0, 1, 2],
         how={"factor": 3}, workers=1,
     )  # fmt: skip
     report = json.loads(out.read_text())

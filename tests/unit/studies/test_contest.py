@@ -11,8 +11,8 @@ from fprc.experiments.settings import RigSettings
 from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import FPRC
 from fprc.registry import COMPETITORS
-from fprc.studies.beyond import contest as contests
-from fprc.studies.beyond.contest import BRIEF, SLOW, judge_models
+from fprc.studies import contest as contests
+from fprc.studies.contest import BRIEF, SLOW, judge_models
 from fprc.studies.family import Unit
 
 SETTINGS = Settings().model_dump(mode="json")

@@ -4,8 +4,15 @@ import math
 
 import pytest
 
-from fprc.studies.beyond.claims import CLAIMS, best_of, measured, numbers_of
-from fprc.studies.beyond.tables import best_page, memory_page, models
+from fprc.studies.beyond import (
+    CLAIMS,
+    best_of,
+    best_page,
+    measured,
+    memory_page,
+    models,
+    numbers_of,
+)
 from fprc.studies.verdicts import decide
 
 

@@ -12,9 +12,9 @@ from fprc.experiments.tracking import Track
 from fprc.models import FPRC
 from fprc.paper import REFERENCES
 from fprc.plan.arguments import on_rig
+from fprc.studies import online as pages
 from fprc.studies.family import unit_of
-from fprc.studies.online import pages
-from fprc.studies.online.judge import (
+from fprc.studies.learning import (
     CONDITIONS,
     OF_P_O,
     changed_rig,

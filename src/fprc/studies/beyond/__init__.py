@@ -1,1 +1,0 @@
-"""Competitors of the paper's models on several families of simulated rigs."""

@@ -1,1 +1,0 @@
-"""A model that learns while it runs, on families of rigs with a disturbed P_o."""
