@@ -4,11 +4,11 @@ import sys
 
 import pytest
 
-from fprc.config import Settings, check
+from fprc.config import check
 from fprc.errors import ConfigError
 from fprc.models import RidgeReadout, SequenceModel, TapFeatures
 from fprc.paper import CONTROLLERS, DISTURBANCE, REFERENCES, reference_and_controller, run_log
-from fprc.registry import MODELS, build, feedforward_of, load_class, model_of_run, settings_of
+from fprc.registry import build, feedforward_of, load_class, model_of_run, settings_of
 
 
 class Outside(SequenceModel):
@@ -38,12 +38,6 @@ def test_name_of_a_run_says_its_reference_controller_and_model(reference, contro
     log = run_log(reference, controller)
     assert reference_and_controller(log) == (reference, controller)
     assert model_of_run(log) == (feedforward_of(controller) or "fprc")
-
-
-@pytest.mark.parametrize("name", MODELS)
-def test_defaults_of_the_settings_are_those_of_the_class(name):
-    model = build(name, Settings().models.model_dump(), 7)
-    assert model.get_params() == type(model)(random_state=7).get_params()
 
 
 def test_model_from_outside_is_built_with_its_settings_and_the_seed(settings):

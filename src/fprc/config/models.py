@@ -10,31 +10,35 @@ from fprc.limits import MODEL
 from fprc.registry import ANGLE, COMPETITORS
 
 
-# fmt: off
+def _parameter(name: str, meaning: str, source: str = "paper, Table I", unit: str = "") -> Any:
+    """Declare a parameter of the models; its default and its limits are the models' own."""
+    return quantity(MODEL[name].default, MODEL[name], meaning, source, unit)
+
+
 class Esn(Section):
     """Echo state network, Sec. III-A and Table I."""
 
-    r: int = quantity(800, MODEL["r"], "nodes of the reservoir", "paper, Table I")
-    f_input: float = quantity(0.02, MODEL["f_input"], "input scaling factor", "paper, Table I")
-    gamma: float = quantity(0.8, MODEL["gamma"], "leaky rate", "paper, Table I")
-    rho: float = quantity(0.4, MODEL["rho"], "spectral radius", "paper, Table I")
-    washout: int = quantity(100, MODEL["washout"], "steps for the state x to settle",
-        "paper, Sec. III-D", unit="samples")
+    r: int = _parameter("r", "nodes of the reservoir")
+    f_input: float = _parameter("f_input", "input scaling factor")
+    gamma: float = _parameter("gamma", "leaky rate")
+    rho: float = _parameter("rho", "spectral radius")
+    washout: int = _parameter(
+        "washout", "steps for the state x to settle", "paper, Sec. III-D", "samples"
+    )
 
 
 class Fprc(Section):
     """Fuzzy pneumatic reservoir computing, Sec. III-B and Table I."""
 
-    epsilon: float = quantity(0.01, MODEL["epsilon"], "filter factor", "paper, Table I")
-    n_c: int = quantity(8, MODEL["n_c"], "number of fuzzy rules", "paper, Table I")
-    n_u: int = quantity(3, MODEL["n_u"], "taps of the readout P_o", "paper, Table I",
-        unit="samples")
-    sigma: float = quantity(2.0, MODEL["sigma"], "Gaussian membership scaling", "paper, Table I")
-    restarts: int = quantity(1, MODEL["restarts"],
-        "starts of the clustering; that of the lowest objective is kept")
+    epsilon: float = _parameter("epsilon", "filter factor")
+    n_c: int = _parameter("n_c", "number of fuzzy rules")
+    n_u: int = _parameter("n_u", "taps of the readout P_o", unit="samples")
+    sigma: float = _parameter("sigma", "Gaussian membership scaling")
+    restarts: int = _parameter(
+        "restarts", "starts of the clustering; that of the lowest objective is kept", ""
+    )
 
 
-# fmt: on
 def _is_single(value: Any) -> Any:
     if not isinstance(value, bool | int | float | str) or value in (inf, -inf) or value != value:
         raise ValueError(f"{value} must be a finite number, a text, true or false")
@@ -65,8 +69,8 @@ class Other(Section):
 class Models(Section):
     """The three models; Fuzzy-linear shares n_c, sigma and the clustering with FPRC."""
 
-    n_y: int = quantity(5, MODEL["n_y"], "taps of theta_d", "paper, Sec. III-D", unit="samples")
-    alpha: float = quantity(1e-3, MODEL["alpha"], "ridge parameter", "paper, Sec. III-D")
+    n_y: int = _parameter("n_y", "taps of theta_d", "paper, Sec. III-D", "samples")
+    alpha: float = _parameter("alpha", "ridge parameter", "paper, Sec. III-D")
     esn: Esn = Esn()
     fprc: Fprc = Fprc()
     others: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")], Other] = Field(

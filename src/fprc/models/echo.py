@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from sklearn.utils import check_random_state
 
-from fprc.limits import limits_of
+from fprc.limits import MODEL, limits_of
 from fprc.models.features import FeatureMap, refuse_shorter, table, tap_rows, taps
 from fprc.models.kernels import LANES, advance, excite, excite_lanes
 from fprc.models.limits import SEED, Array
@@ -52,12 +52,12 @@ class EchoStates(FeatureMap):
     W_r_ : ndarray of shape (r, r)
     """
 
-    r: int = 800
-    f_input: float = 0.02
-    gamma: float = 0.8
-    rho: float = 0.4
-    n_y: int = 5
-    washout: int = 100
+    r: int = MODEL["r"].default
+    f_input: float = MODEL["f_input"].default
+    gamma: float = MODEL["gamma"].default
+    rho: float = MODEL["rho"].default
+    n_y: int = MODEL["n_y"].default
+    washout: int = MODEL["washout"].default
     random_state: int | None = None
 
     LIMITS = {**limits_of("r", "f_input", "gamma", "rho", "n_y", "washout"), "random_state": SEED}

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from fprc.limits import MODEL
 from fprc.models.echo import EchoStates
 from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel
@@ -46,13 +47,13 @@ class ESN(SequenceModel):
     Paper, Sec. III-A, Eqs. (3)-(5); Jaeger 2002.
     """
 
-    r: int = 800
-    f_input: float = 0.02
-    gamma: float = 0.8
-    rho: float = 0.4
-    n_y: int = 5
-    alpha: float = 1e-3
-    washout: int = 100
+    r: int = MODEL["r"].default
+    f_input: float = MODEL["f_input"].default
+    gamma: float = MODEL["gamma"].default
+    rho: float = MODEL["rho"].default
+    n_y: int = MODEL["n_y"].default
+    alpha: float = MODEL["alpha"].default
+    washout: int = MODEL["washout"].default
     random_state: int | None = None
 
     def make_features(self) -> EchoStates:

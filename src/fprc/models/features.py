@@ -256,10 +256,10 @@ class TapFeatures(FeatureMap):
         Filter factor of the readouts, in (0, 1].
     """
 
-    n_y: int = 5
+    n_y: int = MODEL["n_y"].default
     n_references: int | None = 1
-    n_u: int = 3
-    epsilon: float = 0.01
+    n_u: int = MODEL["n_u"].default
+    epsilon: float = MODEL["epsilon"].default
 
     LIMITS = {**limits_of("n_y", "n_u", "epsilon"), "n_references": Whole(0, 1000, or_none=True)}
 

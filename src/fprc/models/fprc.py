@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from fprc.limits import MODEL
 from fprc.models.features import TapFeatures
 from fprc.models.sequence import SequenceModel
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
@@ -47,14 +48,14 @@ class FPRC(SequenceModel):
     Paper, Sec. III-B, Eqs. (6)-(12).
     """
 
-    epsilon: float = 0.01
-    n_c: int = 8
-    n_u: int = 3
-    n_y: int = 5
-    sigma: float = 2.0
-    alpha: float = 1e-3
+    epsilon: float = MODEL["epsilon"].default
+    n_c: int = MODEL["n_c"].default
+    n_u: int = MODEL["n_u"].default
+    n_y: int = MODEL["n_y"].default
+    sigma: float = MODEL["sigma"].default
+    alpha: float = MODEL["alpha"].default
     random_state: int | None = None
-    restarts: int = 1
+    restarts: int = MODEL["restarts"].default
 
     def make_features(self) -> TapFeatures:
         return self._part(TapFeatures)
@@ -101,12 +102,12 @@ class FuzzyLinear(SequenceModel):
     Paper, Sec. III-D.
     """
 
-    n_c: int = 8
-    n_y: int = 5
-    sigma: float = 2.0
-    alpha: float = 1e-3
+    n_c: int = MODEL["n_c"].default
+    n_y: int = MODEL["n_y"].default
+    sigma: float = MODEL["sigma"].default
+    alpha: float = MODEL["alpha"].default
     random_state: int | None = None
-    restarts: int = 1
+    restarts: int = MODEL["restarts"].default
 
     def make_features(self) -> TapFeatures:
         return self._part(TapFeatures, n_references=None, n_u=1)

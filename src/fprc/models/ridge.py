@@ -12,7 +12,7 @@ from scipy.linalg import LinAlgError, LinAlgWarning, solve
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.limits import Limit, limits_of
+from fprc.limits import MODEL, Limit, limits_of
 from fprc.models.limits import Array, check_limits, training_data
 
 #: Rows whose products are summed at once: with 800 features their copy takes 13 MB.
@@ -69,7 +69,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         Weights, bias first.
     """
 
-    alpha: float = 1e-3
+    alpha: float = MODEL["alpha"].default
 
     LIMITS: ClassVar[Mapping[str, Limit]] = limits_of("alpha")
 

@@ -10,7 +10,7 @@ from scipy.spatial.distance import cdist
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.limits import LARGEST, Limit, limits_of
+from fprc.limits import LARGEST, MODEL, Limit, limits_of
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
 from fprc.models.limits import SEED, Allows, Array, check_limits, training_data
@@ -50,11 +50,11 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     Paper, Sec. III-B, Eqs. (7)-(12).
     """
 
-    n_c: int = 8
-    sigma: float = 2.0
-    alpha: float = 1e-3
+    n_c: int = MODEL["n_c"].default
+    sigma: float = MODEL["sigma"].default
+    alpha: float = MODEL["alpha"].default
     random_state: int | None = None
-    restarts: int = 1
+    restarts: int = MODEL["restarts"].default
 
     LIMITS: ClassVar[Mapping[str, Allows]] = {
         **limits_of("n_c", "sigma", "alpha", "restarts"),
