@@ -21,8 +21,6 @@ ENVIRONMENT = os.environ | {
     "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
     "FPRC_MESSAGES": "all",
 }
-#: What holds times, or is made from them.
-TIMED = ("/timing/", "/logs/", "fig10_", "report.html")
 
 
 class Project:
@@ -102,14 +100,6 @@ class Project:
             for folder in folders
             for path in sorted((self.folder / folder).rglob("*"))
             if path.is_file()
-        }
-
-    def untimed(self) -> dict[str, bytes]:
-        """Results that hold no times and are not made from them; logs name processes."""
-        return {
-            name: content
-            for name, content in self.files("results").items()
-            if not any(part in name for part in TIMED)
         }
 
     def copy(self, folder: Path) -> "Project":

@@ -14,7 +14,7 @@ from fprc.models import load_model
 pytestmark = pytest.mark.slow
 
 PAGE = (Path(__file__).parents[2] / "docs/extending.md").read_text(encoding="utf-8")
-TARGETS = ["table2", "timing", "table4"]
+TARGETS = ["table2", "table4"]
 
 
 def block(language):

@@ -14,8 +14,6 @@ rule judge:
         },
     log:
         PATHS.messages("judge_{model}"),
-    resources:
-        mem_mb=2000,
     params:
         name="{model}",
         validation=lambda wildcards: validation(SETTINGS, wildcards.model),
@@ -35,9 +33,6 @@ rule replicate:
     log:
         PATHS.messages("replicate_{seed}"),
     priority: LONG
-    resources:
-        mem_mb=2000,
-        runtime=60,
     params:
         stage="stages.replicate.replicate",
         code=computes(*PLAN.models),
@@ -61,8 +56,6 @@ rule measure_times:
         PATHS.messages("measure_times"),
     priority: ALONE
     threads: workflow.cores
-    resources:
-        mem_mb=2000,
     params:
         stage="stages.models.measure_times",
         code=computes(*PLAN.models),
@@ -84,8 +77,6 @@ rule grid:  # of logs that have no further seeds
     log:
         PATHS.messages("grid"),
     priority: LONG
-    resources:
-        mem_mb=2000,
     params:
         stage="stages.models.grid",
         code=computes("fprc", "fuzzy_linear"),

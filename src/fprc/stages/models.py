@@ -35,16 +35,13 @@ def judge(
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
     outside = outside_classes(validation["models"])
     judged = cross_validate_both(name, CrossValidation(**validation), logs)
-    for (train, test), (validated, report, tested), error, model, fit, prediction in zip(
-        DIRECTIONS, judged, errors, fitted, fits, predictions, strict=True
-    ):
-        write_json(error, report)
-        with replacing(model) as temporary:
+    for k, (train, test) in enumerate(DIRECTIONS):
+        validated, report, tested = judged[k]
+        write_json(errors[k], report)
+        with replacing(fitted[k]) as temporary:
             save_model(validated.model, temporary, outside)
-        for path, data, output in (
-            (fit, logs[train], validated.fit),
-            (prediction, logs[test], tested),
-        ):
+        for path, log, output in ((fits[k], train, validated.fit), (predictions[k], test, tested)):
+            data = logs[log]
             channels = {key: data.channels[key] for key in ("time_s", "p_target_kpa")}
             channels["p_ff_kpa"] = output
             write_columns(path, channels, dict(data.attributes) | {"model": name})
@@ -93,19 +90,16 @@ def measure_times(
         name: (build(name, models, seed).fit(*pairs[0]), *pairs) for name, pairs in logs.items()
     }
     timed = time_models(work, repeats)
-    results = [{"model": name, **entry} for name, entries in timed.items() for entry in entries]
     described = {"source": train_data.attributes["source"], **machine()}
-    write_json(times, described | {"times": results})
-
+    found = [{"model": name, **entry} for name, entries in timed.items() for entry in entries]
+    write_json(times, described | {"times": found})
     with_rules = {
         (name, rules): (build(name, models, seed, n_c=rules).fit(*logs[name][0]), *logs[name])
         for name in GRID_MODELS["n_c"]
         if name in logs
         for rules in n_c
     }
-    over_n_c = [
-        {"model": name, "n_c": rules, **entry}
-        for (name, rules), entries in time_models(with_rules, repeats, sequential=False).items()
-        for entry in entries
-    ]
-    write_json(times_over_n_c, described | {"times": over_n_c})
+    of_rules = time_models(with_rules, repeats, sequential=False)
+    found = [{"model": name, "n_c": rules, **entry}
+             for (name, rules), entries in of_rules.items() for entry in entries]  # fmt: skip
+    write_json(times_over_n_c, described | {"times": found})

@@ -4,7 +4,7 @@ import base64
 import logging
 import os
 import re
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -66,48 +66,45 @@ def write_report(
     # a table of one seed is folded up below the same one over seeds
     for name in [name for name in pages if f"{name}_seeds" in pages]:
         one = pages[name]
-        over = {"title": f"{one['title']}, over seeds", "short": one["short"]}
+        over = {"title": f"{one['title']}, over seeds", "short": one["short"], "one_seed": one}
+        pages[name] = pages.pop(f"{name}_seeds") | over
         one["short"] += " with one seed"
-        pages[name] = pages.pop(f"{name}_seeds") | over | {"one_seed": one}
     parts = {part["anchor"]: part for part in (*pages.values(), *shown)}
-    configuration = pages.pop("table1", None)
     drawn_from = set(sources) - {"none"}
-    page = (
-        _environment(Path(template[0]).parent)
-        .get_template(Path(template[0]).name)
-        .render(
-            kinds=in_words(SOURCES[source] for source in sorted(drawn_from)),
-            # the workflow refuses logs of which some are simulated and others are not
-            simulated="sim" in drawn_from,
-            missing=missing,
-            pages=pages.values(),
-            configuration=configuration,
-            lines=_lines(pages),
-            figures=shown,
-            settings=settings,
-            changed=_changed(settings),
-            yaml=yaml.safe_dump(dict(settings), sort_keys=False),
-            config=hash_of(settings),
-            commit=commit_of(Path(fprc.__path__[0])),
-            versions=versions(),
-            parts=parts,
-            **_claims(ledger, folder, parts),
-        )
+    judged: Any = read_json(ledger[0]) if ledger else {"claims": [], "note": ""}
+    code, here = Path(fprc.__path__[0]) / "claims" / "paper.py", Path.cwd()
+    # a link where page and code are in one project, not where the package is installed elsewhere
+    beside = code.is_relative_to(here) and folder.absolute().is_relative_to(here)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(template[0]).parent), autoescape=True,
+        undefined=jinja2.StrictUndefined, trim_blocks=True,
+    )  # fmt: skip
+    environment.filters["symbols"] = symbols
+    environment.globals["zip"] = zip
+    page = environment.get_template(Path(template[0]).name).render(
+        kinds=in_words(SOURCES[source] for source in sorted(drawn_from)),
+        # the workflow refuses logs of which some are simulated and others are not
+        simulated="sim" in drawn_from,
+        claims=judged["claims"],
+        note=judged["note"],
+        holding=holding(judged["claims"]),
+        code=quote(os.path.relpath(code, folder)) if beside else "",
+        ledger={"short": "Claims"} | _origin(ledger[0], folder, ".json", ".csv") if ledger else {},
+        missing=missing,
+        configuration=pages.pop("table1", None),
+        pages=pages.values(),
+        lines=_lines(pages),
+        figures=shown,
+        parts=parts,
+        settings=settings,
+        changed=_changed(settings),
+        yaml=yaml.safe_dump(dict(settings), sort_keys=False),
+        config=hash_of(settings),
+        commit=commit_of(Path(fprc.__path__[0])),
+        versions=versions(),
     )
     write_text(html, page)
     log.info("wrote %s, %d tables and %d figures", html, len(pages), len(shown))
-
-
-def _environment(templates: Path) -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(templates),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-    )
-    environment.filters["symbols"] = symbols
-    environment.globals["zip"] = zip
-    return environment
 
 
 def symbols(text: object) -> Markup:
@@ -128,69 +125,39 @@ def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     }
 
 
-def _claims(ledger: Sequence[str], folder: Path, shown: Container[str]) -> dict[str, Any]:
-    """Return the claims, with their evidence on the page, their code, and how many hold."""
-    if not ledger:
-        return {"claims": None}
-    report = read_json(ledger[0])
-    for claim in report["claims"]:
-        claim["evidence"] = [name for name in claim["shown_in"] if name in shown]
-    code, here = Path(fprc.__path__[0]) / "claims" / "paper.py", Path.cwd()
-    # a link where page and code are in one project, not where the package is installed elsewhere
-    beside = code.is_relative_to(here) and folder.absolute().is_relative_to(here)
-    return {
-        "claims": report["claims"],
-        "holding": holding(report["claims"]),
-        "code": quote(os.path.relpath(code, folder)) if beside else "",
-        "note": report["note"],
-        "ledger": {"short": "Claims", **_origin(ledger[0], folder, ".json", ".csv")},
-    }
-
-
 def _lines(pages: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple[str, str]]:
     """Return of Tables II and IV what a reader asks first, by anchor: what it is, and numbers."""
-    found: dict[str, tuple[str, Any]] = {}
-    for table in {"table2", "table4"} & pages.keys():
-        columns, rows = (pages[table]["table"][key] for key in ("columns", "data"))
-        if table == "table2":
-            what, *cells = rows[-1]
-            found[table] = f"{what} of the models [kPa]", zip(columns[1:], cells, strict=True)
+    found = {}
+    for name in sorted({"table2", "table4"} & pages.keys()):
+        table = pd.DataFrame(pages[name]["table"]["data"], columns=pages[name]["table"]["columns"])
+        if name == "table2":
+            cells = table.set_index(table.columns[0]).iloc[-1].filter(like="ours")
+            what = f"{cells.name} of the models {table.columns[0].partition(' ')[2]}"
         else:
-            at = columns.index("Sweep") if "Sweep" in columns else -1
-            numbers = ((row[0], row[at]) for row in rows if "paper" not in row)
-            found[table] = f"RMSE of tracking, {columns[at].lower()} [deg]", numbers
-    return {
-        pages[table]["anchor"]: (
-            what,
-            # the means, without interval or deviation
-            ", ".join(
-                f"{name.removesuffix(', ours')} {re.split(' [(±]', cell)[0]}"
-                for name, cell in cells
-                if "paper" not in name
-            ),
-        )
-        for table, (what, cells) in sorted(found.items())
-    }
+            ours = table[table["Whose"] == "ours"].set_index(table.columns[0])
+            cells = ours["Sweep" if "Sweep" in ours else ours.columns[-1]]
+            what = f"RMSE of tracking, {str(cells.name).lower()} [deg]"
+        # the means, without interval or deviation
+        numbers = [f"{key.partition(',')[0]} {re.split(' [(±]', cell)[0]}"
+                   for key, cell in cells.items()]  # fmt: skip
+        found[pages[name]["anchor"]] = what, ", ".join(numbers)
+    return found
 
 
-def _kinds(table: str, fitted: Mapping[str, Any]) -> dict[str, str]:
-    """Return whether the rig was fitted to a table's rows."""
+def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return a table, with whether the rig was fitted to it or to some of its rows."""
+    table, name = read_json(path), Path(path).stem
     to, start = set(fitted["to"]), set(fitted.get("start", ()))
 
     def kind(term: str) -> str:
         return "fitted" if term in to else "half fitted" if term in start else "predicted"
 
-    if table in ("table2", "table3"):
-        return dict.fromkeys(("FPRC", "FPRC+PD"), kind("tables"))
-    if table == "table4":
+    kinds: dict[str, str] = {}
+    if name.startswith("table4"):
         closed = {"closed_sweep", "closed_errors"} & (to | start)
-        return {"FPRC": kind("open_loop"), "FPRC+PD": "half fitted" if closed else "predicted"}
-    return {}
-
-
-def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    table, name = read_json(path), Path(path).stem
-    kinds = _kinds(name.removesuffix("_seeds"), fitted)
+        kinds = {"FPRC": kind("open_loop"), "FPRC+PD": "half fitted" if closed else "predicted"}
+    elif name.removesuffix("_seeds") in ("table2", "table3"):
+        kinds = {"FPRC": kind("tables")}
     same = len(set(kinds.values())) < 2
     return {
         "anchor": name,

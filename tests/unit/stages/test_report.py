@@ -2,7 +2,6 @@ import base64
 import html
 import os
 import re
-from functools import cache
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -46,13 +45,10 @@ CLAIMS = [
     {"id": "C3", "claim": "PD moves", "published": "yes", "basis": "3 seeds", "note": "",
      "verdict": "undecided", "shown_in": [], "rig": "counted", "statements": []},
 ]  # fmt: skip
-#: Templates that are compiled once.
-ENVIRONMENT = cache(report._environment)
 
 
 @pytest.fixture(autouse=True)
 def fixed(monkeypatch):
-    monkeypatch.setattr(report, "_environment", ENVIRONMENT)
     monkeypatch.setattr(report, "commit_of", lambda package: COMMIT)
     monkeypatch.setattr(report, "versions", lambda: {"python": "3.99.1"})
 
@@ -201,61 +197,42 @@ def test_every_claim_is_shown_with_its_verdict_its_numbers_and_its_code(project,
     assert page.all("div", **{"class": "claims"}) == []
 
 
-#: Of each table: what it is if the rig was fitted to Tables II and III, if to Table IV too, if to
-#: neither, and if only the rig at which the fit began was searched for them.
-TABLES = {
-    **dict.fromkeys(
-        ("table2", "table2_seeds", "table3", "table3_seeds"),
-        ("fitted", "fitted", "predicted", "half fitted"),
-    ),
-    **dict.fromkeys(
-        ("table4", "table4_seeds"), ("predicted", "half fitted", "predicted", "half fitted")
-    ),
-    "table2_timing": ("", "", "", ""),
-}
-FITS = (
-    {"to": ["tables", "orders"]}, {"to": ["tables", "open_loop"]}, {"to": ["C8"]},
-    {"to": ["C8"], "start": ["tables", "open_loop"]},
-)  # fmt: skip
+#: What a rig was fitted to; kinds of Tables II and IV, and of the rows of Table IV if they differ.
+FITS = [
+    ({"to": ["tables", "orders"]}, "fitted", "predicted", [None] * 3),
+    ({"to": ["tables", "open_loop"]}, "fitted", "half fitted",
+     ["fitted", "predicted", "predicted"]),
+    ({"to": ["C8"], "start": ["tables", "open_loop"]}, "half fitted", "half fitted",
+     ["half-fitted", "predicted", "predicted"]),
+    ({"to": ["open_loop", "closed_sweep"]}, "predicted", "half fitted",
+     ["fitted", "half-fitted", "predicted"]),
+    ({"to": [], "start": ["closed_errors"]}, "predicted", "half fitted",
+     ["predicted", "half-fitted", "predicted"]),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("source", ["sim", "rig"])
-@pytest.mark.parametrize("number", range(len(FITS)))
-def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(tmp_path, source, number):
-    project = Project(tmp_path)
-    project.settings = SETTINGS | {"fitted": {"name": "one", **FITS[number]}}
-    expected = []
-    for name, kinds in TABLES.items():
-        project.add_table(f"Title {name}: a note.", name, Model=["ESN"], Value=["800"])
-        kind = kinds[number] if source == "sim" else ""
-        if name.endswith("_seeds"):  # in the place of the table of one seed
-            expected[-1] = f"Title {name.removesuffix('_seeds')}, over seeds {kind}".strip()
-        else:
-            expected.append(f"Title {name} {kind}".strip())
-    project.add_figure(4, source=source)
-    page = project.page()
-    assert page.texts("h3") == expected
-    folded = [text.split(" with ")[0] for text in page.texts("summary") if "one seed" in text]
-    assert folded == [f"Title {name}" for name in ("table2", "table3", "table4")]
-
-
-@pytest.mark.parametrize(
-    ("fitted", "kinds"),
-    [
-        ({"to": ["open_loop"]}, ["fitted", "predicted", "predicted"]),
-        ({"to": ["open_loop", "closed_sweep"]}, ["fitted", "half-fitted", "predicted"]),
-        ({"to": [], "start": ["closed_errors"]}, ["predicted", "half-fitted", "predicted"]),
-    ],
-)
-def test_rows_of_a_half_fitted_table_say_what_was_fitted(tmp_path, fitted, kinds):
+@pytest.mark.parametrize(("fitted", "of_models", "of_loops", "rows"), FITS)
+def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(
+    tmp_path, source, fitted, of_models, of_loops, rows
+):
     project = Project(tmp_path)
     project.settings = SETTINGS | {"fitted": {"name": "one", **fitted}}
-    project.add_figure(4)
-    rows = ["FPRC", "FPRC+PD", "PD"]
-    project.add_table("Table IV. A note.", "table4", **{"RMSE [deg]": rows, "Whose": ["ours"] * 3})
+    for name in ("table2", "table2_seeds", "table2_timing"):
+        project.add_table("Errors: a note.", name, Model=["ESN"], Value=["800"])
+    loops = {"RMSE [deg]": ["FPRC", "FPRC+PD", "PD"], "Whose": ["ours"] * 3, "Sweep": ["1"] * 3}
+    project.add_table("Loops: a note.", "table4", **loops)
+    project.add_figure(4, source=source)
     page = project.page()
-    assert [row.get("class") for row in page.all("tr")[1:]] == kinds
-    assert page.texts("small") == ["half fitted"]
+    kinds = ["Errors, over seeds", "Errors", "Loops"]
+    if source == "sim":
+        kinds = [f"Errors, over seeds {of_models}", "Errors", f"Loops {of_loops}"]
+    assert sorted(page.texts("h3")) == sorted(kinds)
+    # the table of one seed is folded up in the place of the same one over seeds
+    assert [text for text in page.texts("summary") if "one seed" in text] == [
+        "Errors with one seed, that of the figures"
+    ]
+    assert [row.get("class") for row in page.all("tr")[-3:]] == rows
 
 
 def test_tables_and_figures_are_shown_with_their_notes_captions_and_files(project):
