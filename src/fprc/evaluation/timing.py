@@ -137,7 +137,7 @@ def multiplications(model: SequenceModel, phase: str, samples: int) -> int | Non
     elif isinstance(readout, TakagiSugenoReadout):
         rules = readout.n_c
         output = rules * (2 * size + 3) + 1  # distances, memberships, rules, their mean
-        passes = round(readout.passes * samples) * rules * (2 * size + 3)
+        passes = round(readout.passes_ * samples) * rules * (2 * size + 3)
         fit = passes + rules * (samples * (weights + sums) + solution)
     else:
         return None

@@ -9,7 +9,6 @@ from sklearn.base import BaseEstimator, clone
 
 from fprc.limits import Whole
 from fprc.models.features import FeatureMap, Row, rows_of
-from fprc.models.limits import SEED, check_limits
 from fprc.models.sequence import SequenceModel
 
 #: An unfitted map, and its columns of the input.
@@ -43,20 +42,13 @@ class FeatureModel(SequenceModel):
     random_state: int | None = None
 
     def make_features(self) -> FeatureMap:
-        if not isinstance(self.features, FeatureMap):
-            raise ValueError(
-                f"FeatureModel: features = {self.features!r:.60}; must be a FeatureMap"
-            )
         return self._seeded(self.features)
 
     def make_readout(self) -> BaseEstimator:
-        if isinstance(self.readout, type) or not hasattr(self.readout, "predict"):
-            raise ValueError(f"FeatureModel: readout = {self.readout!r:.60}; must be a regressor")
         return self._seeded(self.readout)
 
     def _seeded(self, part: BaseEstimator) -> BaseEstimator:
         part = clone(part)
-        check_limits(self, {"random_state": SEED})
         if self.random_state is not None:
             keys = [key for key in part.get_params() if key.split("__")[-1] == "random_state"]
             part.set_params(**dict.fromkeys(keys, self.random_state))
@@ -79,11 +71,6 @@ class SideBySide(FeatureMap):
     ----------
     maps_ : list of FeatureMap
         The fitted maps.
-
-    Raises
-    ------
-    ValueError
-        At ``fit``: ``maps`` is not such a list or is empty, or a column does not exist.
     """
 
     maps: Sequence[Part]
@@ -98,19 +85,14 @@ class SideBySide(FeatureMap):
         self.maps_ = [clone(part).fit(X[:, columns]) for part, columns in self.maps]
 
     def _check_columns(self) -> None:
-        try:
-            pairs = [(part, list(columns)) for part, columns in self.maps]
-        except (TypeError, ValueError):
-            pairs = []
-        if not pairs or not all(isinstance(part, FeatureMap) and own for part, own in pairs):
-            raise ValueError(
-                f"SideBySide: maps = {self.maps!r:.60}; must be a list of (FeatureMap, columns)"
-            )
         allowed = Whole(0, self.n_features_in_ - 1)
-        for part, columns in pairs:
-            for column in columns:
-                if not allowed.allows(column):
-                    raise ValueError(f"{part!r:.60} needs column {column!r:.60}; must be {allowed}")
+        for part, columns in self.maps:
+            wrong = [column for column in columns if not allowed.allows(column)]
+            if not isinstance(part, FeatureMap) or wrong or not len(columns):
+                raise ValueError(
+                    f"SideBySide: {(part, columns)!r:.60}: must be a FeatureMap and its columns, "
+                    f"each {allowed}"
+                )
 
     def rows(self) -> list[Row] | None:
         found = list[Row]()

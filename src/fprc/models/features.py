@@ -18,7 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.limits import LARGEST, MODEL, Limit, Whole, limits_of
 from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
-from fprc.models.limits import MOST_FEATURES, Allows, Array, Each, check_limits, is_built_in
+from fprc.models.limits import MOST_FEATURES, Array, check_limits, is_built_in
 
 #: A feature: its column, its kind, and its number, see ``kernels.advance``.
 Row = tuple[int, int, float]
@@ -28,16 +28,7 @@ BLOCK = 8_000
 
 
 def taps(x: np.ndarray, size: int) -> np.ndarray:
-    """Return [x(k), x(k-1), ..., x(k-size+1)] for each k, with x(k) = x(0) for k < 0.
-
-    Parameters
-    ----------
-    x : ndarray of shape (n_samples,)
-
-    Returns
-    -------
-    ndarray of shape (n_samples, size)
-    """
+    """Return [x(k), x(k-1), ..., x(k-size+1)] in row k, with x(k) = x(0) for k < 0."""
     padded = np.concatenate([np.full(size - 1, x[0]), x])
     return np.lib.stride_tricks.sliding_window_view(padded, size)[:, ::-1]
 
@@ -81,12 +72,12 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
     """
 
     #: See ``fprc.models.limits``.
-    LIMITS: Mapping[str, Allows] = {}
+    LIMITS: Mapping[str, Limit] = {}
     _streaming = False
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
         """Store the number of columns, and learn or draw what the map needs."""
-        check_limits(self, self.LIMITS)
+        check_limits(self)
         samples = self._samples(X, first=True)
         self._check_columns()
         self.prepare(samples)
@@ -123,8 +114,7 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         lengths = [len(samples)] if lengths is None else lengths
         if min(lengths, default=0) < 1 or sum(lengths) != len(samples):
             raise ValueError(
-                f"lengths = {list(lengths)!r:.60}; each must be at least 1, and their sum the "
-                f"{len(samples)} samples of the log"
+                f"lengths = {list(lengths)!r:.60}; must be above 0, in sum {len(samples)} samples"
             )
         for part in np.split(samples, np.cumsum(lengths)[:-1]):
             yield from self._blocks(part, most or len(part))
@@ -314,7 +304,10 @@ class LowpassBank(FeatureMap):
 
     epsilons: Sequence[float] = (0.03, 0.01, 0.003)
 
-    LIMITS = {"epsilons": Each(MODEL["epsilon"], most=1000)}
+    def _check_columns(self) -> None:
+        each = MODEL["epsilon"]
+        if not 0 < len(self.epsilons) <= 1000 or not all(map(each.allows, self.epsilons)):
+            raise ValueError(f"epsilons = {self.epsilons!r:.60}; must be 1 to 1000 times {each}")
 
     def count_features(self) -> int:
         return self.n_features_in_ * len(self.epsilons)

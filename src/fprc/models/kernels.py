@@ -19,18 +19,11 @@ TAP, LOWPASS, PLAY = range(3)
 
 @kernel
 def advance(row, x, columns, kinds, numbers):
-    """Move the features in ``row`` on by the sample ``x``, in place.
+    """Move the features in ``row`` on by the sample ``x``, in place; u is the input of a feature.
 
-    Parameters
-    ----------
-    row : ndarray of shape (n_features,)
-    columns : ndarray of shape (n_features,)
-        Input u of each feature.
-    kinds : ndarray of shape (n_features,)
-        ``TAP``: what the feature before it was at the last sample. ``LOWPASS``: p + epsilon (u - p)
-        (Eq. 6). ``PLAY``: max(u - r, min(u + r, p)), which is u itself if r is 0.
-    numbers : ndarray of shape (n_features,)
-        epsilon of a low-pass, half-width r of a play.
+    ``TAP``: what the feature before it was at the last sample. ``LOWPASS``: p + epsilon (u - p)
+    (Eq. 6). ``PLAY``: max(u - r, min(u + r, p)), which is u itself if r is 0. ``numbers`` are
+    epsilon of a low-pass, half-width r of a play.
     """
     for j in range(row.size - 1, -1, -1):
         u, p, number = x[columns[j]], row[j], numbers[j]
@@ -153,20 +146,10 @@ def _drive(target, w_in, u):
 def alternate(columns, centers, before, memberships, floor):
     """Compute the memberships of ``centers``, then new centres: one iteration of fuzzy c-means.
 
-    Parameters
-    ----------
-    columns : ndarray of shape (n_features, n_samples)
-    centers : ndarray of shape (n_clusters, n_features)
-    before, memberships : ndarray of shape (n_clusters, n_samples)
-        Memberships of the last iteration, and an array that this one overwrites.
-    floor : float
-        Least squared distance of a sample from a centre.
-
-    Returns
-    -------
-    tuple of (float, float, ndarray)
-        Objective at ``centers``, largest change of a membership from ``before``,
-        and the new centres.
+    ``columns`` are features by samples; ``before`` and ``memberships``, clusters by samples, those
+    of the last iteration and an array that this one overwrites; ``floor`` is the least squared
+    distance of a sample from a centre. Return the objective at ``centers``, the largest change of a
+    membership from ``before``, and the new centres.
     """
     n_samples, n_clusters = columns.shape[1], len(centers)
     closeness, total = np.empty((n_clusters, BLOCK)), np.empty(BLOCK)

@@ -5,7 +5,7 @@
 and its ``Array`` or its type.
 """
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Set
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,21 +21,6 @@ SMALLEST_SCALE = 1e-12
 
 #: Most features of a map, and most columns of its input.
 MOST_FEATURES = 100_000
-
-
-class Each(NamedTuple):
-    """Range of every number of a list, and its greatest length; it must not be empty."""
-
-    limit: Limit
-    most: int
-
-    def allows(self, value: Any) -> bool:
-        """Return whether ``value`` is a list of numbers within."""
-        is_list = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
-        return is_list and 0 < len(value) <= self.most and all(map(self.limit.allows, value))
-
-    def __str__(self) -> str:  # noqa: D105
-        return f"a list of 1 to {self.most} numbers in {self.limit.interval()}"
 
 
 class Array(NamedTuple):
@@ -63,18 +48,10 @@ class Array(NamedTuple):
 #: What ``random_state`` may be.
 SEED = Whole(0, 2**32 - 1, or_none=True)
 
-#: What tells whether a parameter is allowed; as text, what it must be.
-Allows = Limit | Each
 
-
-def check_limits(estimator: BaseEstimator, limits: Mapping[str, Allows]) -> None:
-    """Check the parameters of an estimator.
-
-    Raises
-    ------
-    ValueError
-        Lists every parameter of the wrong type or out of range, with its value and limit.
-    """
+def check_limits(estimator: Any) -> None:
+    """Raise ValueError, with values and limits, if parameters are not within ``LIMITS``."""
+    limits = getattr(estimator, "LIMITS", {})
     problems = [
         f"{type(estimator).__name__}: {name} = {value!r:.60}; must be {limits[name]}"
         for name, value in estimator.get_params(deep=False).items()
@@ -94,15 +71,11 @@ def is_built_in(model: BaseEstimator) -> bool:
 
 
 def check_learned(model: Any, learned: Set[str]) -> None:
-    """Check a model of this package that comes from a file: its parameters, and what it learned.
+    """Raise ValueError if a model of this package, from a file, is not as its class declares it.
 
-    Raises
-    ------
-    ValueError
-        A parameter is out of range; an attribute is missing or not as its class declares it; or
-        its class learns none of a name in ``learned``.
+    ``learned`` are the names of what the file says that it learned.
     """
-    check_limits(model, getattr(model, "LIMITS", {}))
+    check_limits(model)
     columns = model.n_features_in_
     declared: dict[str, Any] = {
         "n_features_in_": Whole(1, MOST_FEATURES),
@@ -126,13 +99,7 @@ def check_learned(model: Any, learned: Set[str]) -> None:
 def training_data(
     estimator: BaseEstimator, X: ArrayLike, y: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what ``fit`` is given, as scikit-learn checks it; ``y`` may be numbers as text.
-
-    Raises
-    ------
-    ValueError
-        ``y`` is missing or holds something else than numbers, such as words or durations.
-    """
+    """Return what ``fit`` is given, as scikit-learn checks it; ``y`` may be numbers as text."""
     if y is not None and np.asarray(y).dtype.kind in "mMSUO":
         try:
             y = np.asarray(y).astype(str).astype(np.float64)

@@ -12,8 +12,7 @@ class NodeFeatures(FeatureMap):
     """States of a node or a model of ReservoirPy, or of anything with its ``run`` and ``reset``.
 
     The taps of the input, which an ESN's readout gets too, come from ``TapFeatures`` in a
-    ``SideBySide``. A model with such features is fitted, cross-validated and stepped as any other,
-    but not saved: ``save_model`` takes numbers and text only.
+    ``SideBySide``. A model with such features is not saved: files hold numbers and text only.
 
     Parameters
     ----------
@@ -22,11 +21,6 @@ class NodeFeatures(FeatureMap):
     washout : int, default=100
         Steps with the first sample as constant input, in which its state settles before a log
         begins.
-
-    Attributes
-    ----------
-    node_ : object
-        The node, initialised, its state as it was made.
     """
 
     def __init__(self, node: Any, washout: int = 100):

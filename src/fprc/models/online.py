@@ -92,8 +92,7 @@ class Online:
                 f"it again (only a readout of ours with at most {MOST_WEIGHTS} weights can learn)"
             )
         self.settings, self.limit_kpa = learning, pressure_limit_kpa
-        self.n_features_in_ = model.n_features_in_
-        self._model = deepcopy(model)
+        self.n_features_in_, self._model = model.n_features_in_, deepcopy(model)
         self._features, self._readout = self._model.features_, self._model.readout_
         self.delay = max(round(learning.delay_s / period_s), 1)
         self.mixing = period_s / learning.memory_s
@@ -149,25 +148,16 @@ class Online:
         )  # fmt: skip
 
 
-#: Added to the diagonal of the information, for directions that the training never moved. Large
-#: numbers need more, because of rounding: at most this share of the trace.
-_LEAST, _MOST_SHARE = 1e-6, 1e-9
-
-
 def prior_of(model: SequenceModel, prior_s: float, period_s: float) -> np.ndarray:
-    """Return the prior covariance C_0 of a model: its training, as ``prior_s`` seconds of data.
-
-    Raises
-    ------
-    ValueError
-        ``information_`` is not positive: no training gives it.
-    """
+    """Return the prior covariance C_0 of a model: its training, as ``prior_s`` seconds of data."""
     # the regressors of the biases sum to 1 at each sample
     biases = slice(None, None, 1 + model.readout_.n_features_in_)
     samples = float(model.information_[biases, biases].sum())
     scaled = model.information_ * (prior_s / period_s / max(samples, 1.0))
-    least = _LEAST
-    while samples >= 1.0 and least <= max(_LEAST, _MOST_SHARE * np.trace(scaled)):
+    # added to the diagonal, for directions that the training never moved; large numbers need more,
+    # because of rounding: at most a share of the trace
+    least = 1e-6
+    while samples >= 1.0 and least <= max(1e-6, 1e-9 * np.trace(scaled)):
         with suppress(ValueError):
             prior = solve_ridge(scaled, np.eye(len(scaled)), least)
             return 0.5 * (prior + prior.T)

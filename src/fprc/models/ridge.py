@@ -25,10 +25,7 @@ def with_bias(X: np.ndarray) -> np.ndarray:
 
 
 def sums_of_products(blocks: Iterable[np.ndarray], y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sums of the products of [1, x] with itself and with y, of the rows of all blocks.
-
-    The blocks are in the order of ``y``; each may be overwritten by the next.
-    """
+    """Return the sums of the products of [1, x] with itself and y, over blocks in its order."""
     gram, moments, done = np.zeros(()), np.zeros(()), 0
     for block in blocks:
         for first in range(0, len(block), ROWS):
@@ -83,8 +80,8 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         return self.fit_blocks([rows], targets)
 
     def fit_blocks(self, blocks: Iterable[np.ndarray], y: np.ndarray) -> Self:
-        """Fit to rows that come in blocks, without checks, so that only one is in memory."""
-        check_limits(self, self.LIMITS)
+        """Fit to rows that come in blocks, each of which the next may overwrite, without checks."""
+        check_limits(self)
         return self.fit_sums(*sums_of_products(blocks, y))
 
     def fit_complements(
@@ -95,7 +92,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         X^T X is computed once per part; each copy adds those of the other parts. The parts are
         numbers of rows, each of which is in exactly one part.
         """
-        check_limits(self, self.LIMITS)
+        check_limits(self)
         part_of, done = np.empty(len(y), dtype=int), 0
         for i, part in enumerate(parts):
             part_of[part] = i
@@ -110,7 +107,6 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         return [clone(self).fit_sums(*(reduce(np.add, terms) for terms in rest)) for rest in others]
 
     def fit_sums(self, gram: np.ndarray, moments: np.ndarray) -> Self:
-        """Fit to what ``sums_of_products`` returns."""
         self.n_features_in_ = len(moments) - 1
         self.w_out_ = solve_ridge(gram, moments, self.alpha)
         return self

@@ -13,7 +13,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from fprc.limits import LARGEST, MODEL, Limit, limits_of
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
-from fprc.models.limits import SEED, Allows, Array, check_limits, training_data
+from fprc.models.limits import SEED, Array, check_limits, training_data
 from fprc.models.ridge import solve_ridge, with_bias
 
 
@@ -44,6 +44,8 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         Cluster centres c_i.
     W_out_ : ndarray of shape (n_c, 1 + n_features)
         Weights of each rule, bias first.
+    passes_ : float
+        Iterations of the clustering; those on a part of the rows count in proportion.
 
     References
     ----------
@@ -56,16 +58,17 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     random_state: int | None = None
     restarts: int = MODEL["restarts"].default
 
-    LIMITS: ClassVar[Mapping[str, Allows]] = {
+    LIMITS: ClassVar[Mapping[str, Limit]] = {
         **limits_of("n_c", "sigma", "alpha", "restarts"),
         "random_state": SEED,
     }
 
-    def learned(self) -> dict[str, Array]:
+    def learned(self) -> dict[str, Array | Limit]:
         """Return the shapes of centres and weights, see ``fprc.models.limits``."""
         # as far as samples go: C computes with distances from the centres
         centers = Array((self.n_c, self.n_features_in_), Limit(-LARGEST, LARGEST))
-        return {"centers_": centers, "W_out_": Array((self.n_c, 1 + self.n_features_in_))}
+        weights = Array((self.n_c, 1 + self.n_features_in_))
+        return {"centers_": centers, "W_out_": weights, "passes_": Limit(0, LARGEST)}
 
     def fit(self, X: ArrayLike, y: ArrayLike, *, init: np.ndarray | None = None) -> Self:
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8).
@@ -73,13 +76,13 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         ``init``, of the shape of ``centers_``, is where the clustering begins; by default at
         random samples.
         """
-        check_limits(self, self.LIMITS)
+        check_limits(self)
         rows, targets = training_data(self, X, y)
         clusters = fuzzy_c_means(
             rows, self.n_c, random_state=self.random_state, restarts=self.restarts, init=init
         )
         self.centers_, self.W_out_ = clusters.centers, np.empty((self.n_c, 1 + rows.shape[1]))
-        self._passes = clusters.passes
+        self.passes_ = clusters.passes
         extended = with_bias(rows)
         for i, u in enumerate(clusters.memberships.T):
             weighted = extended * (u**2)[:, None]
@@ -97,17 +100,9 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         return rules.sum(axis=0)
 
     def regressors(self, rows: np.ndarray) -> np.ndarray:
-        """Return what multiplies the weights ``W_out_``, rule by rule: beta_bar x [1, x].
-
-        The shape is (n_samples, n_c * (1 + n_features)).
-        """
+        """Return what multiplies the weights ``W_out_``, rule by rule: beta_bar x [1, x]."""
         beta = gaussian_memberships(rows, self.centers_, self.sigma)
         return (beta[:, :, None] * with_bias(rows)[:, None, :]).reshape(len(rows), -1)
-
-    @property
-    def passes(self) -> float:
-        """Iterations of the last clustering; those on a part of the rows count in proportion."""
-        return self._passes
 
     @property
     def weights(self) -> np.ndarray:
@@ -124,11 +119,6 @@ def gaussian_memberships(X: np.ndarray, centers: np.ndarray, sigma: float) -> np
 
     beta_i = exp(-||x - c_i||^2 / (2 sigma^2)), divided by the sum over i. The largest exponent is
     subtracted first: the result is the same, but a sample far from every centre is not 0 / 0.
-
-    Returns
-    -------
-    ndarray of shape (n_samples, n_clusters)
-        Rows sum to 1.
     """
     # one row per cluster, and in place: NumPy is slow with short rows and new arrays
     beta = cdist(centers, X, "sqeuclidean")

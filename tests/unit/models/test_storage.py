@@ -194,10 +194,10 @@ TEXTS = {
         for name, value in (("n_c", 10**9), ("n_c", "3"), ("sigma", True), ("alpha", -1.0))
     },
     "rules": (FUZZY, put(*readout, "parameters", "n_c", value=4), "centers_"),
-    "column of a map": (on(BANK), lambda text: first_map(text).__setitem__(1, [7]), "column 7"),
+    "column of a map": (on(BANK), lambda text: first_map(text).__setitem__(1, [7]), "SideBySide"),
     "columns of a map": (on(BANK), lambda text: first_map(text).__setitem__(1, [0]), "be 2 nu"),
-    "no map": (on(BANK), features("maps", [7]), "maps = "),
-    "no maps": (on(BANK), features("maps", []), "maps"),
+    "no map": (on(BANK), features("maps", [7]), ""),
+    "no maps": (on(BANK), features("maps", []), ""),
     "references": (on(TapFeatures()), features("n_references", 7), "n_references"),
     "40 MB": (FUZZY, put("learned", "units_", value=["k" * 40_000_000]), "too long a text"),
     "factors": (on(LowpassBank()), features("epsilons", "0.1"), "epsilons"),
