@@ -26,9 +26,6 @@ def pressure(X):
     return 5.0 * X[:, 0] + 0.05 * X[:, 0] ** 2 + 2.0 * (X[:, -1] - 100.0)
 
 
-# ridge regression
-
-
 def test_ridge_on_collinear_taps_predicts_as_the_augmented_system():
     X = hysteresis(800)
     rows = TapFeatures().fit_transform(X)
@@ -36,9 +33,6 @@ def test_ridge_on_collinear_taps_predicts_as_the_augmented_system():
     stacked = np.vstack([extended, np.sqrt(1e-3) * np.eye(extended.shape[1])])
     expected = scipy.linalg.lstsq(stacked, np.concatenate([y, np.zeros(extended.shape[1])]))[0]
     assert_allclose(RidgeReadout().fit(rows, y).predict(rows), extended @ expected, rtol=1e-6)
-
-
-# memberships
 
 
 @pytest.mark.parametrize("distance", [0.0, 10.0, 77.0, 500.0, 1e4])
@@ -66,9 +60,6 @@ def exact_memberships(x, centers, sigma):
         return [float(activation / sum(beta)) for activation in beta]
 
 
-# sequential features
-
-
 def equation_3(features, X, washout):
     """Return x(k) of each sample, scalar by scalar."""
     w_in, W_r = features.w_in_.tolist(), features.W_r_.tolist()
@@ -90,9 +81,6 @@ def equation_3(features, X, washout):
     return states
 
 
-# whole models
-
-
 def test_esn_equals_equations_3_to_5():
     X, n_y, alpha = hysteresis(150)[:, :1], 4, 0.01
     y = pressure(hysteresis(150))
@@ -105,28 +93,23 @@ def test_esn_equals_equations_3_to_5():
     assert_allclose(model.predict(X), extended @ w_out, rtol=1e-7)
 
 
-def test_fprc_equals_equations_6_to_12():
-    X = hysteresis(200)
-    y = pressure(X)
+@pytest.mark.parametrize("cls", [FPRC, FuzzyLinear])
+def test_fuzzy_models_equal_equations_6_to_12(cls):
+    X, y = hysteresis(200), pressure(hysteresis(200))
     settings_ = {"n_c": 4, "n_y": 3, "sigma": 3.0, "alpha": 0.01, "random_state": 2}
-    model = FPRC(n_u=2, epsilon=0.2, **settings_).fit(X, y)
     filtered, before = [], X[0, 1]
     for value in X[:, 1]:
         before = 0.2 * value + 0.8 * before
         filtered.append(before)
+    if cls is FPRC:
+        model, n_u = FPRC(n_u=2, epsilon=0.2, **settings_).fit(X, y), 2
+    else:
+        X, n_u = X[:, :1], 0
+        model = FuzzyLinear(**settings_).fit(X, y)
     states = [
-        [*(X[max(k - j, 0), 0] for j in range(3)), *(filtered[max(k - j, 0)] for j in range(2))]
+        [*(X[max(k - j, 0), 0] for j in range(3)), *(filtered[max(k - j, 0)] for j in range(n_u))]
         for k in range(len(X))
     ]
-    assert_allclose(model.predict(X), equations_6_to_12(states, y, **settings_), rtol=1e-7)
-
-
-def test_fuzzy_linear_equals_equations_6_to_12_of_theta_alone():
-    X = hysteresis(200)[:, :1]
-    y = pressure(hysteresis(200))
-    settings_ = {"n_c": 3, "n_y": 4, "sigma": 3.0, "alpha": 0.01, "random_state": 2}
-    model = FuzzyLinear(**settings_).fit(X, y)
-    states = [[X[max(k - j, 0), 0] for j in range(4)] for k in range(len(X))]
     assert_allclose(model.predict(X), equations_6_to_12(states, y, **settings_), rtol=1e-7)
 
 

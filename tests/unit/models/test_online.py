@@ -9,7 +9,6 @@ from fprc.models import (
     FeatureModel,
     FuzzyLinear,
     Learning,
-    LowpassBank,
     Online,
     PlayOperators,
     RidgeReadout,
@@ -18,15 +17,12 @@ from fprc.models import (
     load_model,
     save_model,
 )
-from fprc.models import online as module
 from fprc.models.online import prior_of
 
 PERIOD_S = 0.005
 MODELS = {
     "fprc": FPRC(n_c=3, random_state=1),
     "fuzzy_linear": FuzzyLinear(n_c=3, random_state=1),
-    "ridge": FeatureModel(TapFeatures(), RidgeReadout()),
-    "bank": FeatureModel(LowpassBank((0.5, 0.05)), RidgeReadout()),
     "plays": FeatureModel(
         SideBySide([(PlayOperators(n_plays=3), [0, 1]), (TapFeatures(), [0, 1])]), RidgeReadout()
     ),
@@ -109,13 +105,6 @@ def test_model_of_numbers_of_any_size_can_learn(scale):
     assert np.linalg.eigvalsh(prior / np.outer(size, size)).min() > -1e-6
 
 
-def test_everything_is_compiled_before_the_first_step(model, monkeypatch):
-    called, learn_step = [], module._learn_step
-    monkeypatch.setattr(module, "_learn_step", lambda *given: called.append(learn_step(*given)))
-    Online(model[0], Learning(), PERIOD_S)
-    assert called
-
-
 # --- the online model -------------------------------------------------------------------------
 
 
@@ -176,8 +165,6 @@ def test_constant_error_of_the_model_is_learned(model):
     [
         pytest.param(5.0, 0.4, 0.0, 1e6, id="at the stop"),
         pytest.param(5.0, np.nan, 0.0, 1e6, id="no angle"),
-        pytest.param(5.0, np.inf, 0.0, np.inf, id="infinite angle"),
-        pytest.param(np.inf, 30.0, 0.0, np.inf, id="infinite error"),
         pytest.param(-46.0, 30.0, 0.0, np.inf, id="error that is a fault"),
         pytest.param(5.0, 1e4, 0.0, np.inf, id="angle that is a fault"),
         pytest.param(5.0, 30.0, np.nan, 1e6, id="unknown feedback"),
@@ -200,7 +187,6 @@ FAULTS = {
     "one sample": lambda k: 200.0 if k == 1200 else None,
     "one sample, 1e8": lambda k: 1e8 if k == 1200 else None,
     "first sample": lambda k: 1e8 if k == 0 else None,
-    "0.1 s": lambda k: 350.0 if 1200 <= k < 1220 else None,
     "1 s, in range": lambda k: 120.0 if 1200 <= k < 1400 else None,
     "1 s, out of range": lambda k: -1e5 if 1200 <= k < 1400 else None,
     "again and again": lambda k: 55.0 if k % 50 == 0 else None,
