@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fprc.apparatus import command, guardian, journal, pneumatics, process
+from fprc.apparatus import command, guardian, hardware, journal, process
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.apparatus.journal import read_journal
 from fprc.errors import ControlError, FprcError, OutputError
@@ -274,8 +274,8 @@ def test_loop_whose_guardian_has_ended_vents_until_the_board_answers(
     bench, settings, record, monkeypatch
 ):
     settings["hardware"]["valves"]["vent_s"] = 0.4
-    alone = partial(pneumatics.vent, sleep=bench.wait, now=bench.elapsed)
-    monkeypatch.setattr(pneumatics, "vent", alone)
+    alone = partial(hardware.vent, sleep=bench.wait, now=bench.elapsed)
+    monkeypatch.setattr(hardware, "vent", alone)
     monkeypatch.setattr(guardian, "_RETRY_S", 0.005)
 
     def fail(tick):

@@ -20,7 +20,7 @@ from contextlib import contextmanager, suppress
 from typing import IO, Any
 
 from fprc.apparatus.contec import locked
-from fprc.apparatus.pneumatics import NotVentedError, vent_from_outside
+from fprc.apparatus.hardware import NotVentedError, vent_from_outside
 from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
@@ -131,58 +131,36 @@ def _watch(process: _Process, loop: Mapping[str, float]) -> str:
         state = max(limits_s, key=(state + chunk).rfind)  # the latest
 
 
-class _Venting(threading.Thread):
-    """Attempts to vent until it succeeds or is given up, in a thread: a call may never return.
-
-    It prints nothing, because printing may block.
-    """
-
-    def __init__(self, hardware: Mapping[str, Any]):
-        super().__init__(daemon=True)
-        self._hardware = hardware
-        self.given_up = threading.Event()
-        self.outcome = ""
-        self.problem = "the driver has not answered yet"
-        self.written_s = math.inf  #: when both valves were first written
-
-    def run(self) -> None:
-        while not self.given_up.is_set() and not self.outcome:
-            try:
-                vent_from_outside(self._hardware, self._note)
-                self.outcome = "both chambers are vented, as their sensors show"
-            except NotVentedError as error:
-                self.outcome = str(error)
-            except Exception as error:  # of any type: the next attempt may succeed
-                self._note(f"{type(error).__name__}: {error}")
-                self.given_up.wait(_RETRY_S)
-
-    def _note(self, error: str) -> None:
-        """Note a write to the valves by its error, empty if it succeeded."""
-        self.problem = error or "both valves were set to vent, but no reading confirms it yet"
-        if not error:
-            self.written_s = min(self.written_s, time.monotonic())
-
-
 def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) -> str:
     """Vent until the sensors confirm it or the user gives up; return the outcome as text.
 
-    ``received`` has the signals to this process; a SIGINT more gives up, and so does a driver that
-    took the voltages, and then does not answer for more than twice ``vent_s``.
+    ``received`` has the signals to this process; a SIGINT more gives up.
     """
     before, printed_s = received.count(signal.SIGINT), time.monotonic()
-    venting = _Venting(hardware)
+    outcome, problem, given_up = list[str](), "the driver has not answered yet", threading.Event()
+
+    def attempt() -> None:
+        nonlocal problem
+        while not given_up.is_set() and not outcome:
+            try:
+                vent_from_outside(hardware)
+                outcome.append("both chambers are vented, as their sensors show")
+            except NotVentedError as error:
+                outcome.append(str(error))
+            except Exception as error:  # of any type: the next attempt may succeed
+                problem = f"{type(error).__name__}: {error}"
+                given_up.wait(_RETRY_S)
+
+    # in a thread that prints nothing: a call of the driver may never return, printing may block
+    venting = threading.Thread(target=attempt, daemon=True)
     venting.start()
-    while not venting.outcome:
+    while not outcome and received.count(signal.SIGINT) <= before:
         venting.join(_POLL_S)
-        now_s = time.monotonic()
-        hangs = now_s - venting.written_s > 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S
-        if hangs or received.count(signal.SIGINT) > before:
-            venting.given_up.set()
-            return venting.outcome or str(NotVentedError(venting.problem))
-        if now_s - printed_s > _MESSAGE_S:
-            printed_s = now_s
-            log.error("%s Still trying; Ctrl-C gives up", NotVentedError(venting.problem))
-    return venting.outcome
+        if time.monotonic() - printed_s > _MESSAGE_S:
+            printed_s = time.monotonic()
+            log.error("%s Still trying; Ctrl-C gives up", NotVentedError(problem))
+    given_up.set()
+    return outcome[0] if outcome else str(NotVentedError(problem))
 
 
 def _wait(process: _Process, received: Sequence[int]) -> int | None:

@@ -1,20 +1,172 @@
-"""The real rig behind the device protocol: boards, pressure sensors, angle sensors."""
+"""The real rig behind the device protocol: valves, pressure sensors, angle sensors, and venting.
+
+``hardware`` is a mapping as in ``fprc.config.hardware.Hardware``. Whoever opens a part holds the
+locks of the boards, see ``fprc.apparatus.contec``.
+"""
 
 import contextlib
 import math
 import time
 from collections.abc import Callable, Mapping
+from functools import cache, partial
+from itertools import cycle
 from typing import Any
 
 from fprc.apparatus.bendlabs import BendSensor, open_bus
-from fprc.apparatus.pneumatics import Pressures, Valves, call_all, quietly, vent
+from fprc.apparatus.contec import Board
 from fprc.channels import Readings
+from fprc.errors import DeviceError
+
+#: Time between two readings while a chamber vents, s.
+_POLL_S = 0.02
+#: Consecutive readings that must show a vented chamber.
+_IN_A_ROW = 10
+
+
+class NotVentedError(DeviceError):
+    """No reading confirms that the chambers are vented."""
+
+    def __init__(self, why: str):
+        super().__init__(
+            f"THE CHAMBERS MAY BE UNDER PRESSURE: {why}. Cut the supply and open the chambers by "
+            "hand; if a gauge shows 0 kPa, check the sensors' cables and zero_v"
+        )
+
+
+class Valves:
+    """Both proportional valves on the output board, and the optional heartbeat output.
+
+    With ``reset`` the board is reset and both chambers are vented. Each method raises DeviceError
+    if the driver reports an error, after trying its other writes.
+    """
+
+    def __init__(self, hardware: Mapping[str, Any], *, reset: bool):
+        boards, volts = hardware["boards"], hardware["valves"]
+        self._board = Board(boards["library"], boards["output_device"], "Ao", reset=reset)
+        self._outputs = boards["main_output"], boards["reservoir_output"]
+        # for a watchdog relay
+        self._heartbeat, self._beat_v = boards["heartbeat_output"], cycle((5.0, 0.0))
+        self._neutral_v, self._vent_v = volts["neutral_v"], volts["vent_v"]
+        self.release = self._board.close  #: releases the board; its outputs hold their voltages
+        if reset:
+            try:
+                self.exhaust()  # even at rest: a closed valve leaks, and would fill the chamber
+            except DeviceError:
+                quietly(self.close)  # tries to vent once more
+                raise
+
+    def write(self, main_v: float, reservoir_v: float) -> None:
+        """Set both voltages; if both writes succeed, toggle the heartbeat output."""
+        self._write_in_turn(main_v, reservoir_v)
+        if self._heartbeat is not None:
+            self._board.write(self._heartbeat, next(self._beat_v))
+
+    def vent(self) -> None:
+        """Close both valves, then open both chambers to the atmosphere."""
+        self._write_in_turn(self._neutral_v, self._neutral_v, self._vent_v, self._vent_v)
+
+    def exhaust(self) -> None:
+        """Open both chambers to the atmosphere at once."""
+        self._write_in_turn(self._vent_v, self._vent_v)
+
+    def close(self) -> None:
+        """Open both chambers to the atmosphere at once, and release the board."""
+        call_all(self.exhaust, self.release)
+
+    def _write_in_turn(self, *volts: float) -> None:
+        """Write voltages to the actuator's and the reservoir's valve in turn."""
+        writes = zip(cycle(self._outputs), volts)
+        call_all(*(partial(self._board.write, *write) for write in writes))
+
+
+class Pressures:
+    """The three pressure sensors on the input board."""
+
+    def __init__(self, hardware: Mapping[str, Any]):
+        boards, names = hardware["boards"], ("p_exp", "p_i", "p_o")
+        self._channels = [boards[f"{name}_input"] for name in names]
+        self._scales = [(hardware[n]["zero_v"], hardware[n]["gain_kpa_per_v"]) for n in names]
+        self._board = Board(boards["library"], boards["input_device"], "Ai")
+        self.close = self._board.close
+
+    def read(self) -> list[float]:
+        """Return the present P_exp, P_i and P_o, kPa gauge."""
+        volts = self._board.read(1 + max(self._channels))
+        own = zip(self._channels, self._scales, strict=True)
+        return [(volts[channel] - zero) * gain for channel, (zero, gain) in own]
+
+
+def vent(
+    valves: Valves,
+    open_inputs: Callable[[], Pressures],
+    voltages: Mapping[str, Any],
+    *,
+    sleep: Callable[[float], None] = time.sleep,
+    now: Callable[[], float] = time.monotonic,
+) -> None:
+    """Set both valves to vent, repeatedly, until readings show that both chambers are vented.
+
+    A chamber is vented if its sensor has read ``vented_kpa`` or less ten times in a row and has
+    changed since the first reading: a frozen one proves nothing. The valves are written again
+    before each reading, because the board may fail for a moment.
+
+    ``open_inputs`` is called again after a DeviceError. NotVentedError: ``vent_s`` after the first
+    successful write, no reading shows that both chambers are vented. DeviceError: every write has
+    failed for ``vent_s``.
+    """
+    began_s, longest_s, limit_kpa = now(), voltages["vent_s"], voltages["vented_kpa"]
+    written_s: float | None = None
+    seen: list[list[float]] = []
+    in_a_row = 0
+    while True:
+        failed = ""
+        try:
+            valves.exhaust()
+            written_s = now() if written_s is None else written_s
+        except DeviceError as error:
+            failed = f"{error}; "
+            if written_s is None and now() - began_s > longest_s:
+                raise
+        try:
+            seen.append(open_inputs().read()[:2])
+            # abs: a disconnected sensor reads far below 0
+            in_a_row = in_a_row + 1 if all(abs(kpa) <= limit_kpa for kpa in seen[-1]) else 0
+            state = "p_exp_kpa = {:.1f}, p_i_kpa = {:.1f}".format(*seen[-1])
+        except DeviceError as error:
+            in_a_row, state = 0, f"no pressure can be read ({error})"
+        frozen = any(len(set(values)) == 1 for values in zip(*seen, strict=True))
+        if written_s is not None:
+            if in_a_row >= _IN_A_ROW and not frozen:
+                return
+            if now() - written_s > longest_s:
+                state += ", a frozen sensor" if frozen else ""
+                raise NotVentedError(
+                    f"after {longest_s:g} s at vent, {failed}{state}; vented is {limit_kpa:g} or "
+                    "less (valves.vented_kpa)"
+                )
+        sleep(_POLL_S)
+
+
+def vent_from_outside(hardware: Mapping[str, Any]) -> None:
+    """Vent both chambers after another process has driven them, over new connections.
+
+    Errors are those of ``vent``.
+    """
+    with contextlib.ExitStack() as opened:
+
+        @cache
+        def open_inputs() -> Pressures:
+            inputs = Pressures(hardware)
+            opened.callback(quietly, inputs.close)
+            return inputs
+
+        valves = Valves(hardware, reset=False)
+        opened.callback(quietly, valves.close)
+        vent(valves, open_inputs, hardware["valves"])
 
 
 class HardwareRig:
     """The paper's apparatus (Sec. II-B, Fig. 3).
-
-    The caller holds the locks of the boards, see ``fprc.apparatus.contec``.
 
     Parameters
     ----------
@@ -93,3 +245,21 @@ class HardwareRig:
             *(sensor.shutdown for sensor in self._sensors),
             *(bus.close for bus in self._buses.values()),
         )
+
+
+def call_all(*calls: Callable[[], None]) -> None:
+    """Make every call, then raise all their errors together."""
+    problems = []
+    for call in calls:
+        try:
+            call()
+        except (DeviceError, OSError) as error:
+            problems.append(str(error))
+    if problems:
+        raise DeviceError("\n".join(dict.fromkeys(problems)))
+
+
+def quietly(call: Callable[[], None]) -> None:
+    """Make a call; ignore its failure, which is reported elsewhere or no longer matters."""
+    with contextlib.suppress(DeviceError, OSError):
+        call()

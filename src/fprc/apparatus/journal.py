@@ -10,7 +10,6 @@ rejected (after a power cut a disk may return an old page).
 
 import json
 import os
-import re
 import struct
 import threading
 import zlib
@@ -18,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,7 +35,6 @@ _UINT32 = struct.Struct("<I")
 #: What header and end mark must hold.
 _IN_HEADER = {"names": list, "started": str}
 _IN_END = {"samples": int, "reason": str, "statistics": dict}
-_NOT_ZERO = re.compile(rb"[^\0]")
 #: Largest journal: 16 h of ten channels at 200 Hz.
 _LARGEST_BYTES = 1 << 30
 
@@ -49,9 +47,8 @@ class Journal:
     last sync, and the loop does not wait for the disk. Before each sync the thread checks that the
     file was not deleted, moved, replaced, cut or unmounted; after that, ``append`` raises.
 
-    As a context manager it closes itself; an exception marks it incomplete. Each method raises
-    LogError. ``names`` and ``attributes`` are those of a raw log; ``started``, the present time
-    (UTC), is added to the latter.
+    Each method raises LogError. ``names`` and ``attributes`` are those of a raw log; ``started``,
+    the present time (UTC), is added to the latter.
     """
 
     def __init__(
@@ -124,18 +121,6 @@ class Journal:
             self._problem = problem or f"{self.path}: is closed"
         if problem:
             raise LogError(problem)
-
-    def __enter__(self) -> Self:
-        """Return the journal itself."""
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: Any) -> None:
-        """Close; an exception marks the journal incomplete, and is not replaced by another."""
-        try:
-            self.close("" if error is None else f"{type(error).__name__}: {error}")
-        except LogError:
-            if error is None:
-                raise
 
     def _sync(self, period_s: float) -> None:
         on_disk = 0
@@ -243,9 +228,7 @@ def _find(
         elif sample.startswith(_END) and (end := _content(data[at + len(_END) :], _IN_END, seed)):
             return starts, end[0], inside, 0
         else:
-            other = _NOT_ZERO.search(data, at)  # a disk may return a long hole as zeros
-            step = max((other.start() if other else len(data)) - size + 1 - at, 1)
-            foreign, at = foreign + step, at + step
+            foreign, at = foreign + 1, at + 1
     return starts, None, inside, -(-foreign // size)
 
 

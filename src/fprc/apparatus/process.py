@@ -13,6 +13,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -70,17 +71,22 @@ def record(
     path = Path(raw).with_suffix(f".{stamp}.journal")
     seconds = experiment.samples / settings["control"]["sample_rate_hz"]
     log.info("%s, %.0f s; Ctrl-C stops it and vents%s", name, seconds, experiment.hint)
-    with Journal(path, experiment.channels, experiment.attributes) as journal:
-        extra = experiment.channels[len(RAW_CHANNELS) :]
+    journal = Journal(path, experiment.channels, experiment.attributes)
+    extra = experiment.channels[len(RAW_CHANNELS) :]
+    try:
         channels, statistics, stopped, unvented = on_rig(
             settings, experiment.law, experiment.samples, guardian, extra=extra, keep=journal.append
         )
-        stopped = "\n".join(filter(None, [stopped, unvented]))
-        try:
-            journal.close(stopped, **statistics)
-        except LogError as error:
-            if str(error) not in stopped:
-                log.warning("%s", error)
+    except BaseException as error:
+        with suppress(LogError):
+            journal.close(f"{type(error).__name__}: {error}")
+        raise
+    stopped = "\n".join(filter(None, [stopped, unvented]))
+    try:
+        journal.close(stopped, **statistics)
+    except LogError as error:
+        if str(error) not in stopped:
+            log.warning("%s", error)
     attributes = journal.attributes | state_of(stopped, statistics)
     samples, saved, problems = len(channels["time_s"]), None, ""
     if samples:

@@ -44,15 +44,13 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
     Raises
     ------
     FprcError
-        There is no such experiment, its commands are beyond ``hardware.limits``, its reference is
-        impossible; the model is missing, was changed, is another than the experiment's, was trained
-        at another rate or in other units, or makes no step.
+        There is no such experiment, or its reference is impossible; the model is missing, was
+        changed, is another than the experiment's, or was trained at another rate or in other units.
     """
     refuse_unknown(name, settings)
-    if name in EXPERIMENTS:
-        planned = _hysteresis(name, settings)
-    else:
-        planned = _tracking(name, settings, model)
+    planned = (
+        _hysteresis(name, settings) if name in EXPERIMENTS else _tracking(name, settings, model)
+    )
     rig = {"hardware": settings["hardware"], **planned.attributes["rig"]}
     of_rig = {"source": "rig", "software": f"fprc {__version__}", "rig": rig}
     return planned._replace(attributes=planned.attributes | of_rig)
@@ -61,8 +59,6 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
     control, signal = Control(**settings["control"]), Signal(**settings["experiments"][name])
     p_exp_kpa = pressure_command(signal, control.sample_rate_hz)
-    highest = {"p_exp_kpa": p_exp_kpa.max(), "p_i_kpa": control.reservoir_limit_kpa}
-    _refuse_beyond(settings, highest, f"experiments.{name} or control.reservoir_limit_kpa")
     attributes = {
         "experiment": name,
         "sample_rate_hz": control.sample_rate_hz,
@@ -81,12 +77,6 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     bench = Track(tracking, control, {}, settings["seed"])
     reference, controller = reference_and_controller(name)
     theta_d = bench.reference(reference)
-    highest = {
-        "p_exp_kpa": tracking.pressure_limit_kpa,
-        "p_i_kpa": min(control.reservoir_limit_kpa, control.k_in_kpa_per_deg * theta_d.max()),
-    }
-    limits = "tracking.pressure_limit_kpa or control.reservoir_limit_kpa"
-    _refuse_beyond(settings, highest, limits)
     hint = f"; push the reservoir by hand from {tracking.pushes.quiet_s:g} s on"
     attributes, fitted = bench.describe(reference, controller), None
     driver = feedforward_of(controller)
@@ -102,18 +92,6 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     )
 
 
-def _refuse_beyond(
-    settings: Mapping[str, Any], highest_kpa: Mapping[str, float], lower: str
-) -> None:
-    """Check that commands, as far as they may go, do not end the run by their readings."""
-    for sensor, kpa in highest_kpa.items():
-        if kpa > (limit := settings["hardware"]["limits"][sensor][1]):
-            raise ConfigError(
-                f"commands go up to {kpa:g} kPa, and a reading above {limit:g} ends a run "
-                f"(hardware.limits.{sensor}); lower {lower}"
-            )
-
-
 def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any:
     """Load the model of an experiment, and check that it is the one in the name."""
     from fprc.experiments.trained import refuse_other_data
@@ -127,8 +105,7 @@ def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any
             f"{which}, is a {type(fitted).__name__}, must be a {needed.__name__}; give another "
             "--model, or choose the experiment that is named after it"
         )
-    columns = getattr(fitted, "n_features_in_", None)  # a class from outside may have none
-    if columns != len(inputs):
+    if (columns := fitted.n_features_in_) != len(inputs):
         raise ConfigError(
             f"{which}, was fitted to {columns} inputs, must have {len(inputs)}, "
             f"{in_words(inputs)}; train it again"

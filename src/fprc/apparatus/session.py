@@ -1,25 +1,148 @@
-"""A session with the real rig: open it with safety limits and clock, make it safe at the end."""
+"""A session with the real rig: its clock and limits, and how it is opened, run and made safe."""
 
 import math
 import os
 import signal
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.apparatus.clock import Metronome
 from fprc.apparatus.guardian import ARMED, BEAT_S, HEARTBEAT, OPENING, SAFE, vent_until_shown
 from fprc.apparatus.hardware import HardwareRig
-from fprc.apparatus.safety import CheckedRig
+from fprc.channels import SENSORS, Readings, unit_of
 from fprc.config.settings import Control
 from fprc.control import Law, RunAbortedError, run
+from fprc.control_laws import HIGHEST_V
 from fprc.devices import Device
-from fprc.errors import DeviceError
+from fprc.errors import ControlError, DeviceError, SafetyError
+
+
+def _now_s() -> float:
+    """Return a monotonic time that goes on while the computer is suspended, s."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+
+class Metronome:
+    """Ticks at start + k * period on a monotonic clock, so that lateness does not add up.
+
+    A tick that is late by a period or more is skipped: the loop continues with
+    the tick now due. The first tick is due one period after the first call.
+    ``overruns_in_a_row`` is the most that may be missed before the loop is on time again.
+    """
+
+    def __init__(
+        self,
+        period_s: float,
+        overruns_in_a_row: int,
+        *,
+        now: Callable[[], float] = _now_s,
+        sleep: Callable[[float], None] = time.sleep,
+    ):
+        self._period_s, self._allowed = period_s, overruns_in_a_row
+        self._now, self._sleep = now, sleep
+        self._start_s: float | None = None
+        self._overruns = self._in_a_row = 0
+        self._late_s: list[float] = []
+
+    def elapsed(self) -> float:
+        """Return the time since tick 0, s; 0 before the first call of ``wait_for``."""
+        return 0.0 if self._start_s is None else self._now() - self._start_s
+
+    def wait_for(self, tick: int) -> int:
+        """Wait until this tick is due; return the tick now due, a later one if some were missed.
+
+        Raises
+        ------
+        ControlError
+            More ticks than allowed were missed, with none on time between them.
+        """
+        if self._start_s is None:
+            self._start_s = self._now() + self._period_s - tick * self._period_s
+        due_s = self._start_s + tick * self._period_s
+        if self._now() < due_s:
+            self._in_a_row = 0
+        while (late_s := self._now() - due_s) < 0.0:
+            self._sleep(-late_s)
+        missed = int(late_s / self._period_s)
+        self._overruns += missed
+        self._in_a_row += missed
+        if self._in_a_row > self._allowed:
+            raise ControlError(
+                f"{self._in_a_row} ticks of {1e3 * self._period_s:g} ms were missed, and none was "
+                f"on time between them; the limit is {self._allowed} (hardware.limits."
+                "overruns_in_a_row); close other programs, use a faster model, and keep the "
+                "computer from being suspended"
+            )
+        self._late_s.append(late_s - missed * self._period_s)
+        return tick + missed
+
+    def statistics(self) -> dict[str, float]:
+        """Return the counts of ticks and overruns, and how late the ticks were, s."""
+        p50, p99_9, most = np.percentile(self._late_s or [0.0], [50.0, 99.9, 100.0]).tolist()
+        counts = {"ticks": len(self._late_s), "overruns": self._overruns}
+        return counts | {"jitter_p50_s": p50, "jitter_p99_9_s": p99_9, "jitter_max_s": most}
+
+
+class CheckedRig:
+    """A rig whose readings and commands are checked at every sample.
+
+    A reading stops the run if it is no number, is out of range, jumps further than the rig can
+    move between two samples, or stays constant for too long (a working sensor has noise).
+
+    ``limits`` are as in ``fprc.config.hardware.Limits``. Those on jumps are per period: after a
+    missed tick a reading may change by more.
+    """
+
+    def __init__(
+        self, device: Device, limits: Mapping[str, Any], period_s: float, *, phi: bool = True
+    ):
+        self._device, self.safe = device, device.safe
+        self._period_s, self._stale_s = period_s, limits["stale_s"]
+        steps = {"kPa": limits["pressure_step_kpa"], "deg": limits["angle_step_deg"]}
+        self._watched = [
+            (name, *limits[name], steps[unit_of(name)])
+            for name in SENSORS
+            if name in limits and (phi or name != "phi_deg")
+        ]
+        self._last: Readings | None = None
+        self._changed_s: dict[str, float] = {}
+
+    def read(self) -> Readings:
+        """Return the readings; SafetyError lists each beyond its limits, with the limit's key."""
+        now = self._device.read()
+        last, self._last = self._last or now, now
+        periods = max((now.time_s - last.time_s) / self._period_s, 1.0)
+        problems = []
+        for name, low, high, step in self._watched:
+            value, before = getattr(now, name), getattr(last, name)
+            if not low <= value <= high:  # NaN too
+                problems.append(f"{name} = {value:.1f} is outside {low:g} to {high:g} ({name})")
+            if abs(value - before) > step * periods:
+                problems.append(
+                    f"{name} jumped from {before:.1f} to {value:.1f} in {periods:.1f} samples, "
+                    f"more than {step:g} per sample (pressure_step_kpa, angle_step_deg)"
+                )
+            if value != before or name not in self._changed_s:
+                self._changed_s[name] = now.time_s
+            elif (held_s := now.time_s - self._changed_s[name]) > self._stale_s:
+                problems.append(f"{name} has been {value:g} for {held_s:.2f} s (stale_s)")
+        if problems:
+            raise SafetyError(
+                "; ".join(problems) + "; check the sensor's cable, channel and calibration, and "
+                "hardware.limits"
+            )
+        return now
+
+    def write(self, main_v: float, reservoir_v: float) -> None:
+        """Set the voltages of both valves; SafetyError, before any is written: not 0 to 10 V."""
+        if not (0.0 <= main_v <= HIGHEST_V and 0.0 <= reservoir_v <= HIGHEST_V):
+            raise SafetyError(f"a valve takes 0 to {HIGHEST_V:g} V, not {main_v} and {reservoir_v}")
+        self._device.write(main_v, reservoir_v)
 
 
 class Session(NamedTuple):

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from fprc.config.settings import Control
     from fprc.models import Online
 
-_GAINS = ("kp_kpa_per_deg", "kd_kpa_s_per_deg")
-
 
 class SimulatedRig:
     """Simulated rig and its clock: time advances only in ``wait_for`` and ``follow``.
@@ -149,12 +147,8 @@ class SimulatedRig:
         controllers = {
             "main": control.main_loop.model_dump(),
             "reservoir": control.reservoir_loop.model_dump(),
-            "feedback": {
-                # a hysteresis experiment is given nothing of the feedback
-                **(control.pd.model_dump() if feedback else dict.fromkeys(_GAINS, 0.0)),
-                "incremental": feedback and control.feedback == "incremental",
-                "acts": feedback,
-            },
+            "feedback": control.pd.model_dump()
+            | {"incremental": control.feedback == "incremental", "acts": feedback},
             "learning": learning,
             "k_in_kpa_per_deg": control.k_in_kpa_per_deg,
             "p_i_limits_kpa": (0.0, control.reservoir_limit_kpa),

@@ -76,25 +76,6 @@ def test_closed_journal_comes_back_whole(path, ticks):
     assert findings == (len(found), 0, True, "", {"overruns": 3, "jitter_s": 1e-4})
 
 
-@given(st.lists(st.floats(width=64), min_size=len(NAMES), max_size=len(NAMES)))
-def test_any_numbers_come_back_bit_for_bit(tmp_path_factory, values):
-    path = tmp_path_factory.mktemp("any") / "run.journal"
-    with Journal(path, NAMES, ATTRIBUTES) as journal:
-        journal.append(0, values)
-    channels, _, _ = read_journal(path)
-    back = np.array([channels[name][0] for name in NAMES])
-    assert back.tobytes() == np.array(values, dtype=np.float64).tobytes()
-
-
-def test_exception_leaves_a_closed_journal_that_names_it(path):
-    journal = Journal(path, NAMES, ATTRIBUTES)
-    journal.append(0, row(0))
-    with pytest.raises(ZeroDivisionError), journal:
-        raise ZeroDivisionError("by zero")
-    ticks, findings = read_ticks(path)
-    assert (ticks, findings.closed, findings.reason) == ([0], True, "ZeroDivisionError: by zero")
-
-
 def test_existing_file_is_not_overwritten_and_a_closed_journal_takes_no_sample(path):
     journal = Journal(path, NAMES, ATTRIBUTES)
     journal.close()
@@ -116,11 +97,12 @@ def test_samples_are_brought_to_the_disk_while_the_run_goes_on(path, monkeypatch
             synced.set()
 
     monkeypatch.setattr(os, "fsync", noted)
-    with Journal(path, NAMES, ATTRIBUTES, sync_s=0.01) as journal:
-        assert len(sizes) == 2
-        journal.append(0, row(0))
-        assert synced.wait(10.0)
-        assert sizes[2] == sizes[0] + SIZE
+    journal = Journal(path, NAMES, ATTRIBUTES, sync_s=0.01)
+    assert len(sizes) == 2
+    journal.append(0, row(0))
+    assert synced.wait(10.0)
+    assert sizes[2] == sizes[0] + SIZE
+    journal.close()
 
 
 def broken(file):

@@ -90,6 +90,18 @@ def move_folder(path):
     path.parent.rename(path.parent.with_name("moved"))
 
 
+def zero(path):
+    with path.open("r+b") as file:
+        file.seek(-300, os.SEEK_END)
+        file.write(bytes(200))
+
+
+def append(path):
+    with path.open("ab") as file:
+        file.write(b"other")
+
+
+#: What happens to the journal, and the place of the log that is then saved.
 LOSSES = [
     (Path.unlink, "raw"), (cut, "raw"), (replace, "raw"), (delete_folder, "temporary"),
     (move_folder, "temporary"),
@@ -110,34 +122,16 @@ def test_run_whose_journal_is_lost_stops_and_saves_every_sample(record, places, 
     assert {"started", "statistics"} <= log.attributes.keys()
 
 
-@pytest.mark.parametrize(("lose", "place"), [(cut, "raw"), (move_folder, "temporary")])
-def test_journal_that_is_lost_at_the_last_sample_costs_none(record, places, lose, place):
-    error, _ = record(lose, TICKS - 1, notices=False, fails=place == "temporary")
+@pytest.mark.parametrize(
+    ("lose", "at", "place"),
+    [(cut, TICKS - 1, "raw"), (move_folder, TICKS - 1, "temporary"),
+     *[(change, at, "raw") for change in (zero, append) for at in (LOST, TICKS - 1)]],
+)  # fmt: skip
+def test_journal_whose_loss_is_noticed_at_the_end_costs_no_sample(record, places, lose, at, place):
+    error, _ = record(lose, at, notices=False, fails=place == "temporary")
     found, path, log = log_of(places)
     assert (found, path.name == "sweep.h5") == (place, place == "raw")
     assert (str(path) in error) is (place == "temporary")
-    assert (len(log.channels["time_s"]), log.attributes["complete"]) == (TICKS, True)
-
-
-def zero(path):
-    with path.open("r+b") as file:
-        file.seek(-300, os.SEEK_END)
-        file.write(bytes(200))
-
-
-def append(path):
-    with path.open("ab") as file:
-        file.write(b"other")
-
-
-@pytest.mark.parametrize("change", [zero, append])
-@pytest.mark.parametrize("at", [LOST, TICKS - 1])
-def test_log_has_every_sample_whatever_another_program_writes_into_the_journal(
-    record, places, change, at
-):
-    record(change, at, notices=False, fails=False)
-    _, path, log = log_of(places)
-    assert path.name == "sweep.h5"
     assert (len(log.channels["time_s"]), log.attributes["complete"]) == (TICKS, True)
 
 

@@ -35,20 +35,6 @@ def test_every_name_can_be_planned_and_only_the_disturbance_asks_to_push(setting
         assert bool(experiment.hint) is name.startswith("track_disturbance_")
 
 
-@pytest.mark.parametrize(
-    ("name", "sensor", "highest_kpa"),
-    [("sweep", "p_exp_kpa", 350.0), ("sweep", "p_i_kpa", 450.0),
-     ("track_sine_0p2_pd", "p_exp_kpa", 450.0),
-     ("track_sine_0p2_pd", "p_i_kpa", 420.0)],  # 7 kPa/deg, 60 deg
-)  # fmt: skip
-def test_command_beyond_the_limit_of_the_readings_is_refused(settings, name, sensor, highest_kpa):
-    settings["hardware"]["limits"][sensor] = [-20.0, highest_kpa + 0.1]
-    plan(name, settings)
-    settings["hardware"]["limits"][sensor] = [-20.0, highest_kpa - 1.0]
-    with pytest.raises(ConfigError, match=rf"up to {highest_kpa:g} kPa.*limits\.{sensor}"):
-        plan(name, settings)
-
-
 @pytest.mark.parametrize("feedback", ["incremental", "positional"])
 def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feedback):
     settings["control"]["feedback"] = feedback

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, needed_by
+from fprc.channels import TRACKING_CHANNELS, needed_by
 from fprc.control import hysteresis_law, run, tracking_law
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError, SimulationError
-from fprc.rig.simulator import SAMPLE
 
 SAMPLES = 5000
 
@@ -32,17 +31,6 @@ def test_hysteresis_run_is_that_of_the_loop_bit_by_bit(rig, control):
     assert list(result) == list(needed_by("sim"))
     for name, values in result.items():
         np.testing.assert_array_equal(values, expected[name], err_msg=name)
-
-
-def test_channel_that_the_simulated_rig_does_not_fill_is_no_number(rig, control, monkeypatch):
-    # as of a sensor that is new in the table of channels; a log leaves such a channel out
-    idle = device(rig)
-    used = np.full(10 * SAMPLE.itemsize // 8, 7.0)  # memory that a new array may get again
-    del used
-    monkeypatch.setattr("fprc.devices.sim.close_loop", lambda *given: (0, 10))
-    result = idle.follow(control, pressures(10))
-    assert list(result) == list(RAW_CHANNELS)
-    assert np.isnan(list(result.values())).all()
 
 
 class Line:
