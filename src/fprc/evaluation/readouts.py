@@ -42,67 +42,55 @@ class BlockReadouts:
         self, model: SequenceModel, X: np.ndarray, y: np.ndarray, lengths: Sequence[int],
         folds: Sequence[Fold], alphas: Sequence[float] | None = None,
     ):  # fmt: skip
+        readout: Any = model.make_readout()
+        fit = self._blend = np.ones((len(y), 1))
         with refusals_of(model):
             features = model.make_features().fit(X).map_log(X, lengths)
-        readout: Any = model.make_readout()
-        self._alphas = alphas
-        self._own = readout.alpha
-        self._y, self._spread = y, float(y.std()) or 1.0
-        self._fit = self._blend = np.ones((len(y), 1))
-        if isinstance(readout, TakagiSugenoReadout):
-            how: Any = {"random_state": readout.random_state, "restarts": readout.restarts}
-            with refusals_of(model):
+            if isinstance(readout, TakagiSugenoReadout):
+                how: Any = {"random_state": readout.random_state, "restarts": readout.restarts}
                 clusters = fuzzy_c_means(features, readout.n_c, **how)
-            self._fit = clusters.memberships**2
-            self._blend = gaussian_memberships(features, clusters.centers, readout.sigma)
+                fit = clusters.memberships**2
+                self._blend = gaussian_memberships(features, clusters.centers, readout.sigma)
+        self._own, self._alphas = readout.alpha, alphas
         if alphas is not None:
             spread = features.std(axis=0)
             moving = spread > 1e-9 * np.maximum(np.abs(features).max(axis=0), 1e-30)
             features = (features - features.mean(axis=0)) / np.where(moving, spread, 1.0)
         self._rows = np.column_stack([np.ones(len(y)), features])
-        self.blocks = [block for _, block in folds]
-        self._sum_cells(folds)
-
-    def _sum_cells(self, folds: Sequence[Fold]) -> None:
-        out = np.array([~np.isin(np.arange(len(self._y)), train) for train, _ in folds])
+        self._y, self.blocks = y, [block for _, block in folds]
+        self._least = FLOOR * (float(y.std()) or 1.0)
+        out = np.array([~np.isin(np.arange(len(y)), train) for train, _ in folds])
         begins = np.flatnonzero(np.any(out[:, 1:] != out[:, :-1], axis=0)) + 1
-        cells = np.split(np.arange(len(self._y)), begins)
+        cells = np.split(np.arange(len(y)), begins)
         self._without = out[:, [cell[0] for cell in cells]]
-        self._ends = np.array([[self._y[cell].min(), self._y[cell].max()] for cell in cells])
-        both = np.column_stack([self._rows, self._y])
+        self._ends = np.array([[y[cell].min(), y[cell].max()] for cell in cells])
+        both = np.column_stack([self._rows, y])
         self._moments = np.array(
             [
-                [(self._rows[cell] * weight[cell, None]).T @ both[cell] for weight in self._fit.T]
+                [(self._rows[cell] * weight[cell, None]).T @ both[cell] for weight in fit.T]
                 for cell in cells
             ]
         )
         self._all = self._moments.sum(axis=0)
 
-    def predictions(self, block: int, without: Sequence[int] = ()) -> np.ndarray:
-        """Return the outputs on a block for each alpha, fitted without it and further blocks.
+    def errors(self, block: int, without: Sequence[int] = ()) -> np.ndarray:
+        """Return the RMSE on a block for each alpha, fitted without it and further blocks.
 
-        The shape is (n_alphas, samples of the block). The samples that are purged around all these
-        blocks do not train either.
+        The samples that are purged around all these blocks do not train either.
         """
         gone = self._without[[block, *without]].any(axis=0)
         moments = self._all - self._moments[gone].sum(axis=0)
         gram, target = moments[..., :-1], moments[..., -1:]
-        if self._alphas is None:
-            penalties = [self._own * np.eye(gram.shape[-1])]
-        else:
-            slopes = np.diag(np.arange(gram.shape[-1]) > 0).astype(float)
+        eye = np.eye(gram.shape[-1])
+        penalties = [self._own * eye]
+        if self._alphas is not None:
+            slopes = np.diag(np.arange(len(eye)) > 0).astype(float)
             weight = gram[:, :1, :1]
-            penalties = [
-                weight * (alpha * slopes + _TINY * np.eye(len(slopes))) for alpha in self._alphas
-            ]
-        rows = self.blocks[block]
-        outputs = []
+            penalties = [weight * (alpha * slopes + _TINY * eye) for alpha in self._alphas]
+        rows, y = self._rows[self.blocks[block]], self._y[self.blocks[block]]
+        ends, outputs = self._ends[~gone], []
         for penalty in penalties:
             weights = np.linalg.solve(gram + penalty, target)[..., 0]
-            outputs.append((self._blend[rows] * (self._rows[rows] @ weights.T)).sum(axis=1))
-        return np.clip(outputs, self._ends[~gone, 0].min(), self._ends[~gone, 1].max())
-
-    def errors(self, block: int, without: Sequence[int] = ()) -> np.ndarray:
-        """Return the RMSE of the predictions on a block for each alpha."""
-        misses = self.predictions(block, without) - self._y[self.blocks[block]]
-        return np.maximum(np.sqrt(np.mean(misses**2, axis=1)), FLOOR * self._spread)
+            outputs.append((self._blend[self.blocks[block]] * (rows @ weights.T)).sum(axis=1))
+        misses = np.clip(outputs, ends[:, 0].min(), ends[:, 1].max()) - y
+        return np.maximum(np.sqrt(np.mean(misses**2, axis=1)), self._least)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.stats import gmean
 
 from fprc.evaluation.folds import Fold, split_blocks
 from fprc.evaluation.rates import PAPER_HZ, scaled
@@ -105,7 +106,7 @@ class Side(NamedTuple):
     @property
     def error(self) -> float:
         """Geometric mean of the errors."""
-        return float(np.exp(np.log(self.errors).mean()))
+        return float(gmean(self.errors))
 
 
 def best_of_side(
@@ -147,8 +148,7 @@ def error_when_shifted(
     """Return the geometric mean of the errors of what was chosen with P_o, refitted."""
     names = {name for name, _ in chosen.chosen}
     fits = {name: readouts_of(recordings, name, True, models, seed) for name in sorted(names)}
-    errors = [fits[name].errors(block)[k] for block, (name, k) in enumerate(chosen.chosen)]
-    return float(np.exp(np.log(errors).mean()))
+    return float(gmean([fits[name].errors(i)[k] for i, (name, k) in enumerate(chosen.chosen)]))
 
 
 def block_errors(
@@ -158,8 +158,8 @@ def block_errors(
     errors = {}
     for family in SIDES:
         fits = readouts_of(recordings, family, with_p_o, models, seed)
-        means = np.mean([np.log(fits.errors(block)) for block in range(len(fits.blocks))], axis=0)
-        errors[family] = float(np.exp(means.min()))
+        of_each = [fits.errors(block) for block in range(len(fits.blocks))]
+        errors[family] = float(gmean(of_each).min())
     return errors
 
 

@@ -23,18 +23,11 @@ def measure_runs(
 ) -> dict[str, Any]:
     """Return the measures of one seed that the claims about control rest on.
 
-    They are ``rmse_deg`` of every run; ``effort``, the rms of P_fb over that of P_ff on each
-    reference; and measures of ``sweep``, ``loops`` and ``disturbance``: what the pushes change, the
-    rms of bending and P_o over their swing, and the ratio of the errors.
-
-    Parameters
-    ----------
-    runs : Mapping
-        Channels of each run after its settling time, by "reference/controller".
-    unpushed : Mapping
-        Channels of the disturbance test without its pushes, with the same noise.
-    quiet_s : float
-        Time of the first push in the disturbance test.
+    They are ``rmse_deg`` of every run, by "reference/controller"; ``effort``, the rms of P_fb over
+    that of P_ff on each reference; and measures of ``sweep``, ``loops`` and ``disturbance``: what
+    the pushes, the first after ``quiet_s``, change of a run that is ``unpushed`` but has the same
+    noise, the rms of bending and P_o over their swing, and the ratio of the errors. All runs begin
+    after their settling time.
     """
     effort, loops = {}, {}
     for name in REFERENCES:

@@ -35,12 +35,9 @@ log = logging.getLogger(__name__)
 TRACKING_RUNS = {"sine_0p2": 10, "sine_0p5": 20, "sweep": 30, "complex": 40, "disturbance": 50}
 
 
-class Precomputed(NamedTuple):
-    """The feedforward of a whole reference."""
-
-    p_ff_kpa: np.ndarray  #: as the model was trained
-    online: Online | None = None  #: learns as the run goes on, and is changed
-    regressors: np.ndarray | None = None  #: those of ``online``, of shape (n_samples, n_weights)
+#: The feedforward of a whole reference: ``p_ff_kpa`` as the model was trained; if it learns as the
+#: run goes on, ``online``, which is changed, and its ``regressors``, see ``SimulatedRig.follow``.
+Precomputed = Mapping[str, Any]
 
 
 class Track(NamedTuple):
@@ -63,7 +60,7 @@ class Track(NamedTuple):
         tracking = self.tracking.model_dump(mode="json")
         pushes = ["pushes"] if reference == DISTURBANCE else []
         read = {name: tracking[name] for name in ("angle_range_deg", "pressure_limit_kpa", *pushes)}
-        shape = tracking["references"][reference]
+        read["references"] = {reference: tracking["references"][reference]}
         return {
             "experiment": run_log(reference, controller),
             "reference": reference,
@@ -71,36 +68,26 @@ class Track(NamedTuple):
             "settle_s": self.tracking.reference(reference).settle_s,
             "sample_rate_hz": self.control.sample_rate_hz,
             "seed": self.seed,
-            "rig": {
-                "control": self.control.model_dump(mode="json"),
-                "tracking": read | {"references": {reference: shape}},
-            },
+            "rig": {"control": self.control.model_dump(mode="json"), "tracking": read},
         }
 
     def pushes(self, samples: int) -> np.ndarray:
         """Return the pushes of the disturbance test, kPa."""
         rng = np.random.default_rng([self.seed, 4711])
-        rate_hz = self.control.sample_rate_hz
-        return random_pushes(samples, rate_hz, rng=rng, **dict(self.tracking.pushes))
+        shape = dict(self.tracking.pushes)
+        return random_pushes(samples, self.control.sample_rate_hz, rng=rng, **shape)
 
     def law(self, theta_d: np.ndarray, controller: str, model: SequenceModel | None) -> Law:
         """Return the law of a controller; its model, which it may need, is reset."""
-        driver = feedforward_of(controller)
-        if driver and model is None:
-            raise ControlError(
-                f"{controller} needs a fitted {driver} for its feedforward; give --model its file"
-            )
-        used, online = model if driver else None, None
-        if used is not None:
+        used, online = None, None
+        if driver := feedforward_of(controller):
+            if (used := model) is None:
+                raise ControlError(f"{controller} needs a fitted {driver}; give --model its file")
             used.reset()
             online = self.online(used) if self.control.feedforward.adapt else None
+        limit_kpa, feedback = self.tracking.pressure_limit_kpa, has_feedback(controller)
         return tracking_law(
-            theta_d,
-            self.control,
-            self.tracking.pressure_limit_kpa,
-            model=used,
-            online=online,
-            feedback=has_feedback(controller),
+            theta_d, self.control, limit_kpa, model=used, online=online, feedback=feedback
         )
 
     def channels(self, controller: str) -> tuple[str, ...]:
@@ -133,11 +120,10 @@ class Track(NamedTuple):
         """Return P_ff of a model for a whole reference, and the model that learns, if it does."""
         X = inputs[:, : model.n_features_in_]
         if not self.control.feedforward.adapt:
-            return Precomputed(model.predict(X))
-        online = self.online(model)
-        rows = model.features_.map_log(X)
+            return {"p_ff_kpa": model.predict(X)}
+        online, rows = self.online(model), model.features_.map_log(X)
         phi = np.ascontiguousarray(model.readout_.regressors(rows))
-        return Precomputed(model.readout_.predict(rows), online, phi)
+        return {"p_ff_kpa": model.readout_.predict(rows), "online": online, "regressors": phi}
 
     def online(self, model: SequenceModel) -> Online:
         """Return the model as it learns in a run, by the section ``control.feedforward``."""
@@ -158,7 +144,7 @@ class Track(NamedTuple):
         a precomputed feedforward P_ff = 0. In the disturbance test the reservoir is pushed.
         """
         theta_d = self.reference(reference)
-        given = precomputed or Precomputed(np.zeros(len(theta_d)))
+        given = precomputed or {"p_ff_kpa": np.zeros(len(theta_d))}
         rate_hz, number = self.control.sample_rate_hz, TRACKING_RUNS[reference]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
         return device.follow(
@@ -167,7 +153,7 @@ class Track(NamedTuple):
             pressure_limit_kpa=self.tracking.pressure_limit_kpa,
             feedback=feedback,
             push_kpa=self.pushes(len(theta_d)) if reference == DISTURBANCE else None,
-            **given._asdict(),
+            **given,
         )
 
 
@@ -223,13 +209,9 @@ def tracking_errors(
 ) -> dict[str, dict[str, float]]:
     """Return the RMSE with P_ff of one model, or none, over each reference of Table IV, deg.
 
-    Parameters
-    ----------
-    loops : Mapping
-        By the name under which errors are returned: what multiplies the gains of the feedback, or 0
-        without feedback.
-    inputs : Mapping, optional
-        Those of the model by reference, if they are not those of ``Track.inputs``.
+    ``loops`` has for the name under which errors are returned what multiplies the gains of the
+    feedback, or 0 without feedback; ``inputs`` those of the model by reference, if they are not
+    those of ``Track.inputs``.
     """
     errors: dict[str, dict[str, float]] = {name: {} for name in loops}
     for reference in REFERENCES:

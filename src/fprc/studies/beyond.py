@@ -112,13 +112,9 @@ CLAIMS = {
 
 
 def measured(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return every number of the models in families, tidy.
+    """Return every number of the models in families, tidy, see ``contest.judge_models``.
 
-    Returns
-    -------
-    DataFrame
-        ``family``, ``unit``, ``model``, ``measure`` and ``value``, see ``contest.judge_models``.
-        What was not measured has no row, and neither has a model that could not be judged.
+    What was not measured has no row, and neither has a model that could not be judged.
     """
     rows = [
         (family["name"], cell["unit"], model, measure, value)
@@ -151,16 +147,8 @@ def numbers_of(family: Mapping[str, Any]) -> Numbers:
 def best_of(table: pd.DataFrame, side: str, measure: str) -> pd.DataFrame:
     """Return the best model of one side for each unit, chosen on the others, and its numbers.
 
-    Parameters
-    ----------
-    table : DataFrame
-        See ``measured``, of one family.
-
-    Returns
-    -------
-    DataFrame
-        Index ``unit``; columns ``model`` and ``value``. Empty if there are fewer than two units, or
-        not one model has all numbers.
+    ``table`` is what ``measured`` gives of one family. There is no row if there are fewer than two
+    units, or not one model has all numbers.
     """
     _, number, left_out = _BEST[side]
     names = [pair[number] for pair in SIDES.values() if pair[number] not in left_out]
@@ -203,18 +191,8 @@ def tabulate_beyond(
 ) -> None:
     """Judge the claims in every family; write the tables, and draw the ratios.
 
-    Parameters
-    ----------
-    families : sequence of str
-        Reports of the families.
-    pages : sequence of str
-        Tables in Markdown, which docs/beyond.md and others show; their names are those below.
-    figure : sequence of str
-        As PDF and as PNG.
-    family : str
-        Family whose models the pages show.
-    **csv : str
-        Tables by name: ``models``, ``claims``.
+    ``pages`` are tables in Markdown, which docs/beyond.md and others show, with the models of one
+    ``family``; their names, and those of the tables in CSV, are those below.
     """
     found = [read_json(path) for path in families]
     judged = [decide(of_family, CLAIMS, numbers_of(of_family)) for of_family in found]
@@ -238,14 +216,7 @@ def tabulate_beyond(
 
 
 def models(families: Families) -> pd.DataFrame:
-    """Return the mean of every measure over the units of each family, tidy.
-
-    Returns
-    -------
-    DataFrame
-        ``family``, ``model``, ``measure``, ``mean``, ``low``, ``high`` (95 % interval over units;
-        empty for a single one), ``units``, ``source``.
-    """
+    """Return the mean of every measure over the units of each family, and its 95 % interval."""
     means = means_of(measured(families), "family", "model", "measure", count="units")
     return means.drop(columns=["std", "min", "max"]).assign(source="sim")
 
@@ -306,11 +277,6 @@ def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     """Draw the ratios of the claims, one row per pair and one marker per family.
 
     The band holds what counts as equivalent. A hollow marker is a claim that is undecided.
-
-    Parameters
-    ----------
-    table : pd.DataFrame
-        From ``verdicts.decide``, families in their order.
     """
     table = table.dropna(subset="part")
     parts = dict.fromkeys(zip(table["id"], table["part"], strict=True))

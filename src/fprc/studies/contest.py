@@ -37,14 +37,9 @@ def judge_models(
     tracking: Mapping[str, Any],
     slow: int,
 ) -> dict[str, Any]:
-    """Judge all models, or those of ``BRIEF``, on the rig of a unit.
+    """Judge all models, if the unit's family has ``every_model``, or those of ``BRIEF``.
 
-    Parameters
-    ----------
-    models, tracking : Mapping
-        Sections of the configuration. The unit's family has ``every_model``.
-    slow : int
-        Number of the first units that also judge the slow models.
+    The first ``slow`` units also judge the slow models.
 
     Returns
     -------

@@ -37,12 +37,8 @@ class Unit(NamedTuple):
 def unit_of(number: int, family: Mapping[str, Any], ensemble: str = "") -> Unit:
     """Return a unit of a family, with its rig and seed.
 
-    Parameters
-    ----------
-    family : Mapping
-        ``rigs`` (one or ensemble), ``first_seed`` and ``on_rig`` (arguments of ``RigSettings``).
-    ensemble : str
-        File of the ensemble, see ``fprc.studies.calibration.ensemble``.
+    A family has ``rigs`` (one or ensemble), ``first_seed`` and ``on_rig`` (arguments of
+    ``RigSettings``); ``fprc.studies.calibration.ensemble`` gives the file of the ensemble.
     """
     on_rig = RigSettings(**family["on_rig"])
     if family["rigs"] == "ensemble":
@@ -69,17 +65,9 @@ def judge_family(
     """Judge some units of a family of rigs with one function, each on one thread.
 
     Writes the family's ``name``, what it is ``fitted`` to, and ``cells``: of each ``unit`` its
-    ``seed`` and what the function found, or ``failed``, the message of an error.
-
-    Parameters
-    ----------
-    judge : str
-        Function below ``fprc.studies``, such as ``learning.judge_online``. It takes a ``Unit``
-        and ``how``, and returns a JSON mapping.
-    family : Mapping
-        See ``unit_of``; also ``name`` and ``fitted``.
-    workers : int
-        Most processes.
+    ``seed`` and what the function found, or ``failed``, the message of an error. The function
+    ``judge``, below ``fprc.studies``, such as ``learning.judge_online``, takes a ``Unit`` and
+    ``how``, and returns a JSON mapping.
     """
     # to start a process takes as long as several units
     workers = max(1, min(workers, len(units) // 4))
@@ -104,15 +92,8 @@ def judge_tables(
 ) -> dict[str, Any]:
     """Judge the rig of a unit with the full models.
 
-    Parameters
-    ----------
-    validation : Mapping
-        Arguments of ``CrossValidation`` without the seed.
-
-    Returns
-    -------
-    dict
-        ``compared`` (Tables II and III) and ``measured`` (Table IV).
+    ``validation`` has the arguments of ``CrossValidation`` without the seed. Returned are
+    ``compared`` (Tables II and III) and ``measured`` (Table IV).
     """
     how = CrossValidation(**validation, seed=unit.seed)
     bench = Track(Tracking(**tracking), unit.on_rig.control, unit.on_rig.rig, unit.seed)

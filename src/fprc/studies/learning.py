@@ -57,13 +57,9 @@ def changed_rig(rig: Mapping[str, Any], condition: str) -> dict[str, Any]:
 def judge_online(
     unit: Unit, *, tracking: Mapping[str, Any], models: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Judge the rig of a unit.
+    """Return ``rows`` of the rig of a unit.
 
-    Returns
-    -------
-    dict
-        ``rows``: each with ``model``, ``condition``, ``learns``, ``loop``, ``reference`` and
-        ``rmse_deg``.
+    Each has ``model``, ``condition``, ``learns``, ``loop``, ``reference`` and ``rmse_deg``.
     """
     on_rig, seed = unit.on_rig, unit.seed
     sweep = simulate(on_rig.changed(signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]

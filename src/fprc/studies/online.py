@@ -95,14 +95,7 @@ def tabulate_online(
 ) -> None:
     """Judge D1 to D3 in every family; write verdicts and errors, and draw the errors.
 
-    Parameters
-    ----------
-    families : sequence of str
-        Reports of the families; the page of errors has those of the first.
-    verdicts, errors : sequence of str
-        The tables to write, as CSV and as Markdown.
-    figure : sequence of str
-        As PDF and as PNG: the families ``shown``.
+    The page of errors has those of the first family, the figure those of the families ``shown``.
     """
     found = [read_json(path) for path in families]
     judged = pd.concat(map(decided, found), ignore_index=True)

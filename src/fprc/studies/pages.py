@@ -29,19 +29,8 @@ def update_pages(
 ) -> None:
     """Replace the generated blocks of pages, and their pictures; all of them or none.
 
-    Parameters
-    ----------
-    figures, pictures : sequence of str
-        Figures of the results, and their copies in docs.
-    pages : sequence of str
-        Each block is on the pages that have its marker, in README.md typeset.
-    **tables : str
-        Tables by their blocks, in Markdown; of claims, JSON.
-
-    Raises
-    ------
-    FprcError
-        A block is on no page, or its two markers are not there once each.
+    ``tables`` are given by their blocks, in Markdown, those of claims as JSON. Each block is on the
+    pages that have its marker, in README.md typeset; ``pictures`` are the copies of ``figures``.
     """
     blocks = {
         name: Path(table).read_text(encoding="utf-8")
@@ -63,20 +52,9 @@ def update_pages(
 
 
 def check_results(ledger: str, verdicts: str, pages: Sequence[str] = ()) -> None:
-    """Check verdicts and README.md.
+    """Refuse verdicts other than the declared ones, and other numbers in README.md.
 
-    Parameters
-    ----------
-    ledger, verdicts : str
-        Files of the judged claims and of the declared verdicts.
-    pages : sequence of str
-        Tables of the report; without them README.md is not checked.
-
-    Raises
-    ------
-    FprcError
-        Lists every verdict that differs from the declared one, and the first line of README.md
-        with other numbers.
+    ``pages`` are the tables of the report; without them README.md is not checked.
     """
     declared = {name: row["verdict"] for name, row in read_yaml(verdicts)["claims"].items()}
     problems = changed_verdicts(read_json(ledger)["claims"], declared)
@@ -101,13 +79,7 @@ def with_blocks(path: str, blocks: Mapping[str, str]) -> str:
 
 
 def replace_block(text: str, name: str, block: str, path: str = "README.md") -> str:
-    """Return ``text`` with the lines between the markers of ``name`` replaced.
-
-    Raises
-    ------
-    FprcError
-        There is not exactly one pair of markers.
-    """
+    """Return ``text`` with the lines between the one pair of markers of ``name`` replaced."""
     begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
     new = f"{begin}\n{block.strip()}\n{end}"
     text, count = re.subn(f"{begin}.*?{end}", lambda _: new, text, flags=re.DOTALL)

@@ -43,22 +43,12 @@ def family_title(name: str) -> str:
 def decide(
     family: Mapping[str, Any], claims: Mapping[str, Claim], numbers: Numbers
 ) -> pd.DataFrame:
-    """Judge claims in one family.
+    """Judge claims in one family, see ``fprc.studies.family.judge_family``.
 
-    Parameters
-    ----------
-    family : Mapping
-        See ``fprc.studies.family.judge_family``.
-    claims : Mapping
-        By their ids.
-
-    Returns
-    -------
-    DataFrame
-        Tidy, with the columns of ``decide_together``: one row for each part of a claim, one for a
-        claim that is not judged. Also ``family`` and ``title``; ``favours``, whom the fits of its
-        rigs favour, which in ``words`` a symbol says; and ``source``. A ratio below 1 supports the
-        claim.
+    The table is tidy and has the columns of ``decide_together``: one row for each part of a claim,
+    one for a claim that is not judged. Also ``family`` and ``title``; ``favours``, whom the fits of
+    its rigs favour, which in ``words`` a symbol says; and ``source``. A ratio below 1 supports the
+    claim.
     """
     units, nothing = {cell["unit"] for cell in family["cells"]}, pd.Series(dtype=float)
 
@@ -107,10 +97,7 @@ def wide(
 ) -> pd.DataFrame:
     """Return means as text, a row for each value of ``rows`` and a column for each heading.
 
-    Parameters
-    ----------
-    rows : Mapping
-        By column of the table: its heading, and what gives the names that readers see.
+    ``rows`` has by column of the table its heading, and what gives the names that readers see.
     """
     texts = [
         format_mean(row, "mean") if intervals and row["units"] > 1 else three_digits(row["mean"])

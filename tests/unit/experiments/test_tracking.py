@@ -184,7 +184,7 @@ def test_an_hour_of_learning_with_a_leak_stays_bounded():
             time_s = begin_s + np.arange(len(bench.reference(reference))) / 200.0
             inputs = bench.inputs(reference)
             inputs[:, 1] -= 0.5 / 60.0 * time_s
-            precomputed = bench.precompute(model, inputs)._replace(online=online)
+            precomputed = {**bench.precompute(model, inputs), "online": online}
             run = bench.simulate(reference, precomputed, feedback=True)
             errors.append(tracking_rmse(run, 5.0))
             largest.append(np.abs(online.learned).max())
