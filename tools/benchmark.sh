@@ -6,6 +6,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
-  --target .venv/benchmark --requirement tools/benchmark/requirements.txt
+  --target .venv/benchmark --requirement tools/benchmark.txt
 PYTHONPATH=".venv/benchmark:${PYTHONPATH:-}" env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE \
-  python -m tools.benchmark.speed
+  python tools/benchmark.py

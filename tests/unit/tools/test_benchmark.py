@@ -5,8 +5,7 @@ import pandas as pd
 import pytest
 
 from fprc.models import EchoStates
-from tools.benchmark import speed
-from tools.benchmark.peers import PEERS
+from tools import benchmark
 
 
 @pytest.fixture
@@ -16,10 +15,10 @@ def network():
     return EchoStates(r=20, washout=0, random_state=0).fit(X), X
 
 
-@pytest.mark.parametrize(("package", "make"), PEERS.values(), ids=list(PEERS))
+@pytest.mark.parametrize(("package", "make"), benchmark.PEERS.values(), ids=list(benchmark.PEERS))
 def test_states_and_steps_of_other_libraries_are_ours(network, package, make):
     features, X = network
-    states, _ = speed.ours(features)
+    states, _ = benchmark.ours(features)
     expected = states(X)
     pytest.importorskip(package)
     (states, _), (_, step) = make(features), make(features)
@@ -30,9 +29,9 @@ def test_states_and_steps_of_other_libraries_are_ours(network, package, make):
 
 def test_rows_of_other_processors_stay_and_those_of_this_one_are_replaced():
     old, other = "EPYC, Zen, 2026-01-01", "Xeon, SkylakeX, 2026-01-02"
-    first = pd.DataFrame({speed.PROCESSOR: [old, other, other], "s": ["1", "2", ""]})
-    second = pd.DataFrame({speed.PROCESSOR: [other], "objective": ["4"]})
+    first = pd.DataFrame({benchmark.PROCESSOR: [old, other, other], "s": ["1", "2", ""]})
+    second = pd.DataFrame({benchmark.PROCESSOR: [other], "objective": ["4"]})
     plain = {"index": False, "disable_numparse": True}
     block = f"\n{first.to_markdown(**plain)}\n\nwords\n\n{second.to_markdown(**plain)}\n"
-    new = pd.DataFrame({speed.PROCESSOR: ["EPYC, Zen, 2026-02-02"], "s": ["5"]})
-    assert speed.with_others(new, block)["s"].tolist() == ["5", "2", ""]
+    new = pd.DataFrame({benchmark.PROCESSOR: ["EPYC, Zen, 2026-02-02"], "s": ["5"]})
+    assert benchmark.with_others(new, block.splitlines())["s"].tolist() == ["5", "2", ""]

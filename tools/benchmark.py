@@ -12,6 +12,7 @@ import statistics
 from collections.abc import Callable, Mapping, Sequence
 from datetime import date
 from functools import partial
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from time import process_time
@@ -30,29 +31,81 @@ from fprc.models import FPRC, EchoStates
 from fprc.models.fcm import fuzzy_c_means
 from fprc.studies.pages import replace_block
 from fprc.tables.text import three_digits, within
-from tools.benchmark.peers import PEERS, Peer
 
-PAGE = Path(__file__).parents[2] / "docs/repeat.md"
+PAGE = Path(__file__).parents[1] / "docs/repeat.md"
 #: States that differ by less are the same; what is compared takes so many turns.
 SAME, ROUNDS = 1e-12, 5
 OURS, LIMIT, PROCESSOR = "fprc", "W_r x alone, by BLAS", "Processor"
 
-
-def interleaved(work: Mapping[str, Callable[[], object]]) -> dict[str, list[float]]:
-    """Return the processor seconds of each piece of work in each round; the pieces take turns."""
-    seconds: dict[str, list[float]] = {name: [] for name in work}
-    for _ in range(ROUNDS):
-        for name, run in work.items():
-            begin = process_time()
-            run()
-            seconds[name].append(process_time() - begin)
-    return seconds
+#: From a log to x(k+1) of each sample k, and from one more sample to x after it, if it can. All
+#: networks have the same weights and begin at state 0.
+Peer = tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray] | None]
 
 
 def ours(features: EchoStates) -> Peer:
     """Return our network in the form of the others: our rows have x(k) after the taps."""
     last = features.r
     return lambda X: features.transform(np.vstack([X, X[-1:]]))[1:, -last:], features.advance
+
+
+def reservoirpy(features: EchoStates) -> Peer:
+    """Return ReservoirPy's network; its leak is 1 - gamma."""
+    network = import_module("reservoirpy.nodes").Reservoir(
+        W=features.W_r_, Win=features.w_in_, bias=np.zeros(features.r), lr=1.0 - features.gamma
+    )
+    network.initialize(np.zeros((1, features.w_in_.shape[1])))
+
+    def states(X: np.ndarray) -> np.ndarray:
+        network.reset()
+        return np.asarray(network.run(X))
+
+    return states, lambda theta: np.asarray(network.step(theta))
+
+
+def jax_scan(features: EchoStates) -> Peer:
+    """Return Eq. (3) under ``jax.lax.scan``, in float64."""
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    w_in, W_r = jax.numpy.asarray(features.w_in_), jax.numpy.asarray(features.W_r_)
+    gamma, x = features.gamma, jax.numpy.zeros(features.r)
+
+    @jax.jit
+    def advance(x: jax.Array, theta: jax.Array) -> tuple[jax.Array, jax.Array]:
+        x = gamma * x + (1.0 - gamma) * jax.numpy.tanh(w_in @ theta + W_r @ x)
+        return x, x
+
+    run = jax.jit(lambda X: jax.lax.scan(advance, jax.numpy.zeros(features.r), X)[1])
+
+    def step(theta: np.ndarray) -> np.ndarray:
+        nonlocal x
+        x, _ = advance(x, theta)
+        return np.asarray(x)
+
+    return lambda X: np.asarray(run(X)), step
+
+
+def esnfed(features: EchoStates) -> Peer:
+    """Return esnfed's network, which has no single step; its leak is 1 - gamma."""
+    inputs = features.w_in_.shape[1]
+    network = import_module("esnfed").EchoStateNetwork(
+        inputs,
+        1,
+        features.W_r_,
+        # it scales W_r to this radius: leave it as it is
+        spectral_radius=float(np.abs(np.linalg.eigvals(features.W_r_)).max()),
+        leaking_rate=1.0 - features.gamma,
+        input_weights=np.hstack([np.zeros((features.r, 1)), features.w_in_]),
+    )
+    return lambda X: network.harvest(X)[:, 1 + inputs :], None
+
+
+#: By label in the table: its package, and how to make the peer.
+PEERS = {
+    "ReservoirPy": ("reservoirpy", reservoirpy),
+    "lax.scan in JAX": ("jax", jax_scan),
+    "esnfed": ("esnfed", esnfed),
+}
 
 
 def limit(features: EchoStates) -> Peer:
@@ -63,6 +116,23 @@ def limit(features: EchoStates) -> Peer:
     W_r, rows = features.W_r_, np.ones((1000, features.r))
     narrow, x = W_r.astype(np.float32), np.ones(features.r, np.float32)
     return lambda X: [rows @ W_r for _ in range(len(X) // 1000)][-1], lambda theta: narrow @ x
+
+
+def timed(work: Mapping[str, Callable[[], object]], samples: int, what: str) -> pd.DataFrame:
+    """Return the processor time of each piece of work, which take turns, and its ratio to ours."""
+    seconds: dict[str, list[float]] = {name: [] for name in work}
+    for _ in range(ROUNDS):
+        for name, run in work.items():
+            begin = process_time()
+            run()
+            seconds[name].append(process_time() - begin)
+    found = pd.DataFrame(index=pd.Index(seconds, name="Library"))
+    found[f"{what}, us a sample"] = [
+        three_digits(1e6 * statistics.median(taken) / samples) for taken in seconds.values()
+    ]
+    ratios = [np.divide(taken, seconds[OURS]) for taken in seconds.values()]
+    found[f"{what}, times ours"] = [within(np.median(r), r.min(), r.max()) for r in ratios]
+    return found
 
 
 def networks(features: EchoStates, X: np.ndarray) -> pd.DataFrame:
@@ -76,36 +146,20 @@ def networks(features: EchoStates, X: np.ndarray) -> pd.DataFrame:
     sides = {name: peer for name, peer in sides.items() if off[name] <= SAME}
     sides[LIMIT] = limit(features)
     few = X[:1000]
-    steps = {name: partial(_stepped, step, few) for name, (_, step) in sides.items() if step}
+
+    def stepped(step: Callable[[np.ndarray], np.ndarray]) -> None:
+        for theta in few:
+            step(theta)
+
     features.reset(few[0])
+    steps = {name: partial(stepped, step) for name, (_, step) in sides.items() if step}
     for run in steps.values():  # they compile
         run()
     logs = {name: partial(states, X) for name, (states, _) in sides.items()}
-    columns: dict[str, dict[str, str]] = {}
-    for what, work, samples in (("log", logs, len(X)), ("step", steps, len(few))):
-        seconds = interleaved(work)
-        columns[f"{what}, us a sample"] = {
-            name: three_digits(1e6 * statistics.median(taken) / samples)
-            for name, taken in seconds.items()
-        }
-        columns[f"{what}, times ours"] = {
-            name: _ratio(taken, seconds[OURS]) for name, taken in seconds.items()
-        }
-    columns["States differ by"] = {name: f"{by:.0e}" for name, by in off.items() if by}
-    return (
-        pd.DataFrame(columns, index=[*off, LIMIT]).fillna("").rename_axis("Library").reset_index()
-    )
-
-
-def _stepped(step: Callable[[np.ndarray], np.ndarray], X: np.ndarray) -> None:
-    for theta in X:
-        step(theta)
-
-
-def _ratio(theirs: Sequence[float], ours: Sequence[float]) -> str:
-    """Return the median of the rounds' ratios, with the smallest and the largest."""
-    ratios = [a / b for a, b in zip(theirs, ours, strict=True)]
-    return within(statistics.median(ratios), min(ratios), max(ratios))
+    differ = {name: f"{by:.0e}" for name, by in off.items() if by}
+    parts = [timed(logs, len(X), "log"), timed(steps, len(few), "step")]
+    parts.append(pd.DataFrame({"States differ by": differ}))
+    return pd.concat(parts, axis=1).fillna("").rename_axis("Library").reset_index()
 
 
 def scikit_fuzzy(rows: np.ndarray, centers: np.ndarray) -> float:
@@ -141,16 +195,13 @@ def clusterings(rows: np.ndarray, clusters: int) -> pd.DataFrame:
     return pd.DataFrame(table)
 
 
-def with_others(table: pd.DataFrame, block: str) -> pd.DataFrame:
+def with_others(table: pd.DataFrame, lines: Sequence[str]) -> pd.DataFrame:
     """Return a table of this processor, and below it the rows of others that a page has."""
-    lines = [line for line in block.splitlines() if line.startswith("|")]
-    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
-    here = table[PROCESSOR][0]
-    kept, ours = [], False
-    for row in cells:
+    here, kept, ours = table[PROCESSOR][0].split(",")[:2], [], False
+    for row in ([cell.strip() for cell in line.split("|")[1:-1]] for line in lines if "|" in line):
         if row[0] == PROCESSOR:
             ours = row == list(table)
-        elif ours and row[0].split(",")[:2] != here.split(",")[:2] and row[0][:1].isalpha():
+        elif ours and row[0].split(",")[:2] != here and row[0][:1].isalpha():
             kept.append(dict(zip(table, row, strict=True)))
     return pd.concat([table, pd.DataFrame(kept)])
 
@@ -158,34 +209,29 @@ def with_others(table: pd.DataFrame, block: str) -> pd.DataFrame:
 def report(block: str) -> str:
     """Measure everything; return it in Markdown, with what ``block`` has of other processors."""
     X, fuzzy = load_hysteresis("sweep").data, FPRC(random_state=1)
-    theta = X[:, :1]
-    features = EchoStates(washout=0, random_state=1).fit(theta)
+    features = EchoStates(washout=0, random_state=1).fit(X[:, :1])
     rows = fuzzy.make_features().fit(X).transform(X)
     found, load = machine(), os.getloadavg()[0]  # this process keeps one core busy itself
     busy = f", load {load:.0f}" if load > 1.5 else ""
-    here = f"{found['cpu']}, {found['blas']}, {date.today().isoformat()}{busy}"
     tables = []
-    for table in (networks(features, theta), clusterings(rows, fuzzy.n_c)):
+    for table in (networks(features, X[:, :1]), clusterings(rows, fuzzy.n_c)):
+        here = f"{found['cpu']}, {found['blas']}, {date.today().isoformat()}{busy}"
         table.insert(0, PROCESSOR, here)
-        tables.append(with_others(table, block).to_markdown(index=False, disable_numparse=True))
+        whole = with_others(table, block.splitlines())
+        tables.append(whole.to_markdown(index=False, disable_numparse=True))
     return (
-        f"ESN with {features.r} states, float64, {len(theta)} samples, medians of {ROUNDS} rounds "
+        f"ESN with {features.r} states, float64, {len(X)} samples, medians of {ROUNDS} rounds "
         f"in turn; in brackets the smallest and largest ratio of a round:\n\n{tables[0]}\n\n"
         f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:"
         f"\n\n{tables[1]}"
     )
 
 
-def main() -> None:
-    """Measure, print the tables, and write them to the page."""
+if __name__ == "__main__":
     if hasattr(os, "sched_setaffinity"):  # before JAX counts the cores
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     text = PAGE.read_text(encoding="utf-8")
     with threadpool_limits(1):
-        found = report(text.partition("<!-- benchmark: generated")[2].partition("<!-- ")[0])
-    print(found)
-    write_text(PAGE, replace_block(text, "benchmark", found, str(PAGE)))
-
-
-if __name__ == "__main__":
-    main()
+        new = report(text.partition("<!-- benchmark: generated")[2].partition("<!-- ")[0])
+    print(new)
+    write_text(PAGE, replace_block(text, "benchmark", new, str(PAGE)))
