@@ -40,20 +40,10 @@ def draw_loops(
     quiet_s: float,
     **figures: Sequence[str],
 ) -> None:
-    """Table IV and Figs. 12 to 17, those that are asked for; failed checks stand below the table.
+    """Table IV and Figs. 12 to 17, those that are asked for.
 
-    Parameters
-    ----------
-    left_out : sequence of str
-        Runs of a complete Table IV that have no log.
-    limits : Mapping
-        Plausible ranges, see ``fprc.logs.assess``.
-    feedback : str
-        Describes the PD controller.
-    quiet_s : float
-        Time before the reservoir is pushed.
-    **figures : sequence of str
-        Files by figure: PDF and PNG, of all but Fig. 16 also CSV.
+    Below the table stand the checks that failed (``limits`` as ``fprc.logs.assess`` takes them),
+    and the runs without a log (``left_out``). From ``quiet_s`` on the reservoir is pushed.
 
     Raises
     ------

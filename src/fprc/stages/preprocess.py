@@ -39,16 +39,15 @@ def preprocess(
     """
     paths = [raw] if isinstance(raw, str) else list(raw)
     recordings, reports = read_recordings(
-        paths,
-        experiment=experiment,
-        target=target,
-        sample_rate_hz=sample_rate_hz,
+        paths, experiment=experiment, target=target, sample_rate_hz=sample_rate_hz,
         limits=Quality(**limits),
-    )
-    several = len(paths) > 1
-    named = {Path(path).name: recording for path, recording in zip(paths, recordings, strict=True)}
-    whole = join(named, 1.0 / sample_rate_hz) if several else recordings[0]
-    write_json(quality, {"recordings": reports} if several else reports[0])
+    )  # fmt: skip
+    whole, report = recordings[0], reports[0]
+    if len(paths) > 1:
+        names = [Path(path).name for path in paths]
+        whole = join(dict(zip(names, recordings, strict=True)), 1.0 / sample_rate_hz)
+        report = {"recordings": reports}
+    write_json(quality, report)
     write_columns(data, whole.channels, whole.attributes)
 
 
@@ -63,25 +62,16 @@ def read_recordings(
 ) -> tuple[list[Data], list[dict[str, Any]]]:
     """Return the models' channels of raw logs, and their quality records.
 
-    Parameters
-    ----------
-    experiment : str or None
-        Expected experiment; None accepts any.
-    inputs : sequence of str
-        As ``select_channels`` takes them.
+    ``experiment`` is that which is expected, or None; ``inputs`` are as ``select_channels`` takes
+    them.
 
     Raises
     ------
     LogError
         Lists every log that cannot be read.
     """
-    sources = read_each(
-        read_raw,
-        paths,
-        experiment=experiment,
-        sample_rate_hz=sample_rate_hz,
-        rate_tolerance=limits.rate_tolerance,
-    )
+    asked = {"sample_rate_hz": sample_rate_hz, "rate_tolerance": limits.rate_tolerance}
+    sources = read_each(read_raw, paths, experiment=experiment, **asked)
     recordings, reports = [], []
     for source in sources:
         report = assess(source, limits, sample_rate_hz)

@@ -27,14 +27,10 @@ def record(
     """Record one hysteresis experiment (Sec. II-B)."""
     channels = acquire(experiment, Signal(**signal), Control(**control), rig, seed)
     write_raw(
-        raw,
-        channels,
-        experiment=experiment,
-        source="sim",
+        raw, channels, experiment=experiment, source="sim", seed=seed,
         sample_rate_hz=control["sample_rate_hz"],
-        seed=seed,
         rig={"rig": rig, "control": control, "signal": signal},
-    )
+    )  # fmt: skip
     log.info("simulated %d samples, wrote %s", len(channels["time_s"]), raw)
 
 
@@ -53,14 +49,8 @@ def track(
 ) -> None:
     """Follow every reference with every controller (Sec. IV), and write one raw log per run.
 
-    Parameters
-    ----------
-    models, names : sequences of str
-        Files of the feedforward models, and their names.
-    raw : sequence of str
-        Logs to write: those of the first reference for each controller, then of the second, ...
-    classes : Mapping, optional
-        The section ``models`` of the configuration, for models from outside this package.
+    ``raw`` are the logs of the first reference for each controller, then of the second, and so on;
+    ``classes`` is the section ``models`` of the configuration, for models from outside.
 
     Raises
     ------

@@ -33,13 +33,8 @@ def replicate(
     """Repeat everything but the execution times with another seed, beginning with new logs.
 
     Writes Tables II and III and the weights of Fig. 9 (``compared``), the grids of
-    Figs. 10 and 11 (``cells``), and the closed loops of Sec. IV (``measures``).
-
-    Parameters
-    ----------
-    on_rig, validation : Mapping
-        Arguments of ``RigSettings`` and ``CrossValidation`` of ``fprc.experiments.settings``; the
-        seed is that of ``validation``.
+    Figs. 10 and 11 (``cells``), and the closed loops of Sec. IV (``measures``). The seed is that of
+    ``validation``.
     """
     settings, how = RigSettings(**on_rig), CrossValidation(**validation)
     data = simulate(settings, how.seed)

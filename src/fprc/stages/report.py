@@ -45,20 +45,10 @@ def write_report(
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
-    Parameters
-    ----------
-    template : sequence of str
-        The page's template, then those that it includes.
-    ledger : sequence of str
-        The claims ledger, JSON; empty if there is none.
-    tables, figures : sequence of str
-        The tables, JSON, and the figures, PNG.
-    captions : str
-        The figures' captions by their targets, YAML.
-    sources : sequence of str
-        Source of the data of each figure; ``none`` if it shows none.
-    missing : Mapping
-        Results that the data do not allow, with reasons.
+    ``template`` is that of the page, then those that it includes; ``ledger`` is empty if no claims
+    were judged. Tables are JSON, figures PNG, captions YAML by the figures' targets. ``sources``
+    are those of the figures' data, ``missing`` the results that the data do not allow, with
+    reasons.
     """
     folder, texts = Path(html).parent, read_yaml(captions)
     shown = [_figure(*drawn, texts, folder) for drawn in zip(figures, sources, strict=True)]

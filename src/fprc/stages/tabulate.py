@@ -47,14 +47,8 @@ def tabulate_models(
 ) -> None:
     """Tables II and III: errors of the models, one seed, spread over folds.
 
-    Parameters
-    ----------
-    sweep, complex : sequence of str
-        Reports of the models that were trained on this log.
-    quality : sequence of str
-        Quality records of the logs; failed checks stand below the tables.
-    left_out : Mapping
-        The models that are not in the tables, with reasons.
+    Below them stand the failed checks of the logs' ``quality`` records, and the models that are
+    ``left_out``, with reasons.
     """
     for errors, files in ((sweep, table2), (complex, table3)):
         reports = [read_json(path) for path in errors]
@@ -84,17 +78,7 @@ def _without(left_out: Mapping[str, str]) -> str:
 def tabulate_seeds(
     models: Sequence[str], loops: Sequence[str], seeds: Sequence[str], *, feedback: str
 ) -> None:
-    """Tables II, III and IV over further seeds.
-
-    Parameters
-    ----------
-    models, loops : sequence of str
-        Reports of the further seeds on the models and on the closed loops.
-    seeds : sequence of str
-        Files of the three tables.
-    feedback : str
-        Describes the PD controller.
-    """
+    """Tables II, III and IV over further seeds, from their reports; ``feedback`` in words."""
     printed = read_yaml(PUBLISHED)
     reports, tracked = ([read_json(path) for path in paths] for paths in (models, loops))
     each = len(seeds) // 3
@@ -144,8 +128,7 @@ def write_ledger(
 ) -> None:
     """Write the claims ledger: the paper's numbers, ours, test and verdict, as JSON and as CSV.
 
-    ``fitted`` has the name of the rig, the terms that it was fitted to, and those that the rig at
-    which the fit began was searched for.
+    ``fitted`` has the name of the rig, and what ``judge_claims`` asks for.
     """
     of_seeds = ([read_json(path) for path in paths] for paths in (replicates, grids, controls))
     results = Results._make([*of_seeds, read_json(times), read_json(times_over_n_c)])
