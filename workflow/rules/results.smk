@@ -209,24 +209,15 @@ rule ledger:
 
 
 #: Rules whose named outputs are targets, in the order of the report.
-SHOWN = [
-    rules.draw_without_data,
-    rules.tabulate_models,
-    rules.draw_loops,
-    rules.tabulate_times,
-    rules.tabulate_seeds,
-    rules.draw_hysteresis,
-    rules.draw_training,
-    rules.draw_weights,
-    rules.draw_grids,
-    rules.ledger,
-]
-MADE = {target: list(files) for shown in SHOWN for target, files in shown.output.items()}
-
-
-TARGETS = {
-    target: [*files, *behind(shown)] for shown in SHOWN for target, files in shown.output.items()
-}
+SHOWN = (
+    "draw_without_data tabulate_models draw_loops tabulate_times tabulate_seeds draw_hysteresis "
+    "draw_training draw_weights draw_grids ledger"
+)
+MADE, TARGETS = {}, {}
+for name in SHOWN.split():
+    shown = getattr(rules, name)
+    for target, files in shown.output.items():
+        MADE[target], TARGETS[target] = list(files), [*files, *behind(shown)]
 #: Tables of the report; the claims have a place of their own.
 PAGES = [
     file

@@ -48,10 +48,9 @@ Fit = Mapping[str, Sequence[str]]
 
 
 def status_of(claim: Claim, fitted: Fit) -> str:
-    """Return whether a claim was fitted: fitted, half fitted, or predicted.
+    """Return whether a claim was fitted, half fitted, predicted, or of its own kind.
 
     It is half fitted if the fit had a part of it, or began at a rig that was searched for it.
-    Claims of another kind are counted or assumed.
     """
     to = set(fitted.get("to", ()))
     if claim.kind or to & set(claim.fitted_by):
@@ -75,12 +74,12 @@ def holding(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
 def fit_in_words(fitted: Fit) -> str:
     """Return what a rig was fitted to, and where its fit began, as a part of a sentence."""
     to = fitted.get("to", ())
-    start = _in_words([term for term in fitted.get("start", ()) if term not in to])
-    words = _in_words(to) or "nothing"
+    start = _words([term for term in fitted.get("start", ()) if term not in to])
+    words = _words(to) or "nothing"
     return words + (f", beginning at a rig that was searched for {start}" if start else "")
 
 
-def _in_words(terms: Sequence[str]) -> str:
+def _words(terms: Sequence[str]) -> str:
     return in_words([_TERMS.get(term, term) for term in terms])
 
 
@@ -97,24 +96,12 @@ def judge_claims(
     claims: Sequence[Claim] = CLAIMS,
     members: Members | None = None,
 ) -> list[dict[str, Any]]:
-    """Return one row per claim.
+    """Return one row per claim, with its verdict and those of its statements.
 
-    Parameters
-    ----------
-    fitted : Mapping
-        What the rig was fitted ``to``, and what the ``start`` of the fit was searched for.
-    members : Mapping, optional
-        See ``members_of``.
-
-    Returns
-    -------
-    list of dict
-        ``id``, ``claim``, ``published``, ``ours``, ``test``, ``basis``, ``note``, ``verdict``,
-        ``rig`` (see ``status_of``), ``rigs`` (on how many members it holds), ``shown_in`` (tables
-        and figures), and ``statements``, each with text, mean, interval, range of the means over
-        the members, limits and verdict. A claim is reproduced if every statement is, and not
-        reproduced if one is not. One that almost any numbers support, or that no fit decides and
-        that holds on every member, is not informative where others would be reproduced.
+    A claim is reproduced if every statement is, and not reproduced if one is not. One that almost
+    any numbers support, or that no fit decides and that holds on every member, is not informative
+    where others would be reproduced. ``fitted`` has what the rig was fitted ``to``, and what the
+    ``start`` of the fit was searched for; ``members`` is as ``members_of`` returns it.
     """
     rows = []
     known = members or {"of": 0, "holds": {}, "ranges": {}}
@@ -126,7 +113,7 @@ def judge_claims(
         anyway = held == known["of"] and status in ("predicted", "half fitted")
         holds = NOT_INFORMATIVE if claim.holds_by_chance or anyway else REPRODUCED
         ranges = known["ranges"].get(claim.id, {})
-        start = _in_words(_of_the_start(claim, fitted))
+        start = _words(_of_the_start(claim, fitted))
         began = f"the rig at which the fit began was searched for {start}" if start else ""
         rows.append(
             {

@@ -29,20 +29,10 @@ _EDGES = np.linspace(0.0, 1.0, 11) ** 2
 _FRAMES = {"lowest": style.MARK, "paper's setting": "white"}
 
 
-def grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> DataFrame:
-    """Mean and standard deviation of each phase's RMSE, over folds or seeds (Figs. 10a, 10b, 11).
+def _grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> DataFrame:
+    """Mean and standard deviation of each phase's RMSE over the settings of a grid, tidy.
 
-    Parameters
-    ----------
-    reports : sequence of mapping
-        ``source`` and cells by grid: of further seeds, each with the errors of one fold, or one
-        report with those of all folds and their ``unit``.
-
-    Returns
-    -------
-    DataFrame
-        ``model``, name and value of the ``setting`` or the values of several, ``phase``, ``mean``,
-        ``std`` (sample; NaN for a single value), ``values`` (their number), ``unit``, ``source``.
+    They are over further seeds, a report each, or over the folds of one report.
     """
     names = GRID_SETTINGS[grid]
     rows = []
@@ -97,8 +87,8 @@ def draw_grids(
     several = len(reports) > 1
     marks = {"seeds": [report["seed"] for report in reports]} if several else reports[0]
     panels = {
-        "a": grid_errors(reports, "epsilon"),
-        "b": grid_errors(reports, "n_c"),
+        "a": _grid_errors(reports, "epsilon"),
+        "b": _grid_errors(reports, "n_c"),
         "c": _times_over_n_c(read_json(times)),
     }
     panels = {panel: table for panel, table in panels.items() if not table.empty}
@@ -106,17 +96,14 @@ def draw_grids(
     fig = _draw_settings(panels, f"± std over {'seeds' if several else 'folds'}")
     style.save(fig, marks, *fig10, table=shown)
     if fig11:
-        table = grid_errors(reports, "taps")
+        table = _grid_errors(reports, "taps")
         printed = read_yaml(PUBLISHED)["table_1_configuration"]
         papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
         style.save(_draw_taps(table, papers), marks, *fig11, table=table)
 
 
 def _draw_settings(panels: Mapping[str, DataFrame], spread: str) -> Figure:
-    """Figure 10: a key, and the tables of the panels ``a``, ``b`` and ``c``, one above the other.
-
-    ``spread`` says what a band or a bar is. Without FPRC, panel ``a`` is not there.
-    """
+    """Figure 10, the tables of its panels, one above the other; ``spread`` says what a band is."""
     fig, axes = style.figure(len(panels), 1, style.COLUMN_IN, 4.6 if "a" in panels else 3.4)
     for (panel, table), ax in zip(panels.items(), axes, strict=True):
         _plot_over(table, ax, times=panel == "c")
@@ -139,11 +126,9 @@ def _draw_settings(panels: Mapping[str, DataFrame], spread: str) -> Figure:
 
 
 def _plot_over(table: DataFrame, ax: Axes, *, times: bool) -> None:
-    """Draw training, validation and test RMSE, or execution times, over a setting.
+    """Draw errors with bands of their standard deviation, or times with bars, over a setting.
 
-    A line style is a model, a marker is a phase. The standard deviation of an error is a band
-    either way, that of a time a bar: on a logarithmic axis, a band that reaches below zero would
-    cover the rest.
+    On the logarithmic axis of times, a band that reaches below zero would cover the rest.
     """
     for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
         rows = rows.sort_values("value")

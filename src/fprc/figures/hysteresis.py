@@ -105,14 +105,10 @@ def label(channel: str, attributes: Mapping[str, Any]) -> str:
 
 
 def mean_loops(channels: Mapping[str, np.ndarray]) -> pd.DataFrame:
-    """Mean over the cycles of each band of frequency, by phase (Figs. 4b and 5a).
+    """Mean of each channel over the cycles of a band of frequency, by ``f_hz`` and phase.
 
     A cycle goes from one upper turn of ``p_target_kpa`` to the next; without one, the whole counts.
-
-    Returns
-    -------
-    DataFrame
-        ``f_hz``, the lower edge of the band, and the mean of each channel at each phase.
+    The band is named by its lower edge.
     """
     turns = turning_points(channels["p_target_kpa"])[::2]
     if len(turns) < 2:

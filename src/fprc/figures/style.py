@@ -21,6 +21,7 @@ from pandas import DataFrame
 
 from fprc import escape
 from fprc.artifacts import replacing, write_csv
+from fprc.paper import SOURCES
 
 #: Widths of a column and of a page of the journal, inches.
 COLUMN_IN, PAGE_IN = 3.5, 7.16
@@ -143,13 +144,7 @@ def share_legend(fig: Figure, ax: Axes, columns: int = 2) -> None:
 
 
 #: Text under a figure, by the source of its data.
-_ORIGINS = {
-    "sim": "simulated rig, seed {seed}",
-    "rig": "recorded on the rig",
-    "import": "imported recordings",
-}
-
-
+_ORIGINS = SOURCES | {"sim": "simulated rig, seed {seed}"}
 #: What a file does not say of itself: when and by what it was made.
 _LEFT_OUT = {".pdf": {"CreationDate": None}, ".png": {"Software": None}}
 
@@ -157,17 +152,9 @@ _LEFT_OUT = {".pdf": {"CreationDate": None}, ".png": {"Software": None}}
 def save(fig: Figure, data: Mapping[str, Any], *files: str, table: DataFrame | None = None) -> None:
     """Write a figure to PDF and PNG files, marked with the source of its data.
 
-    The same figure gives the same bytes: no creation date is written.
-
-    Parameters
-    ----------
-    data : Mapping
-        Attributes of the data: ``source`` of a log, and ``seed`` where it is simulated, or
-        ``seeds`` of several simulated rigs.
-    *files : str
-        Files to write, ending in .pdf or .png, and in .csv for ``table``.
-    table : DataFrame, optional
-        The statistics that the figure shows.
+    The same figure gives the same bytes. ``data`` has the ``source`` of a log, and its ``seed``
+    where it is simulated, or ``seeds`` of several simulated rigs. A file that ends in .csv gets
+    ``table``, the statistics that the figure shows.
     """
     origin = "simulated rigs" if "seeds" in data else _ORIGINS[data["source"]].format_map(data)
     fig.supxlabel(origin, x=0.99, ha="right", fontsize=MARK_PT, color="0.45")
