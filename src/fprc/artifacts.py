@@ -12,24 +12,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:  # most jobs write no table, and many take less time than importing pandas
     from pandas import DataFrame
 
-from fprc import escape
 from fprc.errors import FprcError, OutputError
 from fprc.given import read_given
-
-_REMEDIES = {
-    **dict.fromkeys((errno.ENOSPC, errno.EDQUOT, errno.EFBIG), "free some space"),
-    **dict.fromkeys(
-        (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST, errno.EIO),
-        "make the folder writable",
-    ),
-    errno.EISDIR: "move it away",
-}
-
-#: Longest name of an output, bytes: file systems take 255, and temporary files, journals and
-#: diagnoses have longer names.
-_LONGEST_NAME = 220
-#: Largest JSON file, bytes.
-_LARGEST_JSON = 1 << 28
 
 
 @contextmanager
@@ -60,33 +44,25 @@ def replacing(path: Path | str) -> Iterator[Path]:
 
 @contextmanager
 def explaining(path: Path | str) -> Iterator[None]:
-    """Turn an operating system error on writing ``path`` into ``OutputError``.
-
-    Raises
-    ------
-    OutputError
-        The disk is full, the folder cannot be written to, or ``path`` is a folder.
-    """
+    """Turn an operating system error on writing ``path`` into ``OutputError``."""
     try:
         yield
     except OSError as error:
-        if error.errno not in _REMEDIES:
+        if error.errno in (None, errno.ENOENT):  # of a library, or of a file that was to be read
             raise
         raise OutputError(
-            f"{path}: cannot be written ({error.strerror}); {_REMEDIES[error.errno]} or choose "
-            "another folder"
+            f"{path}: cannot be written ({error.strerror}); free some space, make the folder "
+            "writable, or choose another"
         ) from error
 
 
 def refuse_output(
-    out: Path | str, *suffixes: str, ours: Callable[[Path], bool] | None = None
+    out: Path | str, suffix: str, *, ours: Callable[[Path], bool] | None = None
 ) -> None:
     """Check that a file that a user named can be written, before anything is computed.
 
     Parameters
     ----------
-    *suffixes : str
-        Endings that its name may have.
     ours : callable, optional
         Returns whether an existing file is an earlier output of the same command, which may be
         overwritten; by default no file may.
@@ -94,30 +70,22 @@ def refuse_output(
     Raises
     ------
     OutputError
-        The name has another ending or is too long, a file of this name may not be overwritten, or
-        its folder cannot be written to.
+        The name has another ending, a file of this name may not be overwritten, or its folder
+        cannot be written to.
     """
     path = Path(out)
-    if path.suffix not in suffixes:
-        raise OutputError(f"{str(out) or repr('')}: must end in {escape.in_words(suffixes, 'or')}")
-    if len(os.fsencode(path.name)) > _LONGEST_NAME:
-        raise OutputError(f"{out}: the name is too long; at most {_LONGEST_NAME} bytes")
+    if path.suffix != suffix:
+        raise OutputError(f"{str(out) or repr('')}: must end in {suffix}")
     if os.path.lexists(path) and not (ours and os.path.isfile(path) and ours(path)):
         why = "was not made by this command" if ours else "is not overwritten"
         raise OutputError(f"{out}: exists and {why}; choose another name")
-    if why := _obstacle(path.parent):
-        raise OutputError(f"{out}: {why}")
-
-
-def _obstacle(folder: Path) -> str:
-    """Return why a folder, which need not exist yet, cannot be written to; empty if it can."""
-    path = Path(os.path.abspath(folder))
     try:
-        nearest = next(place for place in (path, *path.parents) if os.path.lexists(place))
-        tempfile.TemporaryFile(dir=nearest).close()
+        folders = Path(os.path.abspath(path)).parents
+        tempfile.TemporaryFile(dir=next(filter(os.path.lexists, folders))).close()
     except OSError as error:
-        return f"cannot be written to ({error.strerror}); choose another folder"
-    return ""
+        raise OutputError(
+            f"{out}: cannot be written to ({error.strerror}); choose another folder"
+        ) from error
 
 
 def write_text(path: Path | str, text: str) -> None:
@@ -127,13 +95,7 @@ def write_text(path: Path | str, text: str) -> None:
 
 
 def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
-    """Write a JSON file.
-
-    Raises
-    ------
-    ValueError
-        The content holds NaN or infinity.
-    """
+    """Write a JSON file; raise ValueError if the content holds NaN or infinity."""
     write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
@@ -146,7 +108,7 @@ def read_json(path: Path | str) -> dict[str, Any]:
         It cannot be opened, was cut, or holds something else.
     """
     try:
-        return parse_object(read_given(path, most_bytes=_LARGEST_JSON).decode("utf-8"))
+        return parse_object(read_given(path, most_bytes=1 << 28).decode("utf-8"))
     except (ValueError, RecursionError) as error:
         raise FprcError(
             f"{path}: {error}; it was damaged or edited: delete it, then repeat the command that "
@@ -160,14 +122,6 @@ def parse_object(text: str) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise ValueError("must be a JSON object")
     return content
-
-
-def is_json_with(path: Path | str, *keys: str) -> bool:
-    """Return whether a file is JSON and has these keys, as an earlier output of a command does."""
-    try:
-        return read_json(path).keys() >= set(keys)
-    except FprcError:
-        return False
 
 
 def write_csv(path: Path | str, table: "DataFrame") -> None:

@@ -19,8 +19,7 @@ def open_given(
     Raises
     ------
     error
-        The path leads to no regular file, the file cannot be read, or it has more than
-        ``most_bytes``.
+        There is no such regular file, it cannot be read, or it has more than ``most_bytes``.
     """
     try:
         # a pipe would block, and a device can be endless
@@ -29,15 +28,11 @@ def open_given(
         file = open(path, "rb")
     except (OSError, ValueError) as problem:  # ValueError: the path contains NUL
         why = getattr(problem, "strerror", None) or problem
-        shown = str(path) or "''"
-        raise error(f"{shown}: cannot be opened ({why}); check the path") from problem
+        raise error(f"{path!s}: cannot be opened ({why}); check the path") from problem
     size = os.fstat(file.fileno()).st_size
     if size > most_bytes:
         file.close()
-        raise error(
-            f"{path}: has {size:,} bytes; must have at most {most_bytes:,}, split it or check the "
-            "path"
-        )
+        raise error(f"{path}: has {size:,} bytes; must have at most {most_bytes:,}")
     return file
 
 
@@ -46,10 +41,7 @@ def read_given(
 ) -> bytes:
     """Return the content of a file that a user named; see ``open_given``."""
     with open_given(path, error=error, most_bytes=most_bytes) as file:
-        try:
-            return file.read()
-        except OSError as problem:
-            raise error(f"{path}: cannot be read ({problem.strerror}); check the path") from problem
+        return file.read()
 
 
 def refuse_repeats(paths: Sequence[str], why: str) -> None:

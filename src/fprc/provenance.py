@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 import platform
 import subprocess
 from collections.abc import Mapping
@@ -18,8 +17,7 @@ _LIBRARIES = (
 
 def hash_of(settings: Mapping[str, Any]) -> str:
     """Return the SHA-256 of settings, independent of the order of their keys."""
-    text = json.dumps(settings, sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()
 
 
 def versions() -> dict[str, str]:
@@ -32,19 +30,13 @@ def commit_of(package: Path) -> str:
 
     A package installed into a folder that git does not track has no commit.
     """
-    if _git(package, "ls-files", "--error-unmatch", "__init__.py") is None:
-        return "unknown (not a git checkout)"
-    return _git(package, "describe", "--always", "--dirty", "--exclude=*", "--abbrev=12") or "none"
-
-
-def _git(folder: Path, *arguments: str) -> str | None:
-    command = ["git", "--no-optional-locks", "-C", str(folder), *arguments]
-    # a hook of git sets git's variables
-    env = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+    git = ["git", "--no-optional-locks", "-C", str(package)]
+    described = ["describe", "--always", "--dirty", "--exclude=*", "--abbrev=12"]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
+        for command in (["ls-files", "--error-unmatch", "__init__.py"], described):
+            done = subprocess.run([*git, *command], capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError):
-        return None
+        return "unknown (not a git checkout)"
     return done.stdout.strip()
 
 

@@ -9,8 +9,7 @@ from fprc.config import from_files, local_files
 from fprc.errors import FprcError
 from fprc.experiments.tracking import Track
 from fprc.experiments.trained import refuse_other_data
-from fprc.given import read_given
-from fprc.models.c_header import GENERATED, c_header
+from fprc.models.c_header import c_header
 from fprc.models.storage import load_model
 from fprc.provenance import sha256
 from fprc.registry import outside_classes
@@ -19,7 +18,7 @@ from fprc.registry import outside_classes
 def export_c(model: str, *, c: str, learn: bool = False, config: Sequence[str] = ()) -> None:
     """Turn a trained model into C code for a controller."""
     path = Path(c)
-    refuse_output(path, ".h", ours=lambda old: GENERATED.encode() in read_given(old))
+    refuse_output(path, ".h")
     settings = from_files(config or local_files())
     fitted = load_model(model, outside_classes(settings.models.model_dump()))
     if learn:

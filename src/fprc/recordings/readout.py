@@ -10,7 +10,6 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import (
-    is_json_with,
     read_json,
     refuse_output,
     write_json,
@@ -71,8 +70,7 @@ def report_readout(
     hashes = [sha256(path) for path in tables]
 
     def is_ours(old: Path) -> bool:
-        known = is_json_with(answered, "recordings")
-        return known and read_json(answered)["recordings"] == hashes
+        return answered.exists() and bool(read_json(answered).get("recordings") == hashes)
 
     refuse_output(page, ".md", ours=is_ours)
     target = mapping.target(settings["evaluation"]["target"])

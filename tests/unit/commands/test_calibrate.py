@@ -51,11 +51,3 @@ def test_fit_is_written_where_it_is_asked_for_with_settings_of_the_merged_files(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml", "out.yaml"]
     assert read_yaml(out)["rig"] == {"drift": {"time_s": 3.5}}
     assert "out.yaml" in capsys.readouterr().err
-
-
-def test_models_that_learn_while_they_run_are_not_fitted_to_print(tmp_path, capsys):
-    (tmp_path / "mine.yaml").write_text("control: {feedforward: {adapt: true}}\n")
-    out = tmp_path / "fitted.yaml"
-    assert main(["calibrate", *FILES, str(tmp_path / "mine.yaml"), "--out", str(out)]) == 1
-    assert "control.feedforward.adapt" in capsys.readouterr().err
-    assert [path.name for path in tmp_path.iterdir()] == ["mine.yaml"]
