@@ -8,7 +8,7 @@ import numpy as np
 from sklearn.utils import Bunch
 
 from fprc.channels import TARGETS
-from fprc.config import from_files
+from fprc.config import Settings, check
 from fprc.errors import ConfigError
 from fprc.escape import in_words
 from fprc.experiments.data import select_channels
@@ -32,8 +32,8 @@ Source: Shen, Miyazaki, Kawashima, IEEE RA-L 2024, 10.1109/LRA.2024.3523229, Sec
 def load_hysteresis(
     experiment: str = "sweep",
     *,
-    seed: int | None = None,
-    rig: str | Mapping[str, Any] | None = None,
+    seed: int = 1,
+    rig: str | Mapping[str, Any] = "paper",
     raw: Path | str | None = None,
     target: str = "command",
 ) -> Any:
@@ -46,13 +46,12 @@ def load_hysteresis(
     ----------
     experiment : {"sweep", "complex"}, default="sweep"
         The paper trains on the sweep and tests on the complex signal.
-    seed : int, optional
-        Seed of the simulated rig's sensors and their noise; by default 1.
-    rig : str or Mapping, optional
-        Simulated rig: its name, or numbers as in the section ``rig`` of the configuration; by
-        default ``"paper"``.
+    seed : int, default=1
+        Seed of the simulated rig's sensors and their noise.
+    rig : str or Mapping, default="paper"
+        Simulated rig: its name, or numbers as in the section ``rig`` of the configuration.
     raw : path, optional
-        Raw log of the experiment to read instead; ``seed`` and ``rig`` must then be left out.
+        Raw log of the experiment to read instead; ``seed`` and ``rig`` do not count then.
     target : {"command", "measured"}, default="command"
         P_exp to predict: commanded or measured pressure.
 
@@ -87,17 +86,18 @@ def load_hysteresis(
     ----------
     Paper, Sec. II-B.
     """
-    _refuse(experiment, seed, rig, raw, target)
-    if raw is None:
-        settings = from_files([], {} if rig is None else {"rig": rig})
-        control, signal = settings.control, dict(settings.experiments)[experiment]
-        arrays = acquire(
-            experiment, signal, control, settings.rig.model_dump(), 1 if seed is None else seed
+    if experiment not in RUNS or target not in TARGETS:
+        raise ConfigError(
+            f"experiment must be {in_words(RUNS, 'or')}, and target {in_words(TARGETS, 'or')}"
         )
+    if raw is None:
+        settings = check({"rig": rig, "seed": seed})
+        control, signal = settings.control, dict(settings.experiments)[experiment]
+        arrays = acquire(experiment, signal, control, settings.rig.model_dump(), settings.seed)
         attributes = {"source": "sim", "sample_rate_hz": control.sample_rate_hz}
         log = Columns(Path(f"{experiment}, simulated"), arrays, attributes)
     else:
-        tolerance = from_files([]).quality.rate_tolerance
+        tolerance = Settings().quality.rate_tolerance
         log = read_raw(raw, experiment=experiment, sample_rate_hz=None, rate_tolerance=tolerance)
     selected = select_channels(log, target)
     inputs = [name for name in ("theta_deg", "p_o_kpa") if name in log.channels]
@@ -114,16 +114,3 @@ def load_hysteresis(
         source=log.attributes["source"],
         DESCR=_DESCRIPTION,
     )
-
-
-def _refuse(experiment: str, seed: Any, rig: Any, raw: Path | str | None, target: str) -> None:
-    problems = {
-        f"experiment = {experiment!r}; must be {in_words(RUNS, 'or')}": experiment in RUNS,
-        f"target = {target!r}; must be {in_words(TARGETS, 'or')}": target in TARGETS,
-        f"seed = {seed!r}; must be a whole number, 0 or more": seed is None
-        or (isinstance(seed, int | np.integer) and seed >= 0),
-        "seed and rig are those of a simulation; leave them out to read a raw log": raw is None
-        or (seed is None and rig is None),
-    }
-    if not all(problems.values()):
-        raise ConfigError("\n".join(text for text, right in problems.items() if not right))

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, field_validator
 
-from fprc.config.section import Distinct, NotEmpty, Section, quantity
+from fprc.config.section import Distinct, Grid, Section, quantity
 from fprc.limits import MODEL
 from fprc.registry import ANGLE, COMPETITORS
 
@@ -112,13 +112,13 @@ class Evaluation(Section):
 
 
 class Grids(Section):
-    """Grids of control variables, Sec. III-E."""
+    """Grids of control variables, Sec. III-E: the claims ask for values between others."""
 
-    epsilon: NotEmpty[float] = quantity((1.0, 0.1, 0.01, 1e-3, 1e-4), MODEL["epsilon"],
+    epsilon: Grid[float] = quantity((1.0, 0.1, 0.01, 1e-3, 1e-4), MODEL["epsilon"],
         "filter factors", "paper, Fig. 10(a)")
-    n_c: NotEmpty[int] = quantity((1, 2, 4, 8, 16), MODEL["n_c"], "fuzzy rules",
+    n_c: Grid[int] = quantity((1, 2, 4, 8, 16), MODEL["n_c"], "fuzzy rules",
         "paper, Fig. 10(b)")
-    n_u: Distinct[int] = quantity(tuple(range(1, 11)), MODEL["n_u"], "taps of P_o",
+    n_u: Grid[int] = quantity(tuple(range(1, 11)), MODEL["n_u"], "taps of P_o",
         "paper, Fig. 11", unit="samples")
-    n_y: Distinct[int] = quantity(tuple(range(1, 11)), MODEL["n_y"], "taps of theta_d",
+    n_y: Grid[int] = quantity(tuple(range(1, 11)), MODEL["n_y"], "taps of theta_d",
         "paper, Fig. 11", unit="samples")

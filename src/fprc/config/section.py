@@ -59,14 +59,15 @@ def _rise(limits: tuple[float, float]) -> tuple[float, float]:
 
 
 def _differ(items: tuple[T, ...]) -> tuple[T, ...]:
-    if len(set(items)) < max(2, len(items)):
-        raise ValueError(f"{items} must be two or more, each given once")
+    if len(set(items)) < len(items):
+        raise ValueError(f"{items} must differ")
     return items
 
 
-#: One or more items; two or more, of which none is repeated; a pair whose lower end comes first.
+#: One or more items; two or three of them or more, none repeated; a pair whose lower end is first.
 NotEmpty = Annotated[tuple[T, ...], Field(min_length=1)]
-Distinct = Annotated[tuple[T, ...], AfterValidator(_differ)]
+Distinct = Annotated[tuple[T, ...], Field(min_length=2), AfterValidator(_differ)]
+Grid = Annotated[tuple[T, ...], Field(min_length=3), AfterValidator(_differ)]
 Rising = Annotated[tuple[T, T], AfterValidator(_rise)]
 
 

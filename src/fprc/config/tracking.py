@@ -74,11 +74,10 @@ class Tracking(Section):
 
     @model_validator(mode="after")
     def _pushes_begin_within_the_evaluated_part(self) -> "Tracking":
-        reference, quiet_s = self.references.disturbance, self.pushes.quiet_s
-        end_s = reference.settle_s + reference.duration_s
-        if not reference.settle_s < quiet_s < end_s:
+        run = self.references.disturbance
+        if not 0.0 < self.pushes.quiet_s - run.settle_s < run.duration_s:
             raise ValueError(
-                f"pushes.quiet_s = {quiet_s:g} s must lie between references.disturbance.settle_s "
-                f"= {reference.settle_s:g} s and the end of the run at {end_s:g} s"
+                f"pushes.quiet_s = {self.pushes.quiet_s:g}: must lie between settle_s and the end "
+                "of references.disturbance"
             )
         return self

@@ -1,25 +1,107 @@
-"""The workflow's plan: what can be made from the existing logs with the given settings."""
+"""The workflow's plan: the results, what they are made of, and which of them the logs allow."""
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from fprc.channels import CHANNELS
 from fprc.config import Settings
-from fprc.errors import ConfigError, LogError
+from fprc.errors import LogError
 from fprc.escape import in_words
 from fprc.logs import Columns, read_columns
 from fprc.logs.columns import read_each
-from fprc.paper import DISTURBANCE, EXPERIMENTS, REFERENCES, run_log
-from fprc.plan.paths import Paths
-from fprc.plan.results import NEEDS, Need, title_of_result
+from fprc.paper import DISTURBANCE, EXPERIMENTS, LOOPS, REFERENCES, run_log
 from fprc.registry import controllers, entries, feedforward_of, outside_classes
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
 TRAINING = EXPERIMENTS[0]
+
+
+class Need(NamedTuple):
+    """What a result is made from."""
+
+    logs: tuple[str, ...] = ()  #: raw logs that it needs
+    channels: tuple[str, ...] = ()  #: channels that each of these logs must have
+    on_rigs: str = ""  #: why it needs a simulated rig, if it does
+
+
+_P_O = ("p_o_kpa",)
+
+#: By the target of the workflow; a result that is not listed needs none.
+NEEDS = {
+    "table2": Need(EXPERIMENTS),
+    "table3": Need(EXPERIMENTS),
+    "timing": Need(EXPERIMENTS),
+    "seeds": Need(on_rigs="needs source: sim: further seeds are further simulated rigs"),
+    "claims": Need(on_rigs="needs source: sim: the verdicts are taken over further simulated rigs"),
+    "fig4": Need(EXPERIMENTS),
+    "fig5": Need(EXPERIMENTS, _P_O),
+    "fig8": Need(EXPERIMENTS, _P_O),
+    "fig9": Need(EXPERIMENTS[:1], _P_O),
+    "fig10": Need(EXPERIMENTS),
+    "fig11": Need(EXPERIMENTS, _P_O),
+    **{
+        f"fig{number}": Need((run_log(reference, "fprc"), run_log(reference, "fprc_pd")))
+        for number, reference in enumerate(REFERENCES, start=12)
+    },
+    "fig16": Need(tuple(run_log(name, loop) for name in LOOPS for loop in ("pd", "fprc_pd"))),
+    "fig17": Need((run_log(DISTURBANCE, "fprc_pd"),), ("p_i_kpa", "p_o_kpa", "phi_deg")),
+}
+
+_TITLES = {
+    **{f"table{n}": f"Table {roman}" for n, roman in enumerate(("I", "II", "III", "IV"), start=1)},
+    "timing": "Execution times",
+    "seeds": "Tables II to IV over further seeds",
+}
+
+
+def title_of_result(target: str) -> str:
+    """Return a result's name for readers."""
+    return _TITLES.get(target, target.capitalize().replace("Fig", "Fig. "))
+
+
+@dataclass(frozen=True)
+class Paths:
+    """Files below the folders ``raw`` and ``results``; arguments may be wildcards."""
+
+    raw: str
+    results: str
+
+    def below(self, name: str) -> str:
+        """Return a file below the results folder."""
+        return f"{self.results}/{name}"
+
+    def log(self, name: str) -> str:
+        """Return the raw log of an experiment or a run."""
+        return f"{self.raw}/{name}.h5"
+
+    def messages(self, name: str) -> str:
+        """Return the file of a job's messages."""
+        return self.below(f"logs/{name}.log")
+
+    def data(self, experiment: str) -> str:
+        """Return the preprocessed log of an experiment."""
+        return self.below(f"data/{experiment}.h5")
+
+    def quality(self, experiment: str) -> str:
+        """Return the quality record of a raw log."""
+        return self.below(f"quality/{experiment}.json")
+
+    def judged(self, experiment: str, model: str) -> dict[str, str]:
+        """Return the files of ``fprc.stages.models.judge``, by its arguments, for one log."""
+        return {
+            "errors": self.below(f"crossval/{experiment}_{model}.json"),
+            "fitted": self.below(f"models/{experiment}_{model}.h5"),
+            "fits": self.below(f"predictions/{experiment}_{model}_train.h5"),
+            "predictions": self.below(f"predictions/{experiment}_{model}_test.h5"),
+        }
+
+    def replicate(self, part: str, seed: int | str) -> str:
+        """Return the report of a further seed; part: models, grids or control."""
+        return self.below(f"replicates/{part}_{seed}.json")
 
 
 @dataclass(frozen=True)
@@ -28,12 +110,11 @@ class Plan:
 
     settings: Settings  #: the whole configuration
     existing: Mapping[str, Columns]  #: the existing raw logs, without samples, by name
-    raw: str  #: folder of those logs, for messages
 
     @cached_property
     def paths(self) -> Paths:
         """Every file of the workflow."""
-        return Paths(self.settings.folders.raw, self.settings.folders.results)
+        return Paths(**dict(self.settings.folders))
 
     @cached_property
     def section_models(self) -> dict[str, Any]:
@@ -99,7 +180,7 @@ class Plan:
         """Results that cannot be made, with their reasons."""
         reasons = {name: self._why_not(need) for name, need in NEEDS.items()}
         if not self.runs:
-            every = f"{self.raw}/{run_log('*', '*')}.h5"
+            every = self.paths.log(run_log("*", "*"))
             reasons["table4"] = f"needs closed-loop logs {every}; there is none"
         if not self.on_simulated_rig:
             reasons |= {name: need.on_rigs for name, need in NEEDS.items() if need.on_rigs}
@@ -110,8 +191,7 @@ class Plan:
         logs = self.contents
         absent = [f"{name}.h5" for name in need.logs if name not in logs]
         if absent:
-            verb = "is" if len(absent) == 1 else "are"
-            return f"needs {in_words(absent)}, which {verb} not in {self.raw}"
+            return f"needs {in_words(absent)} in {self.paths.raw}"
         lacking = [
             f"{channel} in {name}.h5"
             for name in need.logs
@@ -179,53 +259,31 @@ class Plan:
         return [*raw, *map(self.paths.data, logs)]
 
 
-def read_plan(settings: Settings, raw: str) -> Plan:
+def read_plan(settings: Settings) -> Plan:
     """Return the plan for the raw logs that exist.
-
-    Parameters
-    ----------
-    raw : str
-        Folder of the logs: ``folders.raw``, with the prefix if the workflow is a module with one.
 
     Raises
     ------
     ConfigError
-        A class of ``models.others`` is no model, or a grid is too small for the claims.
+        A class of ``models.others`` is no model.
     LogError
         Names every log that cannot be read or that has another source than ``source`` says; or
         there is none to use.
     """
     outside_classes(settings.models.model_dump())
-    small = [
-        f"grids.{name} = {list(values)}: give three or more values, each once; the claims ask for "
-        "one between others"
-        for name, values in settings.grids
-        if len(set(values)) < max(len(values), 3)
-    ]
-    if small and settings.source == "sim":
-        raise ConfigError("\n".join(small))
-    logs = [f"{raw}/{name}.h5" for name in Plan(settings, {}, raw).every_log]
-    if settings.source == "recorded":
-        logs += [str(path) for path in Path(raw).glob("*.h5") if _is_further(path.stem)]
-    present = [log for log in logs if Path(log).exists()]
-    read = read_each(read_columns, present, names=())
-    plan = Plan(settings, {log.path.stem: log for log in read}, raw)
-    if plan.on_simulated_rig:
-        why = (
-            "is not a log of the simulated rig and will not be overwritten; set source: recorded "
-            "to use it, or move it away"
-        )
-    else:
-        why = (
-            "is a log of the simulated rig, not of the real one; set folders.raw (and "
-            "folders.results) to folders of their own"
-        )
+    raw, empty = Path(settings.folders.raw), Plan(settings, {})
+    names = [name for name in empty.every_log if (raw / f"{name}.h5").exists()]
+    if not empty.records:
+        names += [path.stem for path in raw.glob("*.h5") if _is_further(path.stem)]
+    read = read_each(read_columns, [empty.paths.log(name) for name in names], names=())
+    plan = Plan(settings, dict(zip(names, read, strict=True)))
     wrong = [
-        f"{log.path}: {why}"
+        f"{log.path}: its source is not {settings.source}, so it is not overwritten; move it away, "
+        "set folders.raw and folders.results to other folders, or use it by source: recorded"
         for log in plan.existing.values()
-        if (log.attributes.get("source") == "sim") != plan.on_simulated_rig
+        if plan.records and (log.attributes.get("source") == "sim") != plan.on_simulated_rig
     ]
-    if wrong and plan.records:
+    if wrong:
         raise LogError("\n".join(wrong))
     if not plan.contents:
         raise LogError(

@@ -21,7 +21,7 @@ from fprc.claims.ledger import holding
 from fprc.config import Settings
 from fprc.escape import in_words, typeset
 from fprc.paper import SOURCES
-from fprc.plan.results import title_of_result
+from fprc.plan.plan import title_of_result
 from fprc.provenance import commit_of, hash_of, versions
 from fprc.yaml_file import read_yaml
 

@@ -63,6 +63,7 @@ NAN, INFINITY = float("nan"), float("inf")
      ("experiments.sweep.duration_s", INFINITY, ""), ("experiments.sweep.form", "sine", ""),
      ("quality.pressure_range_kpa", [100.0, -20.0], ""), ("evaluation.split", True, ""),
      ("evaluation.replicate_seeds", [101, 101], ""), ("evaluation.replicate_seeds", [101], ""),
+     ("grids.epsilon", [0.1, 0.01, 0.01], ""), ("grids.n_u", [1, 2], ""),
      ("evaluation.replicate_seeds", [101, 442], ""), ("calibration.free", ["valve.leak"], ""),
      ("evaluation.replicate_seeds", [101, 1_000_000], ""), ("calibration.fit", [], ""),
      ("source", "real", ""),

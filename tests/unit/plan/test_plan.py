@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
+import h5py
 import pytest
 
 from fprc.channels import RAW_CHANNELS
 from fprc.config import Settings, check
-from fprc.errors import ConfigError, LogError
+from fprc.errors import LogError
 from fprc.logs import Columns
 from fprc.paper import EXPERIMENTS, run_log
 from fprc.plan.plan import Plan, read_plan
@@ -19,7 +20,7 @@ CLOSED_LOOP = {"table4", *(f"fig{number}" for number in range(12, 18))}
 @pytest.fixture(scope="module")
 def simulated():
     """The plan of the default settings."""
-    return Plan(Settings(), {}, "data/raw")
+    return Plan(Settings(), {})
 
 
 def recorded(*names, lacking=()):
@@ -27,22 +28,7 @@ def recorded(*names, lacking=()):
     settings = check({"source": "recorded"})
     channels = frozenset(RAW_CHANNELS) - {*lacking}
     there = {name: Columns(Path(f"data/raw/{name}.h5"), {}, {}, names=channels) for name in names}
-    return Plan(settings, there, "data/raw")
-
-
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [("epsilon", [0.1]), ("epsilon", [0.1, 0.01, 0.01]), ("n_c", [1, 2]), ("n_u", [1, 2]),
-     ("n_y", [1, 5])],
-)  # fmt: skip
-def test_grid_in_which_no_value_is_between_others_is_refused_where_claims_are_judged(
-    name, values, tmp_path
-):
-    settings = check({"grids": {name: values}})
-    with pytest.raises(ConfigError, match=f"grids.{name} = "):
-        read_plan(settings, str(tmp_path))
-    with pytest.raises(LogError, match="contains no raw log"):
-        read_plan(settings.changed(source="recorded"), str(tmp_path))
+    return Plan(settings, there)
 
 
 # --- on the simulated rig -------------------------------------------------------------------------
@@ -58,7 +44,7 @@ def test_every_result_can_be_made_on_the_simulated_rig(simulated):
 def test_log_to_come_lacks_only_what_the_rig_does_not_measure():
     for phi, lacking in ((None, {"phi_deg"}), ({}, set())):
         settings = check({"source": "rig", "hardware": {"phi": phi}})
-        plan = Plan(settings, {}, "data/raw")
+        plan = Plan(settings, {})
         assert {"phi_deg", "p_o_kpa"} - plan.contents["sweep"].names == lacking
         assert ("fig17" in plan.unavailable) is bool(lacking)
 
@@ -98,7 +84,7 @@ def test_without_p_o_fprc_is_left_out_everywhere():
 def test_model_from_outside_is_judged_and_drives_if_it_can():
     other = {"estimator": "fprc.models.fprc.FuzzyLinear", "inputs": ["theta_deg"]}
     settings = check({"models": {"others": {"taps": other}}})
-    plan = Plan(settings, {}, "data/raw")
+    plan = Plan(settings, {})
     assert plan.models == [*MODELS, "taps"]
     assert {"taps", "taps_pd"} <= set(plan.controllers)
     assert "taps" in plan.feedforward
@@ -111,3 +97,49 @@ def test_further_training_logs_are_read_in_order_and_only_where_recorded():
     ]
     assert plan.logs_of("complex") == ["data/raw/complex.h5"]
     assert {"data/raw/sweep_2.h5", "data/raw/sweep_10.h5"} < set(plan.data)
+
+
+# --- logs that exist when the workflow begins -----------------------------------------------------
+
+NAMES = ["sweep", "complex", "track_sweep_fprc"]
+
+
+def there(folder, source="sim"):
+    return read_plan(check({"source": source, "folders": {"raw": str(folder)}})).existing
+
+
+def test_every_file_that_cannot_be_read_is_named(write_log, tmp_path):
+    (tmp_path / "sweep.h5").write_bytes(b"no log at all")
+    write_log("complex.h5", notes="{")
+    write_log("track_sweep_fprc.h5")
+    with pytest.raises(LogError) as caught:
+        there(tmp_path)
+    first, second = str(caught.value).splitlines()
+    assert first.startswith(f"{tmp_path / 'sweep.h5'}: not a log in HDF5")
+    assert second.startswith(f"{tmp_path / 'complex.h5'}: attribute notes: must be a JSON")
+
+
+def test_logs_are_listed_in_the_order_of_the_plan(write_log, tmp_path):
+    assert there(tmp_path) == {}
+    for name in reversed(NAMES):
+        write_log(f"{name}.h5")
+    assert list(there(tmp_path)) == NAMES
+
+
+@pytest.mark.parametrize(
+    ("source", "of_log", "refused"),
+    [("sim", "sim", False), ("rig", "sim", True), ("sim", "rig", True), ("sim", "import", True),
+     ("sim", None, True), ("rig", None, False), ("rig", "rig", False), ("recorded", "sim", False)],
+)  # fmt: skip
+def test_log_of_another_source_is_not_overwritten(write_log, tmp_path, source, of_log, refused):
+    paths = [write_log(f"{name}.h5", source=of_log or "sim") for name in ("sweep", "complex")]
+    for path in paths if of_log is None else ():
+        with h5py.File(path, "r+") as file:
+            del file.attrs["source"]
+    if not refused:
+        assert list(there(tmp_path, source)) == ["sweep", "complex"]
+        return
+    with pytest.raises(LogError) as caught:
+        there(tmp_path, source)
+    lines = str(caught.value).splitlines()
+    assert [line.split(": ")[0] for line in lines] == [str(path) for path in paths]
