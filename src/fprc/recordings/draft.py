@@ -47,7 +47,8 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
             used.add(name)
             spec, words = _spec(channel.name, name, columns[name])
             own = own_clock(name, table, clocks)
-            if own and not (clock and np.array_equal(columns[own].values, columns[clock].values)):
+            twin = own and clock and np.array_equal(columns[own].values, columns[clock].values)
+            if own and own != clock and not twin:
                 spec["time"] = own
             elif clock and name != main and missing[name].mean() > _MISSING:
                 spec["time"] = clock

@@ -4,6 +4,7 @@ import json
 import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import h5py
@@ -46,13 +47,11 @@ def _of_matlab(name: str, thing: Any) -> Parts:
 
     if isinstance(thing, DataFrame):  # a table, or a timetable, whose times are the index
         table = thing.reset_index() if thing.index.name else thing
-        for column in table:
-            yield f"{name}.{column}", Column(table[column].to_numpy())
+        yield from ((f"{name}.{column}", Column(table[column].to_numpy())) for column in table)
     elif not isinstance(thing, np.ndarray | str):
-        parts: list[tuple[str, Column | str]] = []
-        if isinstance(getattr(thing, "properties", None), dict):
-            for field, value in thing.properties.items():
-                parts += _of_matlab(f"{name}.{field}", value)
+        fields = getattr(thing, "properties", None)
+        fields = fields if isinstance(fields, dict) else {}
+        parts = [part for field in fields for part in _of_matlab(f"{name}.{field}", fields[field])]
         yield from parts
         if not any(isinstance(part, Column) and np.size(part.values) > 1 for _, part in parts):
             kind = getattr(thing, "classname", type(thing).__name__)
@@ -94,34 +93,24 @@ def read_hdf5(path: Path) -> Parts:
 
     def visit(name: str, member: Any) -> None:
         if isinstance(member, h5py.Dataset):
-            found.extend(_of_dataset(name, member))
-
-    def name_link(name: str, link: Any) -> None:
-        if not isinstance(link, h5py.HardLink):
-            where = getattr(link, "filename", "") or link.path
-            found.append((name, f"a link to {where}, which is not followed"))
+            found.append((name, _of_dataset(name, member)))
 
     with open_hdf5(path) as file:
         file.visititems(visit)
-        file.visititems_links(name_link)
     yield from found
 
 
-def _of_dataset(name: str, dataset: h5py.Dataset) -> Parts:
-    """Yield the columns of a dataset, or, mostly from its metadata, why it has none."""
-    problem = ""
+def _of_dataset(name: str, dataset: h5py.Dataset) -> Column | str:
+    """Return a dataset with unit and names, or, mostly from its metadata, why it is none."""
     if not dataset.size or dataset.dtype.kind not in "fiubV":
-        problem = f"{dataset.dtype} of shape {dataset.shape}"
-    elif dataset.external or dataset.is_virtual:
-        problem = "stored in another file; copy it into this one"
+        return f"{dataset.dtype} of shape {dataset.shape}"
+    if dataset.external or dataset.is_virtual:  # without that file, it would read as zeros
+        return "stored in another file; copy it into this one"
     try:
         refuse_never_written(dataset)
-        values = np.asarray([] if problem else dataset[()])
+        values = np.asarray(dataset[()])
     except (LogError, OSError, RuntimeError) as error:  # other datasets may be readable
-        problem = f"cannot be read ({error})"
-    if problem:
-        yield name, problem
-        return
+        return f"cannot be read ({error})"
     attributes = dict(dataset.attrs)
     names = next((attributes[key] for key in _NAMES if key in attributes), ())
     items = name.rpartition("/")[2].replace("_values", "_items")  # of pandas
@@ -129,24 +118,22 @@ def _of_dataset(name: str, dataset: h5py.Dataset) -> Parts:
         names = dataset.parent[items][()]
     texts = [n.decode() if isinstance(n, bytes) else n for n in np.ravel(names).tolist()]
     parts = texts if all(isinstance(text, str) for text in texts) else ()
-    yield name, Column(values, _text(attributes, _UNITS), _text(attributes, _LABELS), parts)
+    return Column(values, _text(attributes, _UNITS), _text(attributes, _LABELS), parts)
 
 
-def read_npz(path: Path) -> Parts:
-    """Read the arrays of an .npz file; an array of texts names the columns of a matrix."""
-    with np.load(path) as content:
-        arrays = {name: content[name] for name in content}
+def read_numpy(path: Path) -> Parts:
+    """Read an .npz or .npy file: arrays, or the fields of a structured array.
+
+    In an .npz file, an array of texts names the columns of a matrix.
+    """
+    content = np.load(path)
+    if isinstance(content, np.ndarray):
+        fields = {field: content[field] for field in content.dtype.names or ()}
+        content = fields or {"data": content}
+    arrays = dict(content.items())
     texts = [array.tolist() for array in arrays.values() if array.dtype.kind == "U" and array.ndim]
     for name, array in arrays.items():
         yield name, Column(array, parts=next((t for t in texts if len(t) in array.shape[:2]), ()))
-
-
-def read_npy(path: Path) -> Parts:
-    """Read an .npy file: a matrix, or a structured array, whose fields are columns."""
-    array = np.load(path)
-    yield from ((field, Column(array[field])) for field in array.dtype.names or ())
-    if not array.dtype.names:
-        yield "data", Column(array)
 
 
 def read_tdms(path: Path) -> Parts:
@@ -187,20 +174,20 @@ def read_bag(path: Path) -> Parts:
 
 
 def read_mcap(path: Path) -> Parts:
-    """Read an MCAP file whose messages are of ROS 2 or JSON."""
+    """Read an MCAP file whose messages are of ROS 2 or JSON; of others, the times."""
     from mcap.reader import make_reader
     from mcap_ros2.decoder import DecoderFactory
 
-    factory, decoders = DecoderFactory(), {}
-    messages = []
+    def decoder_for(encoding: str, schema: Any) -> Any:
+        return json.loads if encoding == "json" else lambda content: {}
+
+    others: Any = SimpleNamespace(decoder_for=decoder_for)
     with path.open("rb") as file:
-        for schema, channel, message in make_reader(file).iter_messages():
-            if channel.id not in decoders:
-                of_json = channel.message_encoding == "json"
-                decoders[channel.id] = json.loads if of_json else factory.decoder_for("cdr", schema)
-            if decode := decoders[channel.id]:
-                messages.append((channel.topic, message.log_time, decode(message.data)))
-    return _of_messages(messages)
+        reader = make_reader(file, decoder_factories=[DecoderFactory(), others])
+        yield from _of_messages(
+            (channel.topic, message.log_time, content)
+            for _, channel, message, content in reader.iter_decoded_messages()
+        )
 
 
 def _of_messages(messages: Iterable[tuple[str, int, Any]]) -> Parts:
@@ -224,8 +211,8 @@ def _numbers(name: str, thing: Any) -> Iterator[tuple[str, float]]:
             yield from _numbers(f"{name}[{k}]", part)
     elif isinstance(thing, dict) or hasattr(thing, "__slots__") or hasattr(thing, "__dict__"):
         if not isinstance(thing, dict):
-            slots = getattr(thing, "__slots__", None) or vars(thing)
-            thing = {key: getattr(thing, key) for key in slots}
+            names = getattr(thing, "__slots__", None) or vars(thing)
+            thing = {key: getattr(thing, key) for key in names}
         for key, part in thing.items():
             if not key.startswith("_"):
                 yield from _numbers(f"{name}.{key}".lstrip("."), part)

@@ -84,13 +84,6 @@ class Unit(NamedTuple):
     multiple: float = 1.0  #: the number beside it, as in ``[0.1 bar]``
 
 
-class Guess(NamedTuple):
-    """What a name tells of a channel."""
-
-    channel: str
-    strength: int  #: 4: it is the channel's name; 3: word and unit; 2: a word; 1: the unit
-
-
 @cache
 def _registry() -> Any:
     import pint
@@ -104,7 +97,6 @@ def parse_unit(text: str) -> Unit | None:
     text = unicodedata.normalize("NFKC", text).strip().replace("µ", "u").replace("μ", "u")
     text = re.sub(_REFERENCE, "", text, flags=re.IGNORECASE).strip()
     plain = re.sub(_GAUGE, r"\1", text.lower())
-    known = _SPELLINGS.get(plain.replace("^", "").replace("·", ""))
     for unit, seconds in SECONDS.items():
         if re.fullmatch(_TIME_UNITS[unit], plain):
             return Unit(unit, "s", seconds)
@@ -112,6 +104,7 @@ def parse_unit(text: str) -> Unit | None:
     if multiple and (inner := parse_unit(multiple[2])):
         base, _, power = multiple[1].partition("^")
         return inner._replace(multiple=float(base) ** float(power or 1))
+    known = _SPELLINGS.get(plain.replace("^", "").replace("·", ""))
     for spelled in (known,) if known else (text, plain):
         if re.fullmatch(r"[A-Za-z°%][\w°%/*^ .-]*", spelled) is None:
             continue
@@ -154,6 +147,27 @@ def unit_in(name: str) -> Unit | None:
     return None
 
 
+def stated_unit(name: str, label: str, unit: str) -> Unit | None:
+    """Return the unit that a file states for a column, beside its name or in it."""
+    return parse_unit(unit) or unit_in(label) or unit_in(name)
+
+
+def factor_of(unit: str, quantity: str) -> float | None:
+    """Return the factor from a unit to that of a channel; None if it is of another quantity."""
+    found = parse_unit(unit)
+    if unit == "1":
+        return 1.0
+    return found.factor * found.multiple if found and found.quantity == quantity else None
+
+
+def reference_of(name: str) -> str | None:
+    """Return ``absolute`` or ``gauge`` if a pressure's name says which it is."""
+    for reference, letter in (("absolute", "a"), ("gauge", "g")):
+        if has(name, reference) or re.search(rf"(?i)(bar|psi|kpa)\s*\({letter}\)", name):
+            return reference
+    return None
+
+
 def time_unit_in(name: str) -> str | None:
     """Return the unit of time in the name of a clock; None without one."""
     inside = unit_in(name)
@@ -181,45 +195,43 @@ def has(name: str, what: str) -> bool:
 def known_words(text: str) -> bool:
     """Return whether a text has a Japanese or Chinese word for what a recording has."""
     words = "|".join(_WORDS[key] for key in ("time", "angle", "pressure", "command", "chamber"))
-    wide = [word for word in re.findall(r"[^~|]+", words) if ord(word[0]) > 0x2FFF]
-    return any(word in text for word in wide if len(word) > 1)
+    return any(word in text for word in re.findall(r"[^~|]{2,}", words) if ord(word[0]) > 0x2FFF)
 
 
 @cache
 def _has_word(name: str, words: str) -> bool:
+    def plain(text: str) -> str:  # in lower case without accents
+        parts = unicodedata.normalize("NFKD", text.lower().replace("ß", "ss"))
+        return "".join(part for part in parts if not unicodedata.combining(part))
+
     # bendAngle are two words
     apart = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name)
-    separate = re.sub(r"[\W_]+", "_", _plain(apart.replace("µ", "u").replace("μ", "u")))
-    pattern = _plain(words).replace("~", r"[^\W_]*")
+    separate = re.sub(r"[\W_]+", "_", plain(apart.replace("µ", "u").replace("μ", "u")))
+    pattern = plain(words).replace("~", r"[^\W_]*")
     return bool(re.search(rf"(?<![^\W_])(?:{pattern})(?![^\W_])", separate))
 
 
-def _plain(text: str) -> str:
-    """Return text in lower case without accents."""
-    parts = unicodedata.normalize("NFKD", text.lower().replace("ß", "ss"))
-    return "".join(part for part in parts if not unicodedata.combining(part))
-
-
-def likely_channel(name: str, label: str = "", unit: str = "") -> Guess | None:
+def likely_channel(name: str, label: str = "", unit: str = "") -> tuple[str, int] | None:
     """Guess the channel of a column from its name, its label and its unit; None if none fits.
 
-    A column whose unit is of another quantity fits none.
+    The number says how sure it is: 4, it is the channel's name; 3, word and unit; 2, a word; 1, the
+    unit. A column whose unit is of another quantity fits none.
     """
     if name in RAW_CHANNELS[1:]:
-        return Guess(name, 4)
-    words = f"{name} {label}"
-    stated = parse_unit(unit) if unit else unit_in(label) or unit_in(name)
+        return name, 4
+    words, stated = f"{name} {label}", stated_unit(name, label, unit)
     quantity = stated.quantity if stated else None
     if quantity not in (None, "kPa", "deg") or (stated is None and has(words, "other")):
         return None
-    channel, named = "", True  # whether a word names it, and not the unit alone
     angle, command, wanted = (has(words, what) for what in ("angle", "command", "wanted"))
     pressure = quantity == "kPa" or has(words, "pressure")
-    if quantity != "kPa" and (angle or quantity) and (wanted or (angle and command)):
+    bends = quantity != "kPa" and (angle or quantity == "deg")
+    if bends and (wanted or (angle and command)):
         return None
+    channel, named = "", True  # whether a word names it, and not the unit alone
     if quantity != "kPa" and has(words, "phi"):
         channel = "phi_deg"
-    elif quantity != "kPa" and (angle or quantity):
+    elif bends:
         channel, named = "theta_deg", angle
     elif has(words, "inner"):
         channel = "p_i_command_kpa" if command else "p_i_kpa"
@@ -229,25 +241,4 @@ def likely_channel(name: str, label: str = "", unit: str = "") -> Guess | None:
         channel = "p_exp_command_kpa"
     elif pressure and not wanted:
         channel, named = "p_exp_kpa", has(words, "pressure")
-    return Guess(channel, 2 * named + (stated is not None)) if channel else None
-
-
-def reference_of(name: str) -> str | None:
-    """Return ``absolute`` or ``gauge`` if a pressure's name says which it is."""
-    for reference, letter in (("absolute", "a"), ("gauge", "g")):
-        if has(name, reference) or re.search(rf"(?i)(bar|psi|kpa)\s*\({letter}\)", name):
-            return reference
-    return None
-
-
-def factor_of(unit: str, quantity: str) -> float | None:
-    """Return the factor from a unit to that of a channel; None if it is of another quantity."""
-    found = parse_unit(unit)
-    if unit == "1":
-        return 1.0
-    return found.factor * found.multiple if found and found.quantity == quantity else None
-
-
-def stated_unit(name: str, label: str, unit: str) -> Unit | None:
-    """Return the unit that a file states for a column, beside its name or in it."""
-    return parse_unit(unit) or unit_in(label) or unit_in(name)
+    return (channel, 2 * named + (stated is not None)) if channel else None

@@ -52,9 +52,8 @@ class Table(NamedTuple):
         if name in self.others:
             raise LogError(f"cannot be a channel: {self.others[name]}")
         of_matrix = [column for column in self.columns if column.startswith(f"{name}[")]
-        known = {column.lower(): column for column in [*self.columns, *self.others]}
-        similar = [known[near] for near in difflib.get_close_matches(name.lower(), known)]
-        near = "".join(f"did you mean {column}? " for column in [*of_matrix, *similar][:1])
+        similar = [*of_matrix, *difflib.get_close_matches(name, self.columns)]
+        near = f"did you mean {similar[0]}? " if similar else ""
         raise LogError(f"no such column; {near}`fprc import {self.path} --draft` shows all")
 
 
@@ -62,21 +61,14 @@ class Table(NamedTuple):
 _FORMATS = (
     (b"\x89HDF", "HDF5", "read_hdf5"),
     (b"MATLAB", "MATLAB", "read_matlab"),
-    (b"\x93NUMPY", "NumPy", "read_npy"),
+    (b"\x93NUMPY", "NumPy", "read_numpy"),
+    (b"PK\x03\x04", "NumPy", "read_numpy"),  # or Excel
     (b"TDSm", "TDMS", "read_tdms"),
     (b"PAR1", "Parquet", "read_parquet"),
     (b"\x89MCAP0", "MCAP", "read_mcap"),
     (b"#ROSBAG", "ROS bag", "read_bag"),
     (b"SQLite format 3", "ROS 2 bag", "read_bag"),
 )
-#: How files begin that another program must save in another format first.
-_FOREIGN = {
-    b"\xd0\xcf\x11\xe0": "an old Excel file: save it as .xlsx",
-    b"\x1f\x8b": "compressed by gzip: unpack it first",
-    b"7z\xbc\xaf": "compressed by 7-Zip: unpack it first",
-    b"ARROW1": "a Feather file: save it as .parquet",
-    b"MDF ": "a measurement data file (MDF): save it as .mat or .csv",
-}
 
 
 def read_table(path: Path | str, **layout: Any) -> Table:
@@ -98,26 +90,16 @@ def read_table(path: Path | str, **layout: Any) -> Table:
     path = Path(path)
     with open_given(path, error=LogError) as file:
         head = file.read(512)
-    for begin, what in _FOREIGN.items():
-        if head.startswith(begin):
-            raise LogError(f"{path}: is {what}")
     kind, reader = next((found[1:] for found in _FORMATS if head.startswith(found[0])), ("", ""))
     if not kind and path.suffix.lower() == ".mat":  # version 4 begins with a number
         kind, reader = "MATLAB", "read_matlab"
+    if not kind:
+        return text.read_text(path, **layout)
     try:
-        if head.startswith(b"PK\x03\x04"):
-            with ZipFile(path) as archive:
-                names = archive.namelist()
-            kind = "Excel" if any(name.startswith("xl/") for name in names) else "NumPy"
-            if kind == "NumPy" and not all(name.endswith(".npy") for name in names):
-                raise LogError(f"{path}: is an archive of {names[0]} and others; unpack it first")
-            reader = "read_npz"
-        if kind == "Excel":
+        if head.startswith(b"PK") and _is_excel(path):
             table = text.read_xlsx(path)
-        elif kind:
-            table = Table(path, kind, *_gathered(getattr(formats, reader)(path)))
         else:
-            return text.read_text(path, **layout)
+            table = Table(path, kind, *_gathered(getattr(formats, reader)(path)))
     except (LogError, MemoryError):
         raise
     except ImportError as error:
@@ -127,12 +109,17 @@ def read_table(path: Path | str, **layout: Any) -> Table:
         ) from error
     except Exception as error:  # on a damaged file the libraries raise many types
         raise LogError(
-            f"{path}: cannot be read as {kind or 'zip'} ({type(error).__name__}: {error}); the "
-            "file is cut short, damaged, or of another format"
+            f"{path}: cannot be read as {kind} ({type(error).__name__}: {error}); the file is cut "
+            "short, damaged, or of another format"
         ) from error
     if not table.columns and not table.others:
         raise LogError(f"{path}: has no content; the file is empty or cut short")
     return table._replace(columns=table.columns | joined_clocks(table.columns))
+
+
+def _is_excel(path: Path) -> bool:
+    with ZipFile(path) as archive:
+        return any(name.startswith("xl/") for name in archive.namelist())
 
 
 def _gathered(
@@ -146,14 +133,14 @@ def _gathered(
             others[name] = part
             continue
         values = np.asarray(part.values)
-        fields = [(f"{name}.{field}", values[field]) for field in values.dtype.names or ()]
-        for place, array in fields or [(name, values)]:
+        fields = {f"{name}.{field}": values[field] for field in values.dtype.names or ()}
+        for place, array in (fields or {name: values}).items():
             found = _numbers(array)
             if isinstance(found, str):
                 others[place] = found
-                continue
-            for column, numbers in _spread(place, found, part.parts):
-                columns[column] = Column(numbers, part.unit, part.label)
+            else:
+                spread = _spread(place, found, part.parts)
+                columns |= {n: Column(v, part.unit, part.label) for n, v in spread}
     return columns, others
 
 
@@ -167,7 +154,7 @@ def _numbers(array: np.ndarray) -> np.ndarray | str:
         since = array if array.dtype.kind == "m" else array - np.datetime64(0, "s")
         return since / np.timedelta64(1, "s")
     if array.dtype.kind not in "fiub":
-        return "text" if array.dtype.kind in "USOT" else f"numbers of type {array.dtype}"
+        return f"no numbers ({array.dtype})"
     return array.astype(np.float64, copy=False)
 
 

@@ -55,7 +55,7 @@ NAMES = [
 @pytest.mark.parametrize(("name", "factor", "channel"), NAMES)
 def test_name_of_a_column_tells_its_unit_and_channel(name, factor, channel):
     unit, guess = unit_in(name), likely_channel(name)
-    assert (guess.channel if guess else None) == channel
+    assert (guess[0] if guess else None) == channel
     assert (unit.factor if unit else None) == (factor and pytest.approx(factor, rel=1e-6))
     assert channel is None or unit is None or factor_of(unit.text, unit_of(channel)) == unit.factor
 

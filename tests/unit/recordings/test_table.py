@@ -142,7 +142,6 @@ def test_what_is_no_column_of_hdf5_leaves_the_others(written, tmp_path):
         file["who"] = "me"
         file["rate"] = 100.0
         file["none"] = h5py.Empty("f8")
-        file["outside"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "/y")
         layout = h5py.VirtualLayout((3,), "f8")
         layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "y", (3,))
         file.create_virtual_dataset("virtual", layout)
@@ -155,7 +154,7 @@ def test_what_is_no_column_of_hdf5_leaves_the_others(written, tmp_path):
         ("group/x", "on", "row"), (5,)
     )
     assert set(table.others) == {
-        "video", "who", "rate", "none", "outside", "virtual", "raw", "huge", "part",
+        "video", "who", "rate", "none", "virtual", "raw", "huge", "part",
     }  # fmt: skip
 
 
@@ -201,8 +200,7 @@ def test_file_cut_anywhere_is_refused_with_its_name(kind, tmp_path, matlab_files
 @pytest.mark.parametrize(
     ("content", "remedy"),
     [
-        (b"\xd0\xcf\x11\xe0" + bytes(600), "save it as .xlsx"),
-        (b"\x1f\x8b" + bytes(60), "unpack it first"),
+        (b"\xd0\xcf\x11\xe0" + bytes(60) + b"\xff" * 600, "save it as .csv"),
         (b"\0\1\2\3" * 50, "save it as .csv"),
     ],
 )
