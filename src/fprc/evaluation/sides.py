@@ -4,7 +4,7 @@ The limits below were written down before they were run on any recording.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.stats import gmean
 from fprc.evaluation.folds import Fold, split_blocks
 from fprc.evaluation.rates import PAPER_HZ, scaled
 from fprc.evaluation.readouts import BlockReadouts
-from fprc.registry import SIDES, build, entry_of, title_of
+from fprc.registry import SIDES, build, entry_of
 
 #: Settings on either side: ridge parameters, shares of the weight of the training samples.
 ALPHAS = (1e-6, 1e-4, 1e-2)
@@ -110,21 +110,17 @@ class Side(NamedTuple):
 
 
 def best_of_side(
-    recordings: Recordings,
-    with_p_o: bool,
-    models: Mapping[str, Any],
-    seed: int,
-    step: Callable[[str], None] = lambda what: None,
+    recordings: Recordings, with_p_o: bool, models: Mapping[str, Any], seed: int
 ) -> Side:
     """Choose the best family inside, and test it on every block.
 
     For each block, every family and setting is tried on the other blocks, each predicted without
     itself and without the block, by the mean logarithm of the errors. Of those within ``EQUAL`` of
     the lowest, the plainest family with its largest ridge is chosen: what hardly differs should not
-    differ between the sides by chance. ``step`` gets a line after each family.
+    differ between the sides by chance.
     """
     settings, inside, each = {}, {}, {}
-    for family, names in SIDES.items():
+    for family in SIDES:
         fits = readouts_of(recordings, family, with_p_o, models, seed)
         blocks = range(len(fits.blocks))
         tried = np.array([[np.log(fits.errors(i, [out])) for i in blocks if i != out]
@@ -135,7 +131,6 @@ def best_of_side(
         each[family] = np.array(
             [fits.errors(k)[setting] for k, setting in enumerate(settings[family])]
         )
-        step(title_of(names[with_p_o]))
     lowest = np.min([*inside.values()], axis=0) + math.log(EQUAL)
     families = [next(name for name in SIDES if inside[name][k] <= lowest[k]) for k in blocks]
     errors = np.array([each[name][k] for k, name in enumerate(families)])
@@ -232,15 +227,3 @@ def distances(signal: np.ndarray) -> np.ndarray:
     sums = np.append(0.0, np.cumsum(centred**2))
     both = sums[size - lags] + sums[-1] - sums[lags]
     return 1.0 - 2.0 * products / np.maximum(both, 1e-300)
-
-
-def progress(total: int, show: Callable[[str], None]) -> Callable[[str], None]:
-    """Return what shows a bar after each of ``total`` steps, with the last one's name."""
-    steps: Iterator[int] = iter(range(1, total + 1))
-
-    def step(what: str) -> None:
-        done = next(steps)
-        length = 30 * done // total
-        show(f"[{'#' * length:<30}] {done} of {total}: {what}")
-
-    return step

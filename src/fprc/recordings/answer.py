@@ -4,7 +4,7 @@ The limits below were written down before they were run on any recording.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,6 @@ from fprc.evaluation.sides import (
     PURGES,
     WARM_UP_S,
     Recordings,
-    Side,
     best_of_side,
     error_when_shifted,
     p_o_repeats,
@@ -42,7 +41,6 @@ def answer_recordings(
     recordings: Recordings,
     models: Mapping[str, Any],
     seed: int,
-    step: Callable[[str], None] = lambda what: None,
     unit: str = "kPa",
 ) -> dict[str, Any]:
     """Compare the best models with and without P_o, and P_o with itself at other times.
@@ -53,8 +51,6 @@ def answer_recordings(
         Section ``models`` of the configuration, for 200 samples a second.
     seed : int
         Seed of rules and networks.
-    step : callable
-        Gets a line after each step.
     unit : str
         Unit of the target.
 
@@ -70,21 +66,29 @@ def answer_recordings(
     """
     thin = recordings.thinned()
     folds, period_s = thin.folds(), period_of(thin)
-    without, with_ = (best_of_side(thin, side, models, seed, step) for side in (False, True))
-    ratios = dict(enumerate(np.log(with_.errors / without.errors)))
+    sides = {name: best_of_side(thin, name == "with", models, seed) for name in ("without", "with")}
+    ratios = np.log(sides["with"].errors / sides["without"].errors)
     overlap = float(np.mean([len(block) / len(rows) for rows, block in folds]))
-    mean, low, high = Part("", ratios, overlap=overlap).interval(LEVEL)
-    shifts = []
-    for number, share in enumerate(shifts_of(thin, period_s), 1):
-        shifts.append(error_when_shifted(thin.shifted(share), with_, models, seed))
-        step(f"P_o of another time, {number}")
-    left = float(np.mean(without.errors**2)) / float(np.var(thin.target))
-    found = {
+    mean, low, high = Part("", dict(enumerate(ratios)), overlap=overlap).interval(LEVEL)
+    shifts = [
+        error_when_shifted(thin.shifted(share), sides["with"], models, seed)
+        for share in shifts_of(thin, period_s)
+    ]
+    left = float(np.mean(sides["without"].errors ** 2)) / float(np.var(thin.target))
+    found: dict[str, Any] = {
+        name: {
+            "error": side.error,
+            "family": side.family,
+            "families": {of: float(np.exp(np.log(e).mean())) for of, e in side.each.items()},
+            "blocks": side.errors.tolist(),
+            "chosen": [family for family, _ in side.chosen],
+        }
+        for name, side in sides.items()
+    }
+    found |= {
         "ratio": math.exp(mean),
         "low": math.exp(low),
         "high": math.exp(high),
-        "without": _side(without),
-        "with": _side(with_),
         "shifts": shifts,
         "period_s": period_s,
         "p_o_repeats": bool(period_s and p_o_repeats(thin, period_s)),
@@ -92,20 +96,9 @@ def answer_recordings(
         "block_s": [len(block) / thin.rate_hz for _, block in folds],
         "duration_s": len(thin.theta) / thin.rate_hz,
     }
-    verdict, reason, needed_s = decide(found, list(ratios.values()))
+    verdict, reason, needed_s = decide(found, ratios)
     found |= {"verdict": verdict, "reason": reason, "needed_s": needed_s}
     return found | {"words": first_line(found, unit)}
-
-
-def _side(side: Side) -> dict[str, Any]:
-    families = {name: float(np.exp(np.log(errors).mean())) for name, errors in side.each.items()}
-    return {
-        "error": side.error,
-        "family": side.family,
-        "families": families,
-        "blocks": side.errors.tolist(),
-        "chosen": [name for name, _ in side.chosen],
-    }
 
 
 def decide(found: Mapping[str, Any], ratios: Sequence[float]) -> tuple[str, str, float | None]:
@@ -115,12 +108,17 @@ def decide(found: Mapping[str, Any], ratios: Sequence[float]) -> tuple[str, str,
     repeat with the motion. No: the whole interval lies above 1/1.05. Otherwise it is not decided,
     for the one reason that matters most.
     """
+
+    def time(seconds: float) -> str:
+        minutes = seconds >= 100.0
+        return f"{math.ceil(seconds / 60.0)} minutes" if minutes else f"{math.ceil(seconds)} s"
+
     margin, mean, high = math.log(MARGIN), math.log(found["ratio"]), math.log(found["high"])
     shifts, needed_s = found["shifts"], None
     beaten = sum(found["with"]["error"] < error for error in shifts)
     if len(ratios) < LEAST_UNITS:
         needed_s = WARM_UP_S + LEAST_UNITS * PURGES * PURGE_S
-        return UNDECIDED, f"The recording is too short: it takes {_time(needed_s)}.", needed_s
+        return UNDECIDED, f"The recording is too short: it takes {time(needed_s)}.", needed_s
     if math.log(found["low"]) > -margin:
         return NO, "", None
     if high < -margin and not found["p_o_repeats"] and shifts and beaten == len(shifts):
@@ -143,16 +141,12 @@ def decide(found: Mapping[str, Any], ratios: Sequence[float]) -> tuple[str, str,
         best, worst = np.exp(np.quantile(ratios, (_ENDS, 1.0 - _ENDS)))
         reason = (
             f"The recording is too short: if its ratio, {found['ratio']:.2f}, stays, it takes "
-            f"{_time(needed_s)} of this motion."
+            f"{time(needed_s)} of this motion."
             if needed_s <= MOST_TIMES * found["duration_s"]
             else f"Its parts disagree: the ratio is below {best:.2f} in a quarter of them and "
             f"above {worst:.2f} in another."
         )
     return UNDECIDED, reason, needed_s
-
-
-def _time(seconds: float) -> str:
-    return f"{math.ceil(seconds)} s" if seconds < 100.0 else f"{math.ceil(seconds / 60.0)} minutes"
 
 
 def family_title(family: str, with_p_o: bool) -> str:

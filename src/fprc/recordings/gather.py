@@ -1,5 +1,7 @@
-"""Select the channels of a recording from a table, in the units of a raw log."""
+"""Select the channels of a recording from a table, and resample them to a uniform time grid."""
 
+import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +13,16 @@ from fprc.recordings.clock import pauses_of, rate_of
 from fprc.recordings.importing import ImportMap
 from fprc.recordings.names import SECONDS, factor_of
 from fprc.recordings.table import Table
+
+#: Most samples per channel that resampling may process.
+MOST_POINTS = 5_000_000
+
+#: Edges of pass band and stop band, as shares of the new Nyquist frequency.
+PASS, STOP = 0.8, 1.0
+#: Attenuation in the stop band, dB.
+STOP_DB = 70.0
+#: Half the length of the low-pass, in new samples (Kaiser's formula).
+_HALF_TAPS = (STOP_DB - 7.95) / (2.285 * math.pi * (STOP - PASS)) / 2.0
 
 
 class Recording(NamedTuple):
@@ -50,8 +62,8 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
     if len(set(lengths.values())) > 1:
         unequal = ", ".join(f"{asked[name]} {length}" for name, length in lengths.items())
         raise LogError(
-            f"{path}: columns have unequal numbers of samples ({unequal}); say for each that has "
-            "another clock which column that is, as `time: column`, or resample them first"
+            f"{path}: columns have unequal numbers of samples ({unequal}); name the clock of each, "
+            "as `time: column`"
         )
     count = next(iter(lengths.values()), 0) or max(map(len, picked.values()))
     stamps = picked["time"] if time.rate_hz is None else np.arange(count) / time.rate_hz
@@ -78,7 +90,7 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
         raise LogError(
             f"{path}: time: {time.column}: {table.sample(numbers[k])} at {stamps[k]:.16g} does not "
             f"come after {stamps[k - 1]:.16g}; such samples in all: {late.size}; give "
-            "time.repeated, first or mean, if they repeat a stamp, or time.rate_hz, or repair it"
+            "time.repeated, first or mean, or time.rate_hz, or repair the clock"
         )
     for name in own:
         clock, given = picked[f"{name}.time"], picked[name]
@@ -106,9 +118,8 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
         if bad.size:
             raise LogError(
                 f"{path}: {name}: {asked[name]}: {table.sample(numbers[kept][bad[0]])} is "
-                f"{given[bad[0]]:g}; not finite or beyond {LARGEST:g} after scale, offset and unit "
-                f"in all: {bad.size}; correct these settings, cut the samples off with start_s and "
-                "end_s, or leave those without a value out with `skip_unusable: true` in the map"
+                f"{given[bad[0]]:g}; not finite or beyond {LARGEST:g} in all: {bad.size}; correct "
+                "the unit, cut them off with start_s and end_s, or give `skip_unusable: true`"
             )
     first_s = float(since_s[kept][0])
     time_s, start_s = since_s[kept] - first_s, float(stamps[0] * SECONDS[time.unit]) + first_s
@@ -118,11 +129,7 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
 def _usable(
     table: Table, mapping: ImportMap, stamps: np.ndarray, values: dict[str, np.ndarray]
 ) -> tuple[np.ndarray, list[str]]:
-    """Return which samples have a stamp and, if others are to be skipped, values; notes on those.
-
-    A line that is no sample, or a stamp that is missing, raises LogError unless it is to be
-    skipped.
-    """
+    """Return which samples have a stamp and, if others may be skipped, values; notes on these."""
     remedy = "leave them out with `skip_unusable: true` in the map"
     lines = f"lines that are no samples: {len(table.unusable)}: {'; '.join(table.unusable[:3])}"
     if table.unusable and not mapping.skip_unusable:
@@ -153,3 +160,60 @@ def _gaps(time_s: np.ndarray) -> list[str]:
         f"gaps in the clock, filled by linear interpolation: {gaps.size}, about {missing:.0f} "
         f"samples missing, the longest from {time_s[k]:.4g} to {time_s[k + 1]:.4g} s"
     ]
+
+
+@np.errstate(all="ignore")  # too many points are refused
+def resample(
+    time_s: np.ndarray, channels: Mapping[str, np.ndarray], rate_hz: float, path: object = ""
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return times and channels on a uniform grid that begins at the first sample.
+
+    Where the grid coincides with the recording's time stamps, values are copied. Elsewhere they
+    are interpolated linearly, which does not overshoot at held values and gaps; a sine of
+    f Hz, sampled at s Hz, loses at most (pi f / s)^2 / 2 of its amplitude.
+
+    For a lower rate, values are first interpolated on a grid whose rate is a multiple of the new
+    one and at least that of the recording. A linear-phase FIR low-pass, applied without delay, is
+    flat up to 0.8 of the new Nyquist frequency and at -70 dB above it; then every n-th sample is
+    kept. For the low-pass, the recording is extended by point reflection in each of its end points.
+
+    Raises
+    ------
+    LogError
+        The recording is shorter than a sample, or takes more than ``MOST_POINTS``.
+    """
+    span_s, ratio = float(time_s[-1] - time_s[0]), rate_of(time_s) / rate_hz
+    factor, aligned = 1, False  # how much finer the grid of the low-pass is; 1: there is none
+    if 0.0 < ratio < 1e9:  # else the time stamps are nearly equal
+        factor = max(round(ratio), 1)
+        even_s = time_s[0] + np.arange(len(time_s)) / (factor * rate_hz)
+        aligned = bool(np.abs(time_s - even_s).max() <= 1e-3 / (factor * rate_hz))
+        if not aligned:
+            # up to 1.01 it is the same rate, with clock error; above, where values are
+            # interpolated, the grid is twice as fine, so that less is lost
+            factor = 1 if ratio <= 1.01 else math.ceil(2.0 * ratio)
+    points = factor * (span_s * rate_hz + 2.0 * _HALF_TAPS)
+    if not (span_s * rate_hz >= 1.0 and points <= MOST_POINTS and ratio < 1e9):
+        k = int(np.argmax(np.diff(time_s)))
+        raise LogError(
+            f"{path}: {span_s:.4g} s at sample_rate_hz = {rate_hz:g} are {span_s * rate_hz:.4g} "
+            f"samples, {points:.2g} while resampled; must be from 1 to {MOST_POINTS:.2g}: check "
+            f"the clock, whose longest step is from {time_s[k]:.10g} to {time_s[k + 1]:.10g} s"
+        )
+    samples = math.floor(span_s * rate_hz + 1e-6) + 1
+    fine_s = time_s[0] + np.arange((samples - 1) * factor + 1) / (factor * rate_hz)
+    resampled = {}
+    for name, values in channels.items():
+        fine = values[: len(fine_s)] if aligned else np.interp(fine_s, time_s, values)
+        resampled[name] = np.array(fine) if factor == 1 else _lowpass(fine, factor)[::factor]
+    return time_s[0] + np.arange(samples) / rate_hz, resampled
+
+
+def _lowpass(values: np.ndarray, factor: int) -> np.ndarray:
+    from scipy.signal import fftconvolve, firwin, kaiser_beta  # slow to import
+
+    half = math.ceil(_HALF_TAPS * factor) + 1
+    edge = 0.5 * (PASS + STOP) / factor
+    taps = firwin(2 * half + 1, edge, window=("kaiser", kaiser_beta(STOP_DB)))
+    padded = np.pad(values, half, mode="reflect", reflect_type="odd")
+    return fftconvolve(padded, taps, mode="valid")

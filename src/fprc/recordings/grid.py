@@ -4,6 +4,7 @@ import re
 import warnings
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,12 +16,7 @@ from fprc.recordings.table import Column, Table, joined_clocks
 #: Texts that stand for a missing value, in lower case.
 _MISSING = {"", "-nan", "nan", "na", "n/a", "#n/a", "#na", "<na>", "null", "none", "1.#qnan",
             "-1.#ind", "--", "-"}  # fmt: skip
-#: A number, perhaps with a unit behind it.
-_CELL = re.compile(
-    r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][+-]?\d+)?|[+-]?inf(?:inity)?)"
-    r"(?:\s?([%°]|[^\W\d_]{1,5}(?:/\w+)?))?",
-    re.IGNORECASE,
-)
+_NUMBER = re.compile(r"(?i)[+-]?(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[ed][+-]?\d+)?|inf(?:inity)?)")
 #: A number in which marks may group thousands; no digit before them is a 0.
 _GROUPED = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,]\d{3})+\s*")
 #: A name, and the unit behind it, in a header that blanks separate.
@@ -166,13 +162,12 @@ def _is_sample(fields: Sequence[str]) -> bool:
 
 
 def _is_number(text: str) -> bool:
-    cell = _CELL.fullmatch(text)
-    return bool(cell and not cell[2]) or is_stamp(text)
+    return bool(_NUMBER.fullmatch(text)) or is_stamp(text)
 
 
 def is_value(text: str) -> bool:
     """Return whether a text is a number, a time, or a word for a missing value."""
-    return bool(_CELL.fullmatch(text)) or is_stamp(text) or text.lower() in _MISSING
+    return _is_number(text) or text.lower() in _MISSING
 
 
 def is_stamp(text: str) -> bool:
@@ -198,23 +193,20 @@ def columns_of(
         unit = place.units[k].strip("[]() ") if place.units else ""
         if name.isdigit() and not any(column):
             continue  # separators at the line ends make columns with neither name nor value
-        values, bad, beside = _numbers(column, mark)
+        values, bad = _numbers(column, mark)
+        first = f"line {lines[bad[0]]} holds {column[bad[0]][:60]!r}, not a number" if bad else ""
         if len(bad) > (1.0 - _LEAST_NUMBERS) * len(column):
             stamps, kind = _stamps(column)
             if stamps is None:
                 doubt = "" if mark else ", or its mark may group thousands: set csv.decimal"
-                first = f"line {lines[bad[0]]} holds {column[bad[0]][:60]!r}"
-                others[name] = f"{first}, not a number{doubt}"
+                others[name] = f"{first}{doubt}"
                 continue
             values, bad, unit = stamps, [], "s"
             kinds.setdefault(kind, name)
         if bad:
-            notes.append(
-                f"{name}: line {lines[bad[0]]} holds {column[bad[0]][:60]!r}, not a number; "
-                f"such lines in all: {len(bad)}"
-            )
+            notes.append(f"{name}: {first}; such lines in all: {len(bad)}")
         if np.isfinite(values).any():
-            columns[name] = Column(values, unit or beside)
+            columns[name] = Column(values, unit)
         else:
             others[name] = "no numbers"
     columns |= joined_clocks(columns)
@@ -232,26 +224,19 @@ def columns_of(
     return Table(path, "", columns, others, tuple(notes), np.array(lines))
 
 
-def _numbers(texts: Sequence[str], mark: str | None) -> tuple[np.ndarray, list[int], str]:
-    """Return the numbers in texts, NaN for others; which are no numbers; the unit beside them."""
+def _numbers(texts: Sequence[str], mark: str | None) -> tuple[np.ndarray, list[int]]:
+    """Return the numbers in texts, NaN for others, and which of them are no numbers."""
     joined = "".join(texts)
     if not re.search(r"[^0-9eE+.\-]", joined) and (mark == "." or "." not in joined):
-        try:
-            return np.array(texts, np.float64), [], ""
-        except ValueError:
-            pass
-    cells = [_CELL.fullmatch(text) for text in texts]
-    beside = Counter(cell[2] for cell in cells if cell).most_common(1)
-    unit = beside[0][0] if beside and 2 * beside[0][1] > len(texts) else None
-    unit = unit if unit and is_unit(unit) else None
+        with suppress(ValueError):
+            return np.array(texts, np.float64), []
     values, bad = np.full(len(texts), np.nan), []
-    for k, (text, cell) in enumerate(zip(texts, cells, strict=True)):
-        number = cell[1] if cell and cell[2] in (None, unit) else ""
-        if number and not set(number) & set(".,") - {mark}:
-            values[k] = float(number.replace(",", ".").lower().replace("d", "e"))
+    for k, text in enumerate(texts):
+        if _NUMBER.fullmatch(text) and not set(text) & set(".,") - {mark}:
+            values[k] = float(text.replace(",", ".").lower().replace("d", "e"))
         elif text.lower() not in _MISSING:
             bad.append(k)
-    return values, bad, unit or ""
+    return values, bad
 
 
 def _decimal_of(columns: Sequence[Sequence[str]], separator: str) -> str | None:
@@ -263,7 +248,7 @@ def _decimal_of(columns: Sequence[Sequence[str]], separator: str) -> str | None:
     """
     marked: dict[str, list[str]] = {}  # the texts of columns that are numbers with this mark only
     for texts in columns:
-        given = [cell[1] for text in texts if (cell := _CELL.fullmatch(text))]
+        given = list(filter(_NUMBER.fullmatch, texts))
         for mark, other in (".,", ",."):
             having = [text for text in given if mark in text]
             if having and not any(other in text for text in given):
@@ -291,10 +276,10 @@ def _stamps(texts: Sequence[str]) -> tuple[np.ndarray | None, str]:
 
     plain = [re.sub(r"[年月]", "-", text).replace("日", "") for text in texts]
     plain = [re.sub(r",(\d+)$", r".\1", text) for text in plain]
-    form: dict[str, Any] = {"format": "ISO8601"}
-    if not re.match(r"\d{4}", plain[0]):
-        days_first = "/" not in plain[0] or any(re.match(r"(1[3-9]|[23]\d)/", d) for d in plain)
-        form = {"format": "mixed", "dayfirst": days_first}
+    days_first = "/" not in plain[0] or any(re.match(r"(1[3-9]|[23]\d)/", d) for d in plain)
+    form: dict[str, Any] = {"format": "mixed", "dayfirst": days_first}
+    if re.match(r"\d{4}", plain[0]):
+        form = {"format": "ISO8601"}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = pd.to_datetime(pd.Series(plain), utc=True, errors="coerce", **form)

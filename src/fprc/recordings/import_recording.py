@@ -15,10 +15,9 @@ from fprc.errors import ConfigError, LogError
 from fprc.logs import read_columns, write_raw
 from fprc.provenance import sha256
 from fprc.recordings.draft import draft_map
-from fprc.recordings.gather import Recording, gather
+from fprc.recordings.gather import Recording, gather, resample
 from fprc.recordings.importing import ImportMap, read_csv, read_map
 from fprc.recordings.judge import judge
-from fprc.recordings.resample import resample
 from fprc.recordings.table import read_table
 
 #: Rate of a raw log unless its map gives one, Hz.

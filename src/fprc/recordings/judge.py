@@ -102,8 +102,8 @@ def judge(
             )
     if mapping.sample_rate_hz is None and not LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
         stops.append(
-            f"time: {rate_hz:.4g} Hz are unusual: check time.unit = {mapping.time.unit}; if it is "
-            "right, give sample_rate_hz"
+            f"time: {rate_hz:.4g} Hz are unusual: check time.unit = {mapping.time.unit}, or give "
+            "sample_rate_hz"
         )
     return Judgement(words, doubts, [*stops, *_unfit(recording, units, target)])
 
@@ -130,14 +130,13 @@ def _unfit(recording: Recording, units: Mapping[str, str], target: str) -> Itera
         if lengths[longest] >= STUCK * len(values):
             still = True
             yield (
-                f"{name} stays at {values[begins[longest]]:.4g} for "
-                f"{100.0 * lengths[longest] / len(values):.0f} % of the recording: check the "
-                "sensor, or select the rest by start_s and end_s"
+                f"{name} stays at {values[begins[longest]]:.4g} for half of the recording or more: "
+                "check the sensor, or select the rest by start_s and end_s"
             )
         elif span < least:
             yield (
-                f"{name} spans {span:.3g} {unit[name]}, less than {least:g}: is it in another "
-                "unit? Correct unit or scale in the map; unit: 1 with a note takes any quantity"
+                f"{name} spans {span:.3g} {unit[name]}, less than {least:g}: correct its unit or "
+                "scale in the map; unit: 1 with a note takes any quantity"
             )
     if still:
         return
@@ -148,8 +147,7 @@ def _unfit(recording: Recording, units: Mapping[str, str], target: str) -> Itera
         ) > most:
             yield (
                 f"a straight line of {one} explains more than {100.0 * most:g} % of {other}: they "
-                "are one signal; give the columns of the angle, of the pressure and of the sealed "
-                "chamber"
+                "are one signal; check the columns"
             )
 
 

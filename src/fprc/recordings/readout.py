@@ -1,6 +1,5 @@
 """`fprc readout`: say whether P_o of a recording is worth a second sensor."""
 
-import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -19,23 +18,26 @@ from fprc.channels import TARGETS
 from fprc.config import from_files
 from fprc.errors import ConfigError, LogError
 from fprc.evaluation.rates import PAPER_HZ, settings_at
-from fprc.evaluation.sides import PURGE_S, PURGES, SHIFTS, WARM_UP_S, Recordings, progress
+from fprc.evaluation.sides import PURGE_S, PURGES, WARM_UP_S, Recordings
 from fprc.given import refuse_repeats
 from fprc.logs.quality import noted_unit
 from fprc.plan.arguments import paper_models
 from fprc.provenance import sha256
 from fprc.recordings.answer import answer_recordings
+from fprc.recordings.beside import (
+    draw_memory,
+    judge_claims,
+    judge_memory,
+    judge_models,
+    sentences,
+)
 from fprc.recordings.clock import rate_of
-from fprc.recordings.gather import Recording, gather
+from fprc.recordings.gather import Recording, gather, resample
 from fprc.recordings.import_recording import draw_recording, is_imported, write_log
 from fprc.recordings.importing import read_map
 from fprc.recordings.judge import Judgement, judge, unexplained
-from fprc.recordings.memory import draw_memory, judge_memory
-from fprc.recordings.paper_models import MODELS, judge_claims, judge_models, sentences
 from fprc.recordings.readout_page import report_page
-from fprc.recordings.resample import resample
 from fprc.recordings.table import read_table
-from fprc.registry import SIDES
 
 #: Share of a recording that becomes the training log of the workflow unless the map gives
 #: test_from_s.
@@ -143,16 +145,9 @@ def _judge(recordings: Recordings, settings: Mapping[str, Any], unit: str) -> di
     """Return the answer, the errors of the paper's models and the claims on them."""
     models, own = (paper_models(settings_at(settings, hz)) for hz in (PAPER_HZ, recordings.rate_hz))
     seed = settings["seed"]
-
-    def show(line: str) -> None:
-        print(f"\r{line:<78}", end="", file=sys.stderr, flush=True)
-
-    step = progress(2 * len(SIDES) + SHIFTS + len(MODELS) + 1, show)
-    answer = answer_recordings(recordings, models, seed, step, unit)
+    answer = answer_recordings(recordings, models, seed, unit)
     memory = judge_memory(recordings.thinned(), models, seed, answer["period_s"])
-    step("memory of P_o")
-    cells = judge_models(recordings, own, seed, step)
-    print(file=sys.stderr)
+    cells = judge_models(recordings, own, seed)
     overlap = float(np.mean([len(block) / len(rows) for rows, block in recordings.folds()]))
     claims = judge_claims(cells, overlap)
     return {"answer": answer, "memory": memory, "cells": cells, "claims": claims}

@@ -10,10 +10,9 @@ import pandas as pd
 from fprc.evaluation.sides import SHIFTS
 from fprc.paper import SOURCES
 from fprc.recordings.answer import MARGIN
+from fprc.recordings.beside import memory_in_words, sentences
 from fprc.recordings.gather import Recording
 from fprc.recordings.judge import Judgement
-from fprc.recordings.memory import memory_in_words
-from fprc.recordings.paper_models import sentences
 from fprc.registry import title_of
 from fprc.tables.text import markdown, three_digits
 

@@ -7,6 +7,7 @@ from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections import Counter
 from collections.abc import Callable
 from datetime import date, time
+from itertools import islice
 from pathlib import Path
 
 from fprc.errors import LogError
@@ -72,17 +73,13 @@ def read_text(
         labview = {"X0": "0", "Delta_X": "1", "Decimal_Separator": "."}
         labview |= {pair[0]: pair[1].split("\t")[0] for pair in keys if len(pair) > 1}
         decimal = decimal or labview["Decimal_Separator"]
-    if header_line is not None and data_line is not None and data_line <= header_line:
-        raise LogError(f"{path}: csv.data_line = {data_line}; must be below {header_line}")
-    # the first lines, or those around the header that is given
-    begin = min(max(header_line or 1, data_line or 1), len(lines) + 1)
-    filled = [n for n in range(begin, len(lines) + 1) if lines[n - 1].strip()][:_TRIED]
-    above = range(max(begin - 40, 1), begin) if header_line is None else range(header_line, begin)
-    head = {number: lines[number - 1] for number in (*above, *filled)}
-    named = _of_names(list(head.values()))
+    # the first lines that are not blank, or those around the header that is given
+    start = header_line or max((data_line or 1) - 40, 1)
+    filled = ((n, line) for n, line in enumerate(lines[start - 1 :], start) if line.strip())
+    head = dict(islice(filled, _TRIED))
     serial = sum(map(bool, map(_SERIAL.match, head.values()))) > len(head) / 2
-    splits = {mark: _splitter(mark, serial) for mark in ([separator] if separator else _SEPARATORS)}
     comments = {number for number, line in head.items() if _COMMENT.match(line)}
+    splits = {mark: _splitter(mark, serial) for mark in ([separator] if separator else _SEPARATORS)}
     places = {
         mark: locate({n: split(line) for n, line in head.items()}, head, comments, header_line,
                      data_line, decimal)
@@ -90,14 +87,14 @@ def read_text(
     }  # fmt: skip
     # blanks split wherever tabs do
     mark = max(places, key=lambda mark: (*places[mark].score, mark != " ", places[mark].width))
-    place, split, kind = places[mark], splits[mark], _SEPARATORS.get(mark, mark)
-    kind = f"text separated by {kind}"
-    if named and place.score[0] < 0.5:
+    place, split = places[mark], splits[mark]
+    kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
+    if place.score[0] < 0.5 and (named := _of_names(list(head.values()))):
         place, split = named
         kind = "text with a name before each number"
     if not place.width:
         raise LogError(
-            f"{path}: no samples; the file has no lines of numbers, or csv.header_line or "
+            f"{path}: no samples; the file has no lines of plain numbers, or csv.header_line or "
             "csv.data_line are past them"
         )
     rows, odd = _samples(lines, place, split)
@@ -110,7 +107,6 @@ def read_text(
             f"`csv: {{header_line: {max(place.first - 1, 1)}, data_line: {place.first}}}`, or give "
             "csv.separator; --draft takes that map too (--map)"
         )
-    unusable = tuple(f"line {n}: {line!r}" for n, line in odd.items() if n < last)
     if footer := [n for n in odd if n > last]:
         notes += (f"lines {footer[0]} to {footer[-1]}, below the last sample, were left out",)
     if labview and not any(fields[0] for fields in rows.values()):  # X0 and multiples of Delta_X
@@ -118,6 +114,7 @@ def read_text(
         for k, fields in enumerate(rows.values()):
             fields[0] = repr(zero + k * step).replace(".", decimal or ".")
     found = columns_of(path, place, rows, decimal, mark)
+    unusable = tuple(f"line {n}: {line!r}" for n, line in odd.items() if n < last)
     return found._replace(kind=kind, notes=(*notes, *found.notes), unusable=unusable)
 
 
@@ -151,11 +148,12 @@ def _lines_of(path: Path) -> tuple[list[str], tuple[str, ...]]:
     wide = bom or raw[1:200:2].count(0) > 80
     if b"\0" in raw and not wide:
         raise LogError(f"{path}: not text, and of no known format; save it as .csv, .mat or .h5")
-    known = [e for e in _ENCODINGS if known_words(raw[:4000].decode(e, errors="ignore"))]
+    others = [e for e in _ENCODINGS if known_words(raw[:4000].decode(e, errors="ignore"))]
+    code = "utf-16" if bom else "utf-16-le" if wide else "utf-8-sig"
     try:
-        text = raw.decode(("utf-16" if bom else "utf-16-le") if wide else "utf-8-sig")
+        text = raw.decode(code)
     except UnicodeDecodeError:
-        text = raw.decode("utf-16" if wide else [*known, "latin-1"][0], errors="replace")
+        text = raw.decode(code if wide else [*others, "latin-1"][0], errors="replace")
     lines = list(io.StringIO(text, newline=""))
     while lines and not lines[-1].strip("\r\n"):
         lines.pop()
@@ -188,13 +186,12 @@ def _splitter(mark: str, serial: bool) -> _Split:
 
 def _of_names(lines: list[str]) -> tuple[Place, _Split] | None:
     """Return the place of lines that name each number, and what splits such lines."""
-    found = [_NAMED.findall(line) for line in lines]
-    labels = Counter(tuple(part[0] for part in parts) for parts in found if parts)
-    if not labels or labels.most_common(1)[0][1] < len(lines) / 2:
+    parts_of = {line: _NAMED.findall(line) for line in lines}
+    labels = Counter(tuple(part[0] for part in parts_of[line]) for line in lines)
+    names, count = labels.most_common(1)[0] if labels else ((), 0)
+    if not names or count < len(lines) / 2:
         return None
-    names = labels.most_common(1)[0][0]
-    units = next([p[2] for p in parts] for parts in found if tuple(p[0] for p in parts) == names)
-    first = next(line for line, parts in zip(lines, found, strict=True) if parts)
+    first = next(line for line in lines if tuple(part[0] for part in parts_of[line]) == names)
     stamped = is_stamp(first.split()[0])
 
     def split(line: str) -> list[str]:
@@ -203,6 +200,7 @@ def _of_names(lines: list[str]) -> tuple[Place, _Split] | None:
             return [line]
         return [*line.split()[:stamped], *(part[1] for part in parts)]
 
+    units = [part[2] for part in parts_of[first]]
     names_of_all, units = [*["time"][:stamped], *names], [*[""][:stamped], *units]
     return Place((1.0, True), len(names_of_all), 1, names_of_all, units), split
 

@@ -333,9 +333,6 @@ CASES = {
         f"{s}{row}" for s, row in zip(SERIAL, rows(ANGLE, PRESSURE, P_O), strict=True))),
     "serial, words": Case("a.log", "".join(f"{s}{line}" for s, line in zip(
         SERIAL, IN_WORDS, strict=True))),
-    "units in cells": Case("a.csv", text(BARE, values=[
-        [f"{a:.4f} deg" for a in ANGLE], [f"{p / 100:.6f} bar" for p in PRESSURE],
-        [f"{o / 100:.6f} bar" for o in P_O]])),
     # units beside the numbers
     "attributes": Case("a.h5", hdf5(_with_units)),
     "attribute unit": Case("a.hdf5", hdf5(lambda file: _with_units(file, "unit"))),

@@ -10,10 +10,9 @@ from hypothesis.extra.numpy import arrays
 
 from fprc.errors import LogError
 from fprc.recordings.clock import pauses_of, rate_of
-from fprc.recordings.gather import gather
+from fprc.recordings.gather import MOST_POINTS, gather, resample
 from fprc.recordings.importing import ImportMap
 from fprc.recordings.names import SECONDS
-from fprc.recordings.resample import MOST_POINTS, resample
 from fprc.recordings.table import Column, Table
 
 T = np.arange(50) / 100.0

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.recordings.resample import resample
+from fprc.recordings.gather import resample
 
 
 def sine(time_s, f_hz, phase=0.3):

@@ -196,7 +196,6 @@ def test_columns_have_the_names_above_them(table, text, options, expected):
         ("t,x\0\n", {}, "no known format"),
         ("t,x\n" + "0,1\n2\n" * 9 + "2,3\n", {}, "line 3"),
         ("t,x\n0,1\n1,2\n", {"header_line": 9}, "csv.header_line"),
-        ("t,x\n0,1\n1,2\n", {"header_line": 2, "data_line": 2}, "csv.data_line = 2"),
         ("t,x\n0,1\n1,2\n", {"data_line": 9}, "no samples"),
     ],
 )
