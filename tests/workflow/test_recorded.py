@@ -115,13 +115,11 @@ def test_closed_loop_logs_of_a_rig_make_table4_and_its_figures(smoked_copy):
     assert smoked_copy.files("mylogs") == before
     results = smoked_copy.folder / "results"
     mine, simulated = (
-        pd.read_csv(results / folder / "tables/table4.csv").set_index(["controller", "reference"])
+        pd.read_csv(results / folder / "tables/table4.csv").drop(columns="source")
         for folder in ("mine", "smoke")
     )
-    assert len(mine) == 14
-    assert set(mine.pop("source")) == {"rig"}
-    simulated.pop("source")
-    pd.testing.assert_frame_equal(mine, simulated.loc[mine.index])
+    missing = (simulated["controller"] == "pd") & (simulated["reference"] == "sine_0p2")
+    pd.testing.assert_frame_equal(mine, simulated[~missing].reset_index(drop=True))
     page = (results / "mine/tables/table4.md").read_text()
     assert "No log of 1 of its runs: track_sine_0p2_pd." in page
     assert "Data: recorded on the rig." in page

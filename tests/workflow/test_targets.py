@@ -64,11 +64,9 @@ NOTHING = [
 EDITS = {
     "comment, docstring, code that no rule runs": (NOTHING, {}),
     "ESN": ([("models/esn.py", "\n\n\n@", "\n\nEDITED = 1\n\n\n@")], ESN),
-    "FPRC": ([("models/fprc.py", "\n\n\n@", "\n\nEDITED = 1\n\n\n@")], MODELS | jobs(judge=2)),
     "what computes": ([("rig/friction.py", "return force", "return 1.0 * force")], RIG),
     "what shows": ([("figures/hysteresis.py", "style.COLUMN_IN, 2.4", "style.COLUMN_IN, 2.5")],
-                   SHOWN_JOBS := jobs(*SHOWN, "draw_weights")),
-    "a printed number": ([("config/published.yaml", "60.32", "60.33")], SHOWN_JOBS),
+                   jobs(*SHOWN, "draw_weights")),
 }  # fmt: skip
 
 
@@ -94,7 +92,6 @@ def test_edit_reruns_what_runs_that_code_and_nothing_else(paper, tmp_path, what)
 #: Settings on the command line, and the jobs that must run again; the report shows all settings.
 CHANGES = {
     "nothing": ("seed=1", {}),
-    "values of n_c": ("grids={n_c: [2, 4, 8]}", SEEDS | jobs("measure_times", "tabulate_times")),
     "gains of the feedback": ("control={pd: {kp_kpa_per_deg: 0.6}}", SEEDS | LOOPS),
     "one reference": ("tracking={references: {sine_0p2: {duration_s: 9}}}", SEEDS | LOOPS),
 }
