@@ -14,7 +14,6 @@ from fprc import config
 from fprc.artifacts import write_json
 from fprc.errors import LogError
 from fprc.logs import Columns
-from fprc.registry import MODELS
 from fprc.stages import tabulate
 from fprc.stages.draw import draw_loops
 from fprc.tables.models import (
@@ -112,19 +111,14 @@ def test_configuration_has_every_setting_of_table_1_with_the_published_value():
     assert dict(zip(symbols, table["published"], strict=True)) == expected
 
 
-def test_table_over_seeds_has_mean_deviation_and_range():
+def test_tables_over_seeds_have_mean_deviation_range_and_their_own_published_numbers():
     row = by_metric(over_seeds(REPLICATES, PUBLISHED, "sweep"), "fprc").loc["test_rmse"]
     assert row[["mean", "min", "max", "seeds"]].tolist() == [13.5, 12.0, 15.0, 2]
     assert row["std"] == pytest.approx(np.std([12.0, 15.0], ddof=1))
     assert row[["unit", "published_mean", "source"]].tolist() == ["kPa", 11.0, "sim"]
-
-
-def test_table_3_carries_its_own_published_numbers():
-    reports = [report(model, 30.0, trained_on="complex") for model in MODELS]
-    row = by_metric(comparison(reports, PUBLISHED), "esn")
-    assert row["published_mean"].tolist() == [10.2, 10.2, 60.32]
     seeds = by_metric(over_seeds(REPLICATES, PUBLISHED, "complex"), "esn")
-    assert seeds.loc["test_rmse", ["mean", "published_mean"]].tolist() == [30.0, 60.32]
+    assert seeds["published_mean"].tolist() == [10.2, 10.2, 60.32]
+    assert seeds.loc["test_rmse", "mean"] == 30.0
 
 
 def tracked(controller, reference, error):
@@ -208,38 +202,32 @@ def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones
     assert not imported.columns.str.contains("Paper").any()
 
 
-@pytest.fixture
-def tabulated(tmp_path):
-    """Return what makes the tables of reports, and gives their texts in Markdown."""
+def test_tables_name_their_data_failed_checks_and_the_spread_over_starts(tmp_path):
+    def stored(*contents):
+        paths = [str(tmp_path / f"{k}.json") for k, _ in enumerate(contents)]
+        for path, content in zip(paths, contents, strict=True):
+            write_json(path, content)
+        return paths
 
-    def make(stage, count, *results, **settings):
-        paths = [[str(tmp_path / f"{k}{n}.json") for n, _ in enumerate(result)]
-                 for k, result in enumerate(results)]  # fmt: skip
-        for path, result in zip(sum(paths, []), sum(map(list, results), []), strict=True):
-            write_json(path, result)
-        files = [str(tmp_path / f"{k}.{kind}") for k in range(count) for kind in ("csv", "md")]
-        tables = [files] if stage is tabulate.tabulate_seeds else [files[:2], files[2:]]
-        stage(*paths, *tables, **settings)
-        for file in files:
-            text = Path(file).read_text(encoding="utf-8")
-            assert not {"nan", "none"} & set(re.findall(r"\w+", text.lower())), file
-        return [Path(file).read_text(encoding="utf-8") for file in files[1::2]]
-
-    return make
-
-
-def test_tables_name_their_data_failed_checks_and_the_spread_over_starts(tabulated):
-    reversed_logs = [report("esn", 16.0, trained_on="complex")]
     cut = {"passed": False, "finding": "the computer went off"}
     whole = {"log": "monday.h5", "checks": {"complete": cut | {"passed": True}}}
     half = {"log": "tuesday.h5", "checks": {"complete": cut}}
-    quality = [whole, {"recordings": [whole, half]}]
-    pages = tabulated(tabulate.tabulate_models, 2, REPORTS, reversed_logs, quality, left_out={})
-    assert all("tuesday.h5: complete: the computer went off" in page for page in pages)
-    assert not any("monday.h5" in page for page in pages)
+    *forward, backward, one, two = stored(
+        *REPORTS, report("esn", 16.0, trained_on="complex"), whole, {"recordings": [whole, half]}
+    )
+    files = [[str(tmp_path / f"{k}.{kind}") for kind in ("csv", "md")] for k in range(5)]
+    tabulate.tabulate_models(forward, [backward], [one, two], *files[:2], left_out={})
     # one seed has no deviation
-    pages += tabulated(tabulate.tabulate_seeds, 3, REPLICATES[:1], controls(1), feedback="So.")
-    assert ["simulated rig, not hardware" in page for page in pages] == [True] * 5
+    seeds, loops = stored(REPLICATES[0], controls(1)[0])
+    tabulate.tabulate_seeds([seeds], [loops], sum(files[2:], []), feedback="So.")
+    pages = [Path(page).read_text(encoding="utf-8") for _, page in files]
+    assert ["tuesday.h5: complete: the computer went off" in page for page in pages[:2]] == [
+        True
+    ] * 2
+    for page in pages:
+        assert "simulated rig, not hardware" in page
+        assert "monday.h5" not in page
+        assert not {"nan", "none"} & set(re.findall(r"\w+", page.lower()))
     # standard deviation and mean of 1 and 3 deg, and of 2 and 2 deg
     found = re.search(r"among (\d+) starts.* by (\S+) %.* by (\S+) %.* is (\S+) times", pages[-1])
     assert found.groups() == ("2", "70.7", "0.0", "3.00")
@@ -259,15 +247,14 @@ def table_of(tmp_path):
     return make
 
 
-def test_table_4_of_logs_is_judged_after_the_settling_time(table_of, write_run, channels):
+def test_table_4_of_logs_is_judged_after_the_settling_time_with_failed_checks_below_it(
+    table_of, write_run, channels, changed
+):
     error = np.where(channels["time_s"] < 1.0, 20.0, 2.0)
     theta_d = channels["theta_deg"] + np.where(np.arange(400) % 2, error, -error)
     table, note = table_of(write_run(changed={"theta_d_deg": theta_d}))
     assert table["rmse_deg"].tolist() == pytest.approx([2.0])
     assert "Failed" not in note
-
-
-def test_failed_checks_of_runs_stand_below_the_table(table_of, write_run, changed):
     spoiled = changed("p_o_kpa", slice(7, 9), 5000.0) | {"p_fb_kpa": np.full(400, -2e3)}
     cut = {"complete": False, "incomplete_reason": "the computer went off"}
     _, note = table_of(write_run(changed=spoiled, **cut))
