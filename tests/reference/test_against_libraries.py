@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import scipy.linalg
 from numpy.testing import assert_allclose
+from scipy.signal import lfilter
 
-from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, TapFeatures, lowpass
+from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, TapFeatures
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.ridge import with_bias
 from fprc.models.takagi_sugeno import gaussian_memberships
@@ -19,7 +20,8 @@ def hysteresis(size):
     """Return a bending angle and a pressure that lags behind it, as loops of growing size."""
     phase = np.arange(size) * 6.0 * np.pi / size
     theta = 25.0 - (10.0 + 1.5 * phase / np.pi) * np.cos(phase)
-    return np.column_stack([theta, 100.0 + lowpass(0.4 * theta + 0.01 * theta**2, 0.05)])
+    slow = lfilter([0.05], [1.0, -0.95], 0.4 * theta + 0.01 * theta**2)
+    return np.column_stack([theta, 100.0 + slow])
 
 
 def pressure(X):

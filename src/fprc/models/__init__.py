@@ -3,7 +3,7 @@
 from fprc.models.compose import FeatureModel, SideBySide
 from fprc.models.echo import EchoStates
 from fprc.models.esn import ESN
-from fprc.models.features import FeatureMap, LowpassBank, PlayOperators, TapFeatures, lowpass, taps
+from fprc.models.features import FeatureMap, LowpassBank, PlayOperators, TapFeatures
 from fprc.models.fprc import FPRC, FuzzyLinear
 from fprc.models.nodes import NodeFeatures
 from fprc.models.nvar import NVAR
@@ -32,7 +32,5 @@ __all__ = [
     "TakagiSugenoReadout",
     "TapFeatures",
     "load_model",
-    "lowpass",
     "save_model",
-    "taps",
 ]

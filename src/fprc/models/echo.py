@@ -8,8 +8,8 @@ import numpy as np
 from sklearn.utils import check_random_state
 
 from fprc.limits import MODEL, limits_of
-from fprc.models.features import FeatureMap, refuse_shorter, table, tap_rows, taps
-from fprc.models.kernels import LANES, advance, excite, excite_lanes
+from fprc.models.features import FeatureMap, refuse_shorter, table, tap_rows
+from fprc.models.kernels import LANES, advance, advance_log, excite, excite_lanes
 from fprc.models.limits import SEED, Array
 
 #: Shortest segment, samples: almost three times what the paper's network needs to forget its
@@ -83,7 +83,7 @@ class EchoStates(FeatureMap):
     def _blocks(self, X: np.ndarray, most: int) -> Iterator[np.ndarray]:
         refuse_shorter(X, self.n_y)
         X = np.array(X, order="C")  # a copy, as in FeatureMap
-        references = np.hstack([taps(column, self.n_y) for column in X.T])
+        references = advance_log(X, *self._taps())
         free = references.shape[1]
         state, W_r = self._settled(X[0])
         rows = np.empty((min(most, len(X)), free + self.r))
@@ -93,6 +93,9 @@ class EchoStates(FeatureMap):
             echo_states(inputs, state, self.w_in_, W_r, self.gamma, block[:, free:])
             block[:, :free] = references[start : start + most]
             yield block
+
+    def _taps(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return table([row for i in range(self.n_features_in_) for row in tap_rows(i, self.n_y)])
 
     def _settled(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the state after the washout, see ``echo_states``, and W_r in a narrower type."""
@@ -106,7 +109,7 @@ class EchoStates(FeatureMap):
     def begin(self, x: np.ndarray) -> None:
         (self._state, self._target), self._W_r = self._settled(x)
         self._row = np.concatenate([np.repeat(x, self.n_y), self._state])
-        self._table = table([row for i in range(len(x)) for row in tap_rows(i, self.n_y)])
+        self._table = self._taps()
 
     def map_sample(self, x: np.ndarray) -> np.ndarray:
         free = len(self._row) - len(self._state)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, ClassNamePrefixFeaturesOutMixin, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
@@ -27,12 +26,6 @@ Row = tuple[int, int, float]
 BLOCK = 8_000
 
 
-def taps(x: np.ndarray, size: int) -> np.ndarray:
-    """Return [x(k), x(k-1), ..., x(k-size+1)] in row k, with x(k) = x(0) for k < 0."""
-    padded = np.concatenate([np.full(size - 1, x[0]), x])
-    return np.lib.stride_tricks.sliding_window_view(padded, size)[:, ::-1]
-
-
 def tap_rows(column: int, size: int, newest: Row | None = None) -> list[Row]:
     """Return the rows of taps of a column; the newest is by default the column itself."""
     return [newest or (column, PLAY, 0.0)] + [(column, TAP, 0.0)] * (size - 1)
@@ -45,12 +38,6 @@ def refuse_shorter(X: np.ndarray, size: int) -> None:
             f"n_samples = {len(X)} is less than the {size} samples from the first to the last tap; "
             "use fewer taps or a longer log"
         )
-
-
-def lowpass(x: np.ndarray, epsilon: float) -> np.ndarray:
-    """Filter x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0) (Eq. 6)."""
-    # not scipy.signal.lfilter: its import takes half a second, and pandas is imported anyway
-    return pd.Series(x).ewm(alpha=float(epsilon), adjust=False).mean().to_numpy()
 
 
 def rows_of(features: Any) -> list[Row] | None:
@@ -278,10 +265,7 @@ class TapFeatures(FeatureMap):
 
     def map_recording(self, X: np.ndarray) -> np.ndarray:
         refuse_shorter(X, max(self.n_y, self.n_u))
-        split = self.count_references()
-        references = [taps(column, self.n_y) for column in X.T[:split]]
-        readouts = [taps(lowpass(column, self.epsilon), self.n_u) for column in X.T[split:]]
-        return np.hstack(references + readouts)
+        return super().map_recording(X)
 
 
 @dataclass(eq=False, repr=False)

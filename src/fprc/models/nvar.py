@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fprc.limits import LARGEST, Limit, Whole
-from fprc.models.features import FeatureMap, refuse_shorter, taps
+from fprc.models.features import FeatureMap
 from fprc.models.limits import SMALLEST_SCALE, Array
 
 
@@ -64,32 +64,13 @@ class NVAR(FeatureMap):
         rounding = SMALLEST_SCALE * np.maximum(np.abs(X).max(axis=0), 1.0)
         self.scale_ = np.where(spread >= rounding, spread, 1.0)
 
-    def _span(self) -> int:
-        return (self.n_taps - 1) * self.spacing + 1
-
-    def _factors(self) -> np.ndarray:
-        linear = range(self.n_features_in_ * self.n_taps)
-        return np.array(list(combinations_with_replacement(linear, self.degree)))
-
-    def map_recording(self, X: np.ndarray) -> np.ndarray:
-        refuse_shorter(X, self._span())
-        scaled = (X - self.mean_) / self.scale_
-        linear = np.hstack([taps(column, self._span())[:, :: self.spacing] for column in scaled.T])
-        factors = self._factors().T
-        products = linear[:, factors[0]]
-        for columns in factors[1:]:
-            products *= linear[:, columns]
-        return np.hstack([linear, products])
-
     def begin(self, x: np.ndarray) -> None:
-        self._products = self._factors()
-        self._row = np.empty(len(x) * self.n_taps + len(self._products))
-        self._history = np.repeat(((x - self.mean_) / self.scale_)[:, None], self._span(), axis=1)
+        linear, span = range(len(x) * self.n_taps), (self.n_taps - 1) * self.spacing + 1
+        self._products = np.array(list(combinations_with_replacement(linear, self.degree)))
+        self._history = np.repeat(((x - self.mean_) / self.scale_)[:, None], span, axis=1)
 
     def map_sample(self, x: np.ndarray) -> np.ndarray:
         self._history[:, 1:] = self._history[:, :-1]
         self._history[:, 0] = (x - self.mean_) / self.scale_
         linear = self._history[:, :: self.spacing].ravel()
-        self._row[: linear.size] = linear
-        self._row[linear.size :] = linear[self._products].prod(axis=1)
-        return self._row
+        return np.concatenate([linear, linear[self._products].prod(axis=1)])

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from fprc.config import Settings
 from fprc.evaluation.rates import scaled, settings_at
-from fprc.models.features import lowpass
+from fprc.models import LowpassBank
 
 SETTINGS = Settings().model_dump(mode="json")
 
@@ -18,10 +18,10 @@ def test_step_response_of_the_lowpass_keeps_its_times(epsilon, factor, faster):
     (new,) = scaled({"epsilon": epsilon}, ratio).values()
     # factor samples of the faster rate are one of the slower
     slower, quicker = (epsilon, new) if faster else (new, epsilon)
-    step = np.append(0.0, np.ones(40 * factor))
-    np.testing.assert_allclose(
-        lowpass(step, quicker)[::factor], lowpass(step[:41], slower), rtol=1e-6, atol=1e-9
-    )
+    step = np.append(0.0, np.ones(40 * factor))[:, None]
+    fine = LowpassBank([quicker]).fit_transform(step)[::factor]
+    coarse = LowpassBank([slower]).fit_transform(step[:41])
+    np.testing.assert_allclose(fine, coarse, rtol=1e-6, atol=1e-9)
 
 
 @given(st.floats(0.01, 0.9999), st.integers(1, 10))
