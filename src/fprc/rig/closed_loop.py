@@ -25,34 +25,17 @@ def close_loop(
 ):  # fmt: skip
     """Run both pressure loops, and the PD feedback if there is one, for ``len(rows)`` samples.
 
-    The first sample is ``reading`` as given; the rig advances before each of the others.
+    The first sample is ``reading`` as given; the rig advances before each of the others. Return 0
+    or a key of ``DIVERGED``, and the sample at which it occurred.
 
-    Parameters
-    ----------
-    settings : record of shape (1,)
-        Of the controllers: ``main``, ``reservoir`` (``kp_v_per_kpa``, ``ki_v_per_kpa_s``);
-        ``feedback`` (``kp_kpa_per_deg``, ``kd_kpa_s_per_deg``, ``incremental``, ``acts``: 0 or 1);
-        ``learning``, see ``fprc.models.Online``;
-        ``k_in_kpa_per_deg``; ``p_i_limits_kpa``, ``p_exp_limits_kpa`` (lowest, highest).
-    setpoints : ndarray of shape (n_samples, 4)
-        Feedforward pressure, reference angle (NaN: none), pressure of PAM A (NaN: it follows the
-        measured angle), push on the reservoir.
-    regressors : ndarray of shape (n_samples, n_weights)
-        Of the model's readout, see ``fprc.models.Online``; without columns, nothing is learned.
-    learned, covariance, prior
-        See ``fprc.control_laws.learn_step``; the first two are changed in place.
-    noise : ndarray of shape (n_samples - 1, NOISE_PER_TICK)
-    tick : int
-        Number of the first sample.
-    states, rigs, instruments, period_s, substeps, valve_v, reading
-        As in ``advance``.
-    rows : record array of shape (n_samples,)
-        Filled; see ``fprc.rig.simulator.SAMPLE``.
-
-    Returns
-    -------
-    tuple of int
-        0 or a key of ``DIVERGED``, and the sample at which it occurred.
+    ``settings`` are a record of the controllers: ``main``, ``reservoir``, ``feedback``,
+    ``learning`` (see ``fprc.models.Online``), ``k_in_kpa_per_deg``, ``p_i_limits_kpa`` and
+    ``p_exp_limits_kpa``. ``setpoints`` has, for each sample, feedforward pressure, reference angle
+    (NaN: none), pressure of PAM A (NaN: it follows the measured angle), and push on the reservoir;
+    ``regressors``, those of the model's readout, without columns if nothing is learned. ``learned``
+    and ``covariance`` are changed in place, see ``fprc.control_laws.learn_step``; ``rows``, of
+    ``SAMPLE``, are filled. ``tick`` is the number of the first sample. The others are those of
+    ``advance``.
     """
     control = settings[0]
     low, high = control.p_exp_limits_kpa

@@ -85,25 +85,11 @@ def draw_instruments(rig: Mapping[str, Any], rng: np.random.Generator) -> np.nda
 def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, substeps, reading):
     """Advance the rig by ``substeps`` steps of ``period_s / substeps`` and read its sensors.
 
-    Parameters
-    ----------
-    states, rigs, instruments : records of shape (1,)
-        State (changed in place), parameters and calibration errors.
-    valve_v : ndarray of shape (2,)
-        Voltages held on the main and the reservoir valve over the tick.
-    push_kpa : float
-        External force that bends the reservoir over the tick.
-    noise : ndarray of shape (NOISE_PER_TICK,)
-        Standard normal numbers for this tick.
-    substeps : int
-        0 reads the sensors without advancing.
-    reading : record array of shape (1,)
-        Of every channel, see ``SAMPLE``; those of the sensors are filled.
-
-    Returns
-    -------
-    int
-        0, or a key of ``DIVERGED``.
+    Return 0, or a key of ``DIVERGED``. ``states``, ``rigs`` and ``instruments`` are records of
+    shape (1,); the state is changed, and the channels of the sensors in ``reading``, a ``SAMPLE``,
+    are filled. ``valve_v``, of the main and the reservoir valve, and ``push_kpa``, which bends the
+    reservoir, are held over the tick; ``noise`` has NOISE_PER_TICK standard normal numbers.
+    Without substeps only the sensors are read.
     """
     state, rig = states[0], rigs[0]
     dt = period_s / max(substeps, 1)
