@@ -63,9 +63,8 @@ def run(
     Returns
     -------
     dict of ndarray
-        One array for each of ``fprc.channels.RAW_CHANNELS`` and of ``extra``. Row k
-        holds the readings at a tick, and the setpoints and voltages computed from
-        them. There are ``samples`` rows unless the clock missed ticks.
+        One array for each of ``fprc.channels.RAW_CHANNELS`` and of ``extra``: readings at a tick,
+        and what was computed from them; fewer than ``samples`` if the clock missed ticks.
 
     Raises
     ------

@@ -64,8 +64,7 @@ def fuzzy_c_means(
     X : ndarray of shape (n_samples, n_features)
         Finite numbers.
     restarts : int
-        Number of starts; the clustering with the lowest objective is kept. Starts that lead to one
-        optimum of the thinned rows are converged on all rows once.
+        Number of starts; the one with the lowest objective is kept.
     init : ndarray of shape (n_clusters, n_features), optional
         The only start, instead of the random ones; it converges on all rows at once.
     tolerance : float
@@ -87,22 +86,15 @@ def fuzzy_c_means(
     if init is not None:
         return _converge(X, init, tolerance, max_iterations)
     rng = check_random_state(random_state)
-
-    found, optima, passes = list[Clusters](), list[float](), 0.0
-    for _ in range(restarts):
-        centers, _ = kmeans_plusplus(thinned, n_clusters, random_state=rng)
-        if thinned is not X:
-            coarsely = _converge(thinned, centers, tolerance, max_iterations)
-            passes += coarsely.passes * len(thinned) / len(X)
-            if any(abs(coarsely.objective - optimum) < SAME * optimum for optimum in optima):
-                continue  # all rows, too, would lead to the optimum of that earlier start
-            optima.append(coarsely.objective)
-            centers = coarsely.centers
-        found.append(_converge(X, centers, tolerance, max_iterations))
-        passes += found[-1].passes
+    starts = [kmeans_plusplus(thinned, n_clusters, random_state=rng)[0] for _ in range(restarts)]
+    found = [_converge(thinned, centers, tolerance, max_iterations) for centers in starts]
+    passes = sum(clusters.passes for clusters in found) * len(thinned) / len(X)
     lowest = min(clusters.objective for clusters in found)
-    first = next(clusters for clusters in found if (1.0 - SAME) * clusters.objective <= lowest)
-    return first._replace(passes=passes)
+    best = next(clusters for clusters in found if (1.0 - SAME) * clusters.objective <= lowest)
+    if thinned is not X:
+        best = _converge(X, best.centers, tolerance, max_iterations)
+        passes += best.passes
+    return best._replace(passes=passes)
 
 
 def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) -> Clusters:
