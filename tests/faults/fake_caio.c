@@ -127,12 +127,9 @@ long AioSingleAoEx(short id, short channel, float volts)
 
 long AioGetErrorString(long code, char *text)
 {
-    if (code == 20001)
-        return 20001;
     strcpy(text, code == 10000   ? "unregistered device name"
                  : code == 10001 ? "invalid device id"
                  : code == 10051 ? "device not found"
-                 : code == 20000 ? "\x91\x95\x92\x75" /* Shift-JIS */
                                  : "injected failure");
     return 0;
 }

@@ -10,7 +10,7 @@ import errno
 import mmap
 import os
 import struct
-from collections import deque
+from collections import defaultdict, deque
 
 ANGLES, FAULT = 328, 344
 #: Codes of an answer: a bend sample; a stretch sample; no answer, the lines stay high.
@@ -19,42 +19,24 @@ SAMPLE, STRETCH, NOTHING = 0x00, 0x03, 0xFF
 FAULTS = (None, "dropout", "freeze", "spike", "type", "order", "length")
 
 
-class FakeBus:
-    """Bus with ``i2c_rdwr`` on which one sensor answers, with a new sample at each reading.
+class Sensor:
+    """A sensor with a new sample at each reading; ``ticks`` is its sample time, 1/16384 s."""
 
-    ``angle_deg()`` gives the true angle, which an uncalibrated sensor tells; ``ticks`` is the
-    sample time as commanded, 1/16384 s; ``exchanged`` has ``write`` or ``read`` and the bytes.
-    """
-
-    def __init__(self, angle_deg, *, address=0x12):
-        self._angle_deg, self._address = angle_deg, address
-        self.fault = self.ticks = self._last = None
+    def __init__(self):
+        self.ticks = self._last = None
         self.state = "standby"
-        self.exchanged = deque(maxlen=100_000)
 
-    def i2c_rdwr(self, *messages):
-        for message in messages:
-            if self.fault == "dropout" or message.addr != self._address:
-                raise OSError(errno.EREMOTEIO, os.strerror(errno.EREMOTEIO))
-            if message.reads:
-                message.content = self._answer()[: message.len]
-            else:
-                self._obey(*message.content)
-            self.exchanged.append(("read" if message.reads else "write", bytes(message)))
-
-    def _answer(self):
+    def answer(self, angle_deg, fault):
         if self.state != "running":
             return bytes([NOTHING] * 3)
-        if self._last is not None and self.fault == "freeze":
+        if self._last is not None and fault == "freeze":
             return self._last
-        angle_deg = self._angle_deg() + (90.0 if self.fault == "spike" else 0.0)
-        counts = min(max(round(angle_deg * 64), -32768), 32767)
-        code = STRETCH if self.fault == "type" else SAMPLE
-        self._last = packet = struct.pack("<Bh", code, counts)
-        changed = {"order": packet[1:] + packet[:1], "length": packet[:-1]}
-        return changed.get(self.fault, packet)
+        counts = round((angle_deg + (90.0 if fault == "spike" else 0.0)) * 64)
+        code = STRETCH if fault == "type" else SAMPLE
+        self._last = packet = struct.pack("<Bh", code, min(max(counts, -32768), 32767))
+        return {"order": packet[1:] + packet[:1], "length": packet[:-1]}.get(fault, packet)
 
-    def _obey(self, code, low, high):
+    def obey(self, code, low, high):
         if code == 0x00 and (low, high) in ((0, 0), (1, 0)):
             self.state = "running" if low else "standby"
         elif code == 0x01:
@@ -82,7 +64,7 @@ class i2c_msg:  # noqa: N801, smbus2's name
 
 
 class SMBus:
-    """Bus on which a sensor answers at every address."""
+    """Bus on which a sensor answers at every address; ``written`` has the bytes of commands."""
 
     def __init__(self, bus):
         path = os.environ.get("FAKE_BENCH")
@@ -90,19 +72,20 @@ class SMBus:
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), f"/dev/i2c-{bus}")
         with open(path, "rb") as file:
             self._bench = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-        self._sensors = {}
+        self.sensors, self.written = defaultdict(Sensor), deque(maxlen=100)
 
     def close(self):
         self._bench.close()
 
-    def i2c_rdwr(self, *messages):
-        for message in messages:
+    def i2c_rdwr(self, message):
+        fault = FAULTS[self._bench[FAULT]]
+        if fault == "dropout":
+            raise OSError(errno.EREMOTEIO, os.strerror(errno.EREMOTEIO))
+        sensor = self.sensors[message.addr]
+        if message.reads:
             at = ANGLES + 8 * (message.addr != 0x12)
-            sensor = self._sensors.setdefault(
-                message.addr,
-                FakeBus(
-                    lambda at=at: struct.unpack_from("<d", self._bench, at)[0], address=message.addr
-                ),
-            )
-            sensor.fault = FAULTS[self._bench[FAULT]]
-            sensor.i2c_rdwr(message)
+            (angle_deg,) = struct.unpack_from("<d", self._bench, at)
+            message.content = sensor.answer(angle_deg, fault)[: message.len]
+        else:
+            sensor.obey(*message.content)
+            self.written.append(message.content)

@@ -2,14 +2,15 @@
 
 import errno
 import math
-from functools import partial
+from functools import partialmethod
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from fprc.apparatus import command, guardian, hardware, journal, process
+from fprc.apparatus import command, guardian, journal, process
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
+from fprc.apparatus.hardware import Pneumatics
 from fprc.apparatus.journal import read_journal
 from fprc.errors import ControlError, FprcError, OutputError
 from fprc.logs import read_columns
@@ -237,16 +238,6 @@ def test_disk_that_is_full_ends_the_run_vented(bench, record, monkeypatch, tmp_p
     assert len(read_columns(rescued, ("time_s",)).channels["time_s"]) == 6
 
 
-def test_interrupt_leaves_no_valve_open(bench, record):
-    def interrupt(tick):
-        if tick == 5:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        record(at=interrupt)
-    assert vented(bench)
-
-
 @pytest.mark.parametrize("armed", [True, False])
 def test_log_that_is_there_and_a_rig_that_is_not_armed_are_not_touched(
     bench, tmp_path, settings, armed
@@ -274,8 +265,8 @@ def test_loop_whose_guardian_has_ended_vents_until_the_board_answers(
     bench, settings, record, monkeypatch
 ):
     settings["hardware"]["valves"]["vent_s"] = 0.4
-    alone = partial(hardware.vent, sleep=bench.wait, now=bench.elapsed)
-    monkeypatch.setattr(hardware, "vent", alone)
+    vent = partialmethod(Pneumatics.vent, sleep=bench.wait, now=bench.elapsed)
+    monkeypatch.setattr(Pneumatics, "vent", vent)
     monkeypatch.setattr(guardian, "_RETRY_S", 0.005)
 
     def fail(tick):

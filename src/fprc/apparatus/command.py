@@ -8,9 +8,8 @@ from fprc.apparatus.guardian import guard
 from fprc.apparatus.programme import names, plan, refuse_unknown
 from fprc.artifacts import refuse_output
 from fprc.config import from_files, local_files
-from fprc.errors import ConfigError, ControlError
-from fprc.paper import EXPERIMENTS, reference_and_controller
-from fprc.registry import feedforward_of, model_of_run
+from fprc.errors import ControlError
+from fprc.registry import model_of_run
 
 
 def check(*, armed: bool = False, config: Sequence[str] = ()) -> None:
@@ -32,8 +31,6 @@ def run(
         print("\n".join(names(settings)))
         return
     refuse_unknown(name, settings)
-    if model and (name in EXPERIMENTS or not feedforward_of(reference_and_controller(name)[1])):
-        raise ConfigError(f"{name} uses no model; leave out --model, or choose another experiment")
     folders = settings["folders"]
     trained = f"{folders['results']}/models/sweep_{model_of_run(name)}.h5"
     model = model or (trained if Path(trained).exists() else "")

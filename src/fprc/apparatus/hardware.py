@@ -4,11 +4,11 @@
 locks of the boards, see ``fprc.apparatus.contec``.
 """
 
-import contextlib
 import math
 import time
-from collections.abc import Callable, Mapping
-from functools import cache, partial
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from functools import partial
 from itertools import cycle
 from typing import Any
 
@@ -33,27 +33,40 @@ class NotVentedError(DeviceError):
         )
 
 
-class Valves:
-    """Both proportional valves on the output board, and the optional heartbeat output.
+class Pneumatics:
+    """Both proportional valves, the three pressure sensors, and the optional heartbeat output.
 
-    With ``reset`` the board is reset and both chambers are vented. Each method raises DeviceError
-    if the driver reports an error, after trying its other writes.
+    With ``reset`` both boards are reset, and both chambers are vented; without, the output board is
+    opened as it is, and the input board when it is read. Each method raises DeviceError if the
+    driver reports an error, after trying its other writes.
     """
 
     def __init__(self, hardware: Mapping[str, Any], *, reset: bool):
-        boards, volts = hardware["boards"], hardware["valves"]
-        self._board = Board(boards["library"], boards["output_device"], "Ao", reset=reset)
+        boards, self._voltages = hardware["boards"], hardware["valves"]
+        names = "p_exp", "p_i", "p_o"
+        self._channels = [boards[f"{name}_input"] for name in names]
+        self._scales = [(hardware[n]["zero_v"], hardware[n]["gain_kpa_per_v"]) for n in names]
         self._outputs = boards["main_output"], boards["reservoir_output"]
         # for a watchdog relay
         self._heartbeat, self._beat_v = boards["heartbeat_output"], cycle((5.0, 0.0))
-        self._neutral_v, self._vent_v = volts["neutral_v"], volts["vent_v"]
-        self.release = self._board.close  #: releases the board; its outputs hold their voltages
+        self._open_inputs = partial(Board, boards["library"], boards["input_device"], "Ai")
+        self._inputs: Board | None = None
+        self._board = Board(boards["library"], boards["output_device"], "Ao", reset=reset)
         if reset:
             try:
                 self.exhaust()  # even at rest: a closed valve leaks, and would fill the chamber
-            except DeviceError:
-                quietly(self.close)  # tries to vent once more
+                self._inputs = self._open_inputs()
+            except BaseException:
+                with suppress(DeviceError):
+                    self.close()  # tries to vent once more
                 raise
+
+    def pressures(self) -> list[float]:
+        """Return the present P_exp, P_i and P_o, kPa gauge."""
+        self._inputs = self._inputs or self._open_inputs()
+        volts = self._inputs.read(1 + max(self._channels))
+        own = zip(self._channels, self._scales, strict=True)
+        return [(volts[channel] - zero) * gain for channel, (zero, gain) in own]
 
     def write(self, main_v: float, reservoir_v: float) -> None:
         """Set both voltages; if both writes succeed, toggle the heartbeat output."""
@@ -61,108 +74,83 @@ class Valves:
         if self._heartbeat is not None:
             self._board.write(self._heartbeat, next(self._beat_v))
 
-    def vent(self) -> None:
+    def safe(self) -> None:
         """Close both valves, then open both chambers to the atmosphere."""
-        self._write_in_turn(self._neutral_v, self._neutral_v, self._vent_v, self._vent_v)
+        self._write_in_turn(*2 * [self._voltages["neutral_v"]], *2 * [self._voltages["vent_v"]])
 
     def exhaust(self) -> None:
         """Open both chambers to the atmosphere at once."""
-        self._write_in_turn(self._vent_v, self._vent_v)
+        self._write_in_turn(*2 * [self._voltages["vent_v"]])
+
+    def release(self) -> None:
+        """Release the boards; the outputs hold their voltages."""
+        _call_all(board.close for board in (self._board, self._inputs) if board)
 
     def close(self) -> None:
-        """Open both chambers to the atmosphere at once, and release the board."""
-        call_all(self.exhaust, self.release)
+        """Open both chambers to the atmosphere at once, and release the boards."""
+        _call_all([self.exhaust, self.release])
 
     def _write_in_turn(self, *volts: float) -> None:
         """Write voltages to the actuator's and the reservoir's valve in turn."""
         writes = zip(cycle(self._outputs), volts)
-        call_all(*(partial(self._board.write, *write) for write in writes))
+        _call_all(partial(self._board.write, *write) for write in writes)
 
+    def vent(
+        self,
+        sleep: Callable[[float], None] = time.sleep,
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Set both valves to vent, repeatedly, until readings show that both chambers are vented.
 
-class Pressures:
-    """The three pressure sensors on the input board."""
+        A chamber is vented if its sensor has read ``vented_kpa`` or less ten times in a row and has
+        changed since the first reading: a frozen one proves nothing. The valves are written again
+        before each reading, because the board may fail for a moment.
 
-    def __init__(self, hardware: Mapping[str, Any]):
-        boards, names = hardware["boards"], ("p_exp", "p_i", "p_o")
-        self._channels = [boards[f"{name}_input"] for name in names]
-        self._scales = [(hardware[n]["zero_v"], hardware[n]["gain_kpa_per_v"]) for n in names]
-        self._board = Board(boards["library"], boards["input_device"], "Ai")
-        self.close = self._board.close
-
-    def read(self) -> list[float]:
-        """Return the present P_exp, P_i and P_o, kPa gauge."""
-        volts = self._board.read(1 + max(self._channels))
-        own = zip(self._channels, self._scales, strict=True)
-        return [(volts[channel] - zero) * gain for channel, (zero, gain) in own]
-
-
-def vent(
-    valves: Valves,
-    open_inputs: Callable[[], Pressures],
-    voltages: Mapping[str, Any],
-    *,
-    sleep: Callable[[float], None] = time.sleep,
-    now: Callable[[], float] = time.monotonic,
-) -> None:
-    """Set both valves to vent, repeatedly, until readings show that both chambers are vented.
-
-    A chamber is vented if its sensor has read ``vented_kpa`` or less ten times in a row and has
-    changed since the first reading: a frozen one proves nothing. The valves are written again
-    before each reading, because the board may fail for a moment.
-
-    ``open_inputs`` is called again after a DeviceError. NotVentedError: ``vent_s`` after the first
-    successful write, no reading shows that both chambers are vented. DeviceError: every write has
-    failed for ``vent_s``.
-    """
-    began_s, longest_s, limit_kpa = now(), voltages["vent_s"], voltages["vented_kpa"]
-    written_s: float | None = None
-    seen: list[list[float]] = []
-    in_a_row = 0
-    while True:
-        failed = ""
-        try:
-            valves.exhaust()
-            written_s = now() if written_s is None else written_s
-        except DeviceError as error:
-            failed = f"{error}; "
-            if written_s is None and now() - began_s > longest_s:
-                raise
-        try:
-            seen.append(open_inputs().read()[:2])
-            # abs: a disconnected sensor reads far below 0
-            in_a_row = in_a_row + 1 if all(abs(kpa) <= limit_kpa for kpa in seen[-1]) else 0
-            state = "p_exp_kpa = {:.1f}, p_i_kpa = {:.1f}".format(*seen[-1])
-        except DeviceError as error:
-            in_a_row, state = 0, f"no pressure can be read ({error})"
-        frozen = any(len(set(values)) == 1 for values in zip(*seen, strict=True))
-        if written_s is not None:
-            if in_a_row >= _IN_A_ROW and not frozen:
-                return
-            if now() - written_s > longest_s:
-                state += ", a frozen sensor" if frozen else ""
-                raise NotVentedError(
-                    f"after {longest_s:g} s at vent, {failed}{state}; vented is {limit_kpa:g} or "
-                    "less (valves.vented_kpa)"
-                )
-        sleep(_POLL_S)
+        NotVentedError: ``vent_s`` after the first successful write, no reading shows that both
+        chambers are vented. DeviceError: every write has failed for ``vent_s``.
+        """
+        began_s, longest_s = now(), self._voltages["vent_s"]
+        limit_kpa = self._voltages["vented_kpa"]
+        written_s: float | None = None
+        seen: list[list[float]] = []
+        in_a_row = 0
+        while True:
+            failed = ""
+            try:
+                self.exhaust()
+                written_s = now() if written_s is None else written_s
+            except DeviceError as error:
+                failed = f"{error}; "
+                if written_s is None and now() - began_s > longest_s:
+                    raise
+            try:
+                seen.append(self.pressures()[:2])
+                # abs: a disconnected sensor reads far below 0
+                in_a_row = in_a_row + 1 if all(abs(kpa) <= limit_kpa for kpa in seen[-1]) else 0
+                state = "p_exp_kpa = {:.1f}, p_i_kpa = {:.1f}".format(*seen[-1])
+            except DeviceError as error:
+                in_a_row, state = 0, f"no pressure can be read ({error})"
+            frozen = any(len(set(values)) == 1 for values in zip(*seen, strict=True))
+            if written_s is not None:
+                if in_a_row >= _IN_A_ROW and not frozen:
+                    return
+                if now() - written_s > longest_s:
+                    state += ", a frozen sensor" if frozen else ""
+                    raise NotVentedError(
+                        f"after {longest_s:g} s at vent, {failed}{state}; vented is {limit_kpa:g} "
+                        "or less (valves.vented_kpa)"
+                    )
+            sleep(_POLL_S)
 
 
 def vent_from_outside(hardware: Mapping[str, Any]) -> None:
-    """Vent both chambers after another process has driven them, over new connections.
-
-    Errors are those of ``vent``.
-    """
-    with contextlib.ExitStack() as opened:
-
-        @cache
-        def open_inputs() -> Pressures:
-            inputs = Pressures(hardware)
-            opened.callback(quietly, inputs.close)
-            return inputs
-
-        valves = Valves(hardware, reset=False)
-        opened.callback(quietly, valves.close)
-        vent(valves, open_inputs, hardware["valves"])
+    """Vent both chambers after another process has driven them; errors as of ``vent``."""
+    pneumatics = Pneumatics(hardware, reset=False)
+    try:
+        pneumatics.vent()
+    finally:
+        with suppress(DeviceError):
+            pneumatics.close()
 
 
 class HardwareRig:
@@ -170,8 +158,6 @@ class HardwareRig:
 
     Parameters
     ----------
-    hardware : Mapping
-        As in ``fprc.config.hardware.Hardware``.
     elapsed : callable
         Returns the time since the start of the run, s, which becomes the time of a reading.
     sleep, now : callable
@@ -191,27 +177,24 @@ class HardwareRig:
         sleep: Callable[[float], None] = time.sleep,
         now: Callable[[], float] = time.monotonic,
     ):
-        self._elapsed, self._voltages = elapsed, hardware["valves"]
-        self._venting: dict[str, Any] = {"sleep": sleep, "now": now}
+        self._elapsed, self._sleep, self._now = elapsed, sleep, now
         self._buses: dict[int, Any] = {}
         self._sensors: list[BendSensor] = []
         self._angles = [math.nan, math.nan]
-        with contextlib.ExitStack() as opened:
-            self._valves = Valves(hardware, reset=True)
-            opened.callback(quietly, self._valves.close)
-            self._inputs = Pressures(hardware)
-            opened.callback(quietly, self._inputs.close)
+        self._pneumatics = Pneumatics(hardware, reset=True)
+        self.write, self.safe = self._pneumatics.write, self._pneumatics.safe
+        try:
             for place in filter(None, (hardware["theta"], hardware["phi"])):
                 calibration = dict(place)
                 number = calibration.pop("bus")
                 if number not in self._buses:
                     self._buses[number] = open_bus(number)
-                    opened.callback(quietly, self._buses[number].close)
                 self._sensors.append(BendSensor(self._buses[number], **calibration))
-                opened.callback(quietly, self._sensors[-1].shutdown)
                 self._sensors[-1].start(sleep=sleep)
-            opened.pop_all()
-        self.write, self.safe = self._valves.write, self._valves.vent
+        except BaseException:
+            with suppress(DeviceError):
+                _call_all([self._pneumatics.exhaust, *self._releases()])
+            raise
 
     def read(self) -> Readings:
         """Return the latest reading of every sensor; NaN for a sensor that the rig lacks.
@@ -222,7 +205,7 @@ class HardwareRig:
             A board or a sensor does not answer.
         """
         stamp = self._elapsed()
-        p_exp, p_i, p_o = self._inputs.read()
+        p_exp, p_i, p_o = self._pneumatics.pressures()
         for k, sensor in enumerate(self._sensors):
             angle = sensor.read()
             if angle is not None:
@@ -238,16 +221,16 @@ class HardwareRig:
             No reading confirms that both chambers are vented; the driver or a sensor reports
             an error.
         """
-        call_all(
-            lambda: vent(self._valves, lambda: self._inputs, self._voltages, **self._venting),
-            self._valves.release,
-            self._inputs.close,
-            *(sensor.shutdown for sensor in self._sensors),
-            *(bus.close for bus in self._buses.values()),
-        )
+        vent = partial(self._pneumatics.vent, sleep=self._sleep, now=self._now)
+        _call_all([vent, *self._releases()])
+
+    def _releases(self) -> Iterator[Callable[[], None]]:
+        yield self._pneumatics.release
+        yield from (sensor.shutdown for sensor in self._sensors)
+        yield from (bus.close for bus in self._buses.values())
 
 
-def call_all(*calls: Callable[[], None]) -> None:
+def _call_all(calls: Iterable[Callable[[], None]]) -> None:
     """Make every call, then raise all their errors together."""
     problems = []
     for call in calls:
@@ -257,9 +240,3 @@ def call_all(*calls: Callable[[], None]) -> None:
             problems.append(str(error))
     if problems:
         raise DeviceError("\n".join(dict.fromkeys(problems)))
-
-
-def quietly(call: Callable[[], None]) -> None:
-    """Make a call; ignore its failure, which is reported elsewhere or no longer matters."""
-    with contextlib.suppress(DeviceError, OSError):
-        call()

@@ -18,8 +18,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fprc.apparatus.check import check_rig
 from fprc.apparatus.journal import Journal, state_of
 from fprc.apparatus.programme import plan
@@ -63,8 +61,9 @@ def record(
     """Run an experiment on the real rig and write its raw log.
 
     During the run its samples also go to a journal beside the log, named after the log and the
-    time, which is kept. The log of a run that was stopped has another name than ``raw``; the
-    ControlError names it. DeviceError: a part cannot be opened.
+    time, which is kept. The log of a run that was stopped, or whose ``raw`` cannot be written, is
+    beside the journal under another name, or among the temporary files; the ControlError names it.
+    DeviceError: a part cannot be opened.
     """
     experiment = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
@@ -88,42 +87,24 @@ def record(
         if str(error) not in stopped:
             log.warning("%s", error)
     attributes = journal.attributes | state_of(stopped, statistics)
-    samples, saved, problems = len(channels["time_s"]), None, ""
-    if samples:
-        saved, problems = _save(channels, attributes, path, "" if stopped else raw)
-    if saved == Path(raw):
-        missed = statistics["overruns"]
-        log.info("%d samples, %d ticks missed; wrote %s", samples, missed, raw)
-        return
-    shown = "" if unvented else "; both chambers are vented, as their sensors show"
-    where = "no sample was recorded"
-    if samples:
-        where = f"{saved or path} has {'' if saved else 'what it can of '}the {samples} samples"
-    why = stopped or "the run was complete, but not its log"
-    raise ControlError("\n".join(filter(None, [why, problems, f"{where}{shown}"])))
-
-
-def _save(
-    channels: Mapping[str, np.ndarray], attributes: Mapping[str, Any], journal: Path, raw: str
-) -> tuple[Path | None, str]:
-    """Write the samples in memory as a raw log; return its path, and what failed before.
-
-    If ``raw`` is empty, or cannot be written, the log is written beside the journal under another
-    name; if that fails too, among the temporary files.
-    """
-    name = journal.with_suffix(".rescued.h5").name
-    places = [journal.parent / name, Path(tempfile.gettempdir(), name)]
-    problems = []
-    for place in [Path(raw), *places] if raw else places:
+    samples, rescued = len(channels["time_s"]), path.with_suffix(".rescued.h5")
+    places = [rescued, Path(tempfile.gettempdir(), rescued.name)]
+    why, where = [stopped], f"{path} has what it can of the {samples} samples"
+    for place in [] if not samples else places if stopped else [Path(raw), *places]:
         try:
             place.parent.resolve(strict=True)  # a folder that is gone is not made again
             refuse_output(place, ".h5")
             write_raw(place, channels, **attributes)
         except (FprcError, OSError) as error:
-            problems.append(str(error))
-        else:
-            return place, "\n".join(problems)
-    return None, "\n".join(problems)
+            why.append(str(error))
+            continue
+        if place == Path(raw):
+            log.info("%d samples, %d ticks missed; wrote %s", samples, statistics["overruns"], raw)
+            return
+        where = f"{place} has the {samples} samples"
+        break
+    shown = "" if unvented else "; both chambers are vented, as their sensors show"
+    raise ControlError("\n".join(filter(None, [*why, f"{where}{shown}"])))
 
 
 if __name__ == "__main__":

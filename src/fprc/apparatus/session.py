@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,20 +93,21 @@ class CheckedRig:
     A reading stops the run if it is no number, is out of range, jumps further than the rig can
     move between two samples, or stays constant for too long (a working sensor has noise).
 
-    ``limits`` are as in ``fprc.config.hardware.Limits``. Those on jumps are per period: after a
-    missed tick a reading may change by more.
+    The limits are those of ``hardware``. Those on jumps are per period: after a missed tick a
+    reading may change by more. Unless it ``moves``, no command is passed on.
     """
 
     def __init__(
-        self, device: Device, limits: Mapping[str, Any], period_s: float, *, phi: bool = True
+        self, device: Device, hardware: Mapping[str, Any], period_s: float, *, moves: bool = True
     ):
-        self._device, self.safe = device, device.safe
+        limits = hardware["limits"]
+        self._device, self._moves = device, moves
         self._period_s, self._stale_s = period_s, limits["stale_s"]
         steps = {"kPa": limits["pressure_step_kpa"], "deg": limits["angle_step_deg"]}
         self._watched = [
             (name, *limits[name], steps[unit_of(name)])
             for name in SENSORS
-            if name in limits and (phi or name != "phi_deg")
+            if name in limits and (hardware["phi"] or name != "phi_deg")
         ]
         self._last: Readings | None = None
         self._changed_s: dict[str, float] = {}
@@ -142,7 +142,13 @@ class CheckedRig:
         """Set the voltages of both valves; SafetyError, before any is written: not 0 to 10 V."""
         if not (0.0 <= main_v <= HIGHEST_V and 0.0 <= reservoir_v <= HIGHEST_V):
             raise SafetyError(f"a valve takes 0 to {HIGHEST_V:g} V, not {main_v} and {reservoir_v}")
-        self._device.write(main_v, reservoir_v)
+        if self._moves:
+            self._device.write(main_v, reservoir_v)
+
+    def safe(self) -> None:
+        """Vent both chambers."""
+        if self._moves:
+            self._device.safe()
 
 
 class Session(NamedTuple):
@@ -218,8 +224,8 @@ def on_rig(
         A part cannot be opened; or an unexpected exception came, and closing failed too.
     """
     control, hardware = Control(**settings["control"]), settings["hardware"]
-    limits, period_s = hardware["limits"], 1.0 / control.sample_rate_hz
-    clock = Metronome(period_s, limits["overruns_in_a_row"])
+    period_s = 1.0 / control.sample_rate_hz
+    clock = Metronome(period_s, hardware["limits"]["overruns_in_a_row"])
 
     def wait(seconds: float) -> None:
         guardian.notify(HEARTBEAT)
@@ -235,12 +241,7 @@ def on_rig(
     timing: dict[str, float] = {}
     stopped = unvented = ""
     try:
-        device: Device
-        device = checked = CheckedRig(opened, limits, period_s, phi=bool(hardware["phi"]))
-        if not moves:
-            device = SimpleNamespace(
-                read=checked.read, write=lambda *volts: None, safe=lambda: None
-            )
+        device = CheckedRig(opened, hardware, period_s, moves=moves)
         more = recording | {"neutral_v": hardware["valves"]["neutral_v"], "stop": guardian}
         try:
             channels = run(device, clock, law, samples, control, **more)

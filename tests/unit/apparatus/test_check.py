@@ -79,20 +79,6 @@ def test_every_trouble_is_named_and_the_rig_vented(look, settings, change, troub
     assert list(look.bench.shared.outputs[:2]) == [0.0, 0.0]
 
 
-@pytest.mark.parametrize(("output", "own"), [("main_output", "p_exp"), ("reservoir_output", "p_i")])
-def test_chamber_that_is_under_pressure_at_rest_is_named_and_no_other_filled(
-    look, settings, output, own
-):
-    def stay(bench):
-        bench.shared.outputs[:2] = [5.0, 5.0]  # a closed valve leaks
-
-    settings["hardware"]["boards"][output] = 5
-    troubles = look(touch=stay)
-    assert troubles[0].startswith("THE CHAMBERS MAY BE UNDER PRESSURE")
-    assert {volts for _, volts in look.volts} == {0.0}
-    assert any(re.match(f"rest: {own}_kpa is .*hardware.{own}", line) for line in troubles)
-
-
 def test_chamber_that_does_not_vent_is_the_last_that_is_filled(look):
     asked = []
 

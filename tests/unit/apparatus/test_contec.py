@@ -32,14 +32,6 @@ def test_board_is_reset_unless_its_outputs_must_hold(bench, library):
     assert bench.shared.calls - calls == calls - 1
 
 
-@pytest.mark.parametrize(("code", "words"), [(20000, "\\ufffd+u"), (20001, "no description")])
-def test_words_that_cannot_be_read_and_none_are_no_crash(bench, library, code, words):
-    board = Board(library, "AIO000", "Ai")
-    bench.fail(code=code)
-    with pytest.raises(DeviceError, match=rf"failed with code {code} \({words}\)"):
-        board.read(1)
-
-
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler, cc")
 @pytest.mark.parametrize("name", ["", "/none/lib\0caio.so", "other.so"])
 def test_missing_or_wrong_library_is_named_with_its_setting(tmp_path, monkeypatch, name):

@@ -1,13 +1,14 @@
 import signal
 import threading
 import time
-from functools import partial
+from functools import partialmethod
 from unittest.mock import Mock
 
 import pytest
 
-from fprc.apparatus import guardian, hardware
+from fprc.apparatus import guardian
 from fprc.apparatus.guardian import BEAT_S, _wait, _watch, vent_until_shown
+from fprc.apparatus.hardware import Pneumatics
 from fprc.errors import ControlError
 
 VENTED = "both chambers are vented, as their sensors show"
@@ -16,8 +17,8 @@ VENTED = "both chambers are vented, as their sensors show"
 @pytest.fixture
 def alive(bench, monkeypatch):
     """A bench whose time advances while the guardian waits."""
-    vent = partial(hardware.vent, sleep=bench.wait, now=bench.elapsed)
-    monkeypatch.setattr(hardware, "vent", vent)
+    vent = partialmethod(Pneumatics.vent, sleep=bench.wait, now=bench.elapsed)
+    monkeypatch.setattr(Pneumatics, "vent", vent)
     return bench
 
 
@@ -128,17 +129,6 @@ def test_driver_that_never_answers_is_waited_for_until_the_user_gives_up(
     message = vent_until_shown(settings["hardware"], heard)
     never.set()
     assert message.startswith("THE CHAMBERS MAY BE UNDER PRESSURE: the driver has not answered")
-
-
-def test_loop_that_a_signal_ends_before_it_opens_the_boards_is_told(
-    settings, tmp_path, monkeypatch
-):
-    python = tmp_path / "python"
-    python.write_text("#!/bin/sh\nkill -9 $$\n")
-    python.chmod(0o755)
-    monkeypatch.setattr(guardian.sys, "executable", str(python))
-    with pytest.raises(ControlError, match="code -9"):
-        guardian.guard({"what": "check", "settings": settings, "armed": False})
 
 
 @pytest.mark.parametrize(("end", "times"), [("safe", 0), ("gone", 1), ("silent", 2)])

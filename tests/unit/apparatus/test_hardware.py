@@ -72,7 +72,7 @@ def test_close_vents_and_releases_everything(bench, hardware, build, phi):
     assert writes == [(0, 0.0), (1, 0.0)] * (len(writes) // 2)
     assert bench.shared.opened == 0
     (bus,) = build.buses.values()
-    states = {address: sensor.state for address, sensor in bus._sensors.items()}
+    states = {address: sensor.state for address, sensor in bus.sensors.items()}
     assert states == dict.fromkeys([0x12, 0x13][: 1 + phi], "standby")
     assert bus.close.call_count == 1
 

@@ -68,14 +68,6 @@ def read_ticks(path):
     return ticks, findings
 
 
-@pytest.mark.parametrize("ticks", [range(20), [0, 1, 2, 6, 7, 9]])
-def test_closed_journal_comes_back_whole(path, ticks):
-    write(path, ticks, overruns=3, jitter_s=1e-4)
-    found, findings = read_ticks(path)
-    assert found == list(ticks)
-    assert findings == (len(found), 0, True, "", {"overruns": 3, "jitter_s": 1e-4})
-
-
 def test_existing_file_is_not_overwritten_and_a_closed_journal_takes_no_sample(path):
     journal = Journal(path, NAMES, ATTRIBUTES)
     journal.close()

@@ -5,7 +5,7 @@ import pytest
 
 from fprc.apparatus import command
 from fprc.apparatus.programme import names, plan
-from fprc.channels import RAW_CHANNELS, TRACKING_CHANNELS, Readings
+from fprc.channels import RAW_CHANNELS, Readings
 from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
 from fprc.experiments.data import Data
@@ -33,18 +33,6 @@ def test_every_name_can_be_planned_and_only_the_disturbance_asks_to_push(setting
         with pytest.raises(IndexError):
             experiment.law(experiment.samples, NOW)
         assert bool(experiment.hint) is name.startswith("track_disturbance_")
-
-
-@pytest.mark.parametrize("feedback", ["incremental", "positional"])
-def test_feedback_needs_no_model_and_is_that_of_the_configuration(settings, feedback):
-    settings["control"]["feedback"] = feedback
-    settings["control"]["pd"] = {"kp_kpa_per_deg": 2.0, "kd_kpa_s_per_deg": 0.0}
-    experiment = plan("track_sine_0p5_pd", settings, "/nowhere/fprc.h5")
-    assert experiment.channels == (*RAW_CHANNELS, *TRACKING_CHANNELS)
-    now = NOW._replace(theta_deg=0.0)
-    (theta_d, *_), (_, p_ff, p_fb) = [experiment.law(k, now)[2:] for k in range(2)]
-    assert p_ff == 0.0
-    assert p_fb == pytest.approx(2.0 * theta_d * (2 if feedback == "incremental" else 1))
 
 
 @pytest.fixture(scope="module")
@@ -109,9 +97,3 @@ def test_model_of_other_rate_or_units_is_refused_before_the_rig_moves(
     save_model(trained_on(load_model(fprc_file), Data(channels, attributes), "fprc"), path)
     with pytest.raises(FprcError, match=why) if why else nullcontext():
         plan("track_sine_0p2_fprc", settings, path)
-
-
-def test_step_that_fails_is_refused_before_the_rig_moves(settings, fprc_file, monkeypatch):
-    monkeypatch.setattr(FPRC, "step", lambda self, x: x[7])
-    with pytest.raises(FprcError, match=r"fprc\.h5: .*index 7"):
-        plan("track_sine_0p2_fprc", settings, fprc_file)

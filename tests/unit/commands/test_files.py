@@ -95,8 +95,3 @@ def test_output_that_cannot_be_written_is_refused_before_any_file_is_read(
 
 def test_run_that_lacks_a_trained_model_asks_for_the_option_that_names_one(refusal):
     assert "--model" in refusal("rig run track_sweep_fprc")
-
-
-@pytest.mark.parametrize("name", ["sweep", "track_sweep_pd"])
-def test_model_of_a_run_that_uses_none_is_refused(refusal, name):
-    assert "--model" in refusal(f"rig run {name} --model none.h5")
