@@ -51,12 +51,13 @@ def code_that_computes(
 
 
 def code_that_shows() -> str:
-    """Return a digest of the code, drawings, printed numbers and verdicts of what is shown."""
+    """Return a digest of the code and the other files of what is shown."""
     folder = Path(fprc.__path__[0])
     files = [
         folder / "config/published.yaml",
         *folder.glob("claims/*.*"),
         *folder.glob("figures/drawings/*"),
+        *folder.glob("stages/*.*"),
     ]
     data = (path.read_bytes() for path in sorted(files) if path.suffix != ".py")
     code = _digest(name for name in modules() if name.startswith(SHOWS))

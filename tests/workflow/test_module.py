@@ -50,17 +50,13 @@ def test_each_module_makes_the_bytes_of_the_clone_below_its_prefix(importer, smo
     assert "sed: unknown key; did you mean seed?" in wrong.stdout
 
 
-def test_report_is_made_from_another_folder(smoked_copy, in_folder, tmp_path):
+def test_moving_the_workflow_reruns_nothing(smoked_copy, in_folder, tmp_path):
     for name in ("config", "profiles", "Snakefile", "workflow"):
         (smoked_copy.folder / name).rename(tmp_path / name)
     asked = ["--snakefile", "Snakefile", "--directory", smoked_copy.folder.name]
     done = in_folder(tmp_path).snakemake(*asked, "--workflow-profile", "smoke", "report")
     assert done.returncode == 0, done.stdout
-    # the template and the captions are in another place
-    jobs = re.findall(r"^Finished jobid: \d+ \(Rule: (\w+)\)", done.stdout, re.MULTILINE)
-    assert jobs == ["report_page", "report"]
-    page = "results/smoke/report.html"
-    assert "Fig. 17" in (smoked_copy.folder / page).read_text(encoding="utf-8")
+    assert re.findall(r"^Finished jobid: \d+ \(Rule: (\w+)\)", done.stdout, re.MULTILINE) == []
     assert not (tmp_path / "results").exists()
 
 

@@ -102,10 +102,3 @@ CHANGES = {
 def test_setting_reruns_what_reads_it_and_nothing_else(paper, what):
     change, expected = CHANGES[what]
     assert rerun(paper, "--config", change) == expected
-
-
-@pytest.mark.slow
-def test_source_tree_that_is_reached_through_a_link_reruns_nothing(paper, tmp_path):
-    link = tmp_path / "link"
-    link.symlink_to(paper[0].folder)
-    assert rerun(paper, "--snakefile", str(link / "Snakefile")) == {}

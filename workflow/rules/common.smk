@@ -10,23 +10,11 @@ LONG, ALONE = 1, workflow.cores + 1
 #: What tables, figures and pages are made with.
 SHOWS = code_that_shows()
 PATHS = PLAN.paths
-RULES = workflow.current_basedir
 
 
 def computes(*models):
     """Return the digest of the code that computes with models."""
     return code_that_computes(*models, settings=SETTINGS["models"])
-
-
-def file_of_workflow(name):
-    """Return a file of this workflow, named from the folder of the rules.
-
-    The path is relative and without links, so that moving the workflow with its results reruns
-    nothing, nor reaching it through a link.
-    """
-    if isinstance(RULES, os.PathLike):
-        return local(os.path.relpath(os.path.realpath(os.path.join(RULES, name))))
-    return workflow.source_path(name)  # a copy: the module comes from a git repository
 
 
 def table(name):

@@ -236,11 +236,9 @@ DRAWN = {
 
 rule report_page:
     input:
-        template=[file_of_workflow(f"../report/page.{kind}.j2") for kind in ("html", "css")],
         ledger=[PATHS.below("claims.json")] if "claims" in MADE else [],
         tables=PAGES,
         figures=list(DRAWN),
-        captions=file_of_workflow("../report/captions.yaml"),
     output:
         html=PATHS.below("report.html"),
     log:

@@ -14,7 +14,14 @@ def named_rig(name):
 
 FAMILIES = [CONFIGURED, *OTHER_RIGS, "ensemble"]
 #: Rigs that fit print, which `fprc calibrate --ensemble` found.
-ENSEMBLE = file_of_workflow("../../config/rigs/ensemble.json")
+ENSEMBLE = "../../config/rigs/ensemble.json"
+# relative and without links, so that neither moving the workflow with its results reruns anything,
+# nor reaching it through a link
+if isinstance(workflow.current_basedir, os.PathLike):
+    FOLDER = os.path.relpath(os.path.realpath(workflow.current_basedir))
+    ENSEMBLE = local(os.path.normpath(os.path.join(FOLDER, ENSEMBLE)))
+else:  # a module from a git repository
+    FOLDER, ENSEMBLE = "", workflow.source_path(ENSEMBLE)
 #: What judges a unit of a family, below fprc.studies, with its arguments, and what differs from the
 #: families of the configuration, by the folder of the results.
 STUDIES = {

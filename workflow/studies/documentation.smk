@@ -2,9 +2,7 @@
 # Both look at the paper and at its studies.
 
 # an unrelated folder may have docs/images too
-IN_CHECKOUT = isinstance(RULES, os.PathLike) and os.path.samefile(
-    os.path.join(RULES, "../.."), os.curdir
-)
+IN_CHECKOUT = os.path.normpath(FOLDER) == "workflow/studies"
 
 
 rule beyond_page:

@@ -27,16 +27,17 @@ from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
+#: Folder of the page's templates and of the figures' captions.
+_HERE = Path(__file__).parent
+
 #: Settings whose differences from the defaults are not announced.
 _NOT_COMPARED = ("source", "seed", "folders", "rig", "fitted", "calibration")
 
 
 def write_report(
-    template: Sequence[str],
     ledger: Sequence[str],
     tables: Sequence[str],
     figures: Sequence[str],
-    captions: str,
     html: str,
     *,
     sources: Sequence[str],
@@ -45,12 +46,10 @@ def write_report(
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
-    ``template`` is that of the page, then those that it includes; ``ledger`` is empty if no claims
-    were judged. Tables are JSON, figures PNG, captions YAML by the figures' targets. ``sources``
-    are those of the figures' data, ``missing`` the results that the data do not allow, with
-    reasons.
+    ``ledger`` is empty if no claims were judged; tables are JSON, figures PNG. ``sources`` are
+    those of the figures' data, ``missing`` the results that the data do not allow, with reasons.
     """
-    folder, texts = Path(html).parent, read_yaml(captions)
+    folder, texts = Path(html).parent, read_yaml(_HERE / "captions.yaml")
     shown = [_figure(*drawn, texts, folder) for drawn in zip(figures, sources, strict=True)]
     pages = {Path(page).stem: _page(page, settings["fitted"], folder) for page in tables}
     # a table of one seed is folded up below the same one over seeds
@@ -66,12 +65,12 @@ def write_report(
     # a link where page and code are in one project, not where the package is installed elsewhere
     beside = code.is_relative_to(here) and folder.absolute().is_relative_to(here)
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(template[0]).parent), autoescape=True,
+        loader=jinja2.FileSystemLoader(_HERE), autoescape=True,
         undefined=jinja2.StrictUndefined, trim_blocks=True,
     )  # fmt: skip
     environment.filters["symbols"] = symbols
     environment.globals["zip"] = zip
-    page = environment.get_template(Path(template[0]).name).render(
+    page = environment.get_template("page.html.j2").render(
         kinds=in_words(SOURCES[source] for source in sorted(drawn_from)),
         # the workflow refuses logs of which some are simulated and others are not
         simulated="sim" in drawn_from,
@@ -177,7 +176,7 @@ def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
         "width": width,
         "height": height,
-        "caption": captions.get(target, name),
+        "caption": captions[target],
         "data": SOURCES.get(source, "drawing, no data"),
         **origin,
     }

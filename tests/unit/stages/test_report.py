@@ -20,11 +20,8 @@ from fprc.provenance import hash_of
 from fprc.stages import report
 from fprc.stages.report import symbols, write_report
 from fprc.tables.text import write_table
+from fprc.yaml_file import read_yaml
 
-TEMPLATE = [
-    str(Path(__file__).parents[3] / "workflow" / "report" / f"page.{kind}.j2")
-    for kind in ("html", "css")
-]
 DOI = "https://doi.org/10.1109/LRA.2024.3523229"
 DEFAULTS = Settings().model_dump(mode="json")
 EVALUATION = DEFAULTS["evaluation"]
@@ -76,7 +73,7 @@ class Project:
         self.folder, self.settings, self.missing = folder, SETTINGS, {}
         self.claims = [dict(row) for row in CLAIMS]
         self.ledger = [str(folder / "claims.json")]
-        self.tables, self.figures, self.sources, self.captions = [], [], [], {}
+        self.tables, self.figures, self.sources = [], [], []
 
     def add_table(self, words, name=None, **columns):
         path = self.folder / (name or str(len(self.tables)))
@@ -86,21 +83,19 @@ class Project:
         write_table(page, page, note, *files, title=title)
         self.tables.append(files[-1])
 
-    def add_figure(self, number, caption="A caption.", source="sim"):
+    def add_figure(self, number, source="sim"):
         stem = self.folder / f"fig{number:02}_name"
         Image.new("RGB", (20 + number, 10), (number, 100, 200)).save(f"{stem}.png")
-        self.captions[f"fig{number}"] = caption
         self.figures.append(f"{stem}.png")
         self.sources.append(source)
 
     def write(self):
         for path in self.ledger:
             write_json(path, {"source": "sim", "note": "Fitted to C2.", "claims": self.claims})
-        target, captions = self.folder / "report.html", self.folder / "captions.yaml"
-        write_json(captions, self.captions)
+        target = self.folder / "report.html"
         write_report(
-            TEMPLATE, self.ledger, self.tables, self.figures, str(captions), str(target),
-            sources=self.sources, missing=self.missing, settings=self.settings,
+            self.ledger, self.tables, self.figures, str(target), sources=self.sources,
+            missing=self.missing, settings=self.settings,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -116,9 +111,9 @@ def project(tmp_path):
     project.add_table(
         "Table IV. Tracking: P_ff alone.", **{"RMSE [deg]": ["FPRC", "PD"], "Sweep": ["2.67", ""]}
     )
-    project.add_figure(4, "Loops of theta over P_exp.")
-    project.add_figure(6, "A drawing.", "none")
-    project.add_figure(12, "Following.")
+    project.add_figure(4)
+    project.add_figure(6, "none")
+    project.add_figure(12)
     return project
 
 
@@ -244,13 +239,16 @@ def test_tables_and_figures_are_shown_with_their_notes_captions_and_files(projec
         ["RMSE [deg]", "Sweep", "FPRC", "2.67", "PD", ""], ["Model", "Value", "ESN", "800"]
     ]  # fmt: skip
     assert [figure["id"] for figure in page.all("figure")] == ["fig4", "fig6", "fig12"]
-    captions = page.texts("figcaption")
-    assert captions[0].startswith("Fig. 4. Loops of θ over Pexp.")
-    for image, picture, caption in zip(
-        page.all("img"), project.figures, project.captions.values(), strict=True
+    captions, known = (
+        page.texts("figcaption"),
+        read_yaml(Path(report.__file__).parent / "captions.yaml"),
+    )
+    assert captions[0].startswith(f"Fig. 4. {known['fig4'][:40]}")
+    for figure, image, picture in zip(
+        page.all("figure"), page.all("img"), project.figures, strict=True
     ):
         kind, _, data = image["src"].partition(",")
-        assert (kind, image["alt"]) == ("data:image/png;base64", caption)
+        assert (kind, image["alt"]) == ("data:image/png;base64", known[figure["id"]])
         assert base64.b64decode(data, validate=True) == Path(picture).read_bytes()
     assert "simulated rig, not hardware" in captions[0]
     assert "drawing, no data" in captions[1]
