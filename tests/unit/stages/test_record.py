@@ -5,7 +5,6 @@ import pytest
 
 from fprc.channels import needed_by
 from fprc.config import Settings
-from fprc.errors import ControlError
 from fprc.logs import read_columns
 from fprc.models import load_model
 from fprc.paper import CONTROLLERS
@@ -55,13 +54,3 @@ def test_feedforward_is_the_model_on_reference_and_measured_reservoir_pressure(l
             np.column_stack([log["theta_d_deg"], log["p_o_kpa"]])
         )
         np.testing.assert_allclose(log["p_ff_kpa"], expected, atol=1e-9)
-
-
-def test_impossible_reference_is_refused_before_the_rig_moves(
-    tmp_path, fprc_file, settings, monkeypatch
-):
-    monkeypatch.setattr("fprc.experiments.tracking.SimulatedRig", None)
-    narrow = settings | {"tracking": settings["tracking"] | {"angle_range_deg": (0.0, 50.0)}}
-    with pytest.raises(ControlError, match="leaves the actuator's range of 0 to 50 deg"):
-        follow(tmp_path, fprc_file, narrow)
-    assert list(tmp_path.iterdir()) == []
