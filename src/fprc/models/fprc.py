@@ -75,27 +75,16 @@ class FuzzyLinear(SequenceModel):
     say whether the clusters still use P_o. Here they do not, so that the model
     needs no reservoir. ``X`` has one column; of a second, P_o too, it takes taps as of another
     reference, and is not the paper's model any more. The rows of ``X`` are samples in time, see
-    ``SequenceModel``.
+    ``SequenceModel``. Parameters and attributes are those of ``FPRC``.
 
     Parameters
     ----------
     n_c : int, default=8
-        Fuzzy rules, >= 1.
     n_y : int, default=5
-        Taps of theta_d.
     sigma : float, default=2.0
-        Gaussian membership scaling.
     alpha : float, default=1e-3
-        Ridge parameter of every rule.
     random_state : int or None, default=None
-        Start of the clustering.
     restarts : int, default=1
-        Starts of the clustering, >= 1; the one with the lowest objective is kept.
-
-    Attributes
-    ----------
-    features_ : TapFeatures
-    readout_ : TakagiSugenoReadout
 
     References
     ----------

@@ -5,6 +5,7 @@ import pytest
 
 from fprc.config.settings import Control, Gains
 from fprc.control import PD
+from fprc.control_laws import NEUTRAL_V, pressure_step
 
 PERIOD_S = 0.005
 KP, KD = 0.5, 0.005  # paper, Sec. IV
@@ -74,3 +75,20 @@ def test_angle_that_cannot_be_true_changes_nothing(law, at, fault):
             assert disturbed.step(12.0, fault, 100.0) == p_fb
         p_fb = pd.step(12.0, angle, 100.0)
         assert disturbed.step(12.0, angle, 100.0) == p_fb
+
+
+def test_constant_error_is_answered_by_the_closed_form_of_a_pi_loop():
+    integral = 0.0
+    for k in range(1, 401):
+        expected = 5.0 + 0.03 * 12.0 + 0.002 * 12.0 * 0.005 * k
+        volts, integral = pressure_step(12.0, integral, 0.03, 0.002, 0.005, NEUTRAL_V)
+        assert volts == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("error", [1000.0, -1000.0])
+def test_integral_does_not_wind_up_while_the_output_is_clamped(error):
+    integral = 0.0
+    for _ in range(20_000):
+        _, integral = pressure_step(error, integral, 0.03, 0.5, 0.005, NEUTRAL_V)
+    volts, _ = pressure_step(0.0, integral, 0.03, 0.5, 0.005, NEUTRAL_V)
+    assert volts == pytest.approx(5.0)

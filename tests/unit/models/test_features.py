@@ -95,15 +95,6 @@ def test_column_that_is_constant_but_for_rounding_gives_no_products(value, size)
     assert_allclose(features.transform(np.full((10, 1), value)), 0.0, atol=1e-9)
 
 
-def test_products_of_the_smallest_allowed_scale_are_finite():
-    features = NVAR(2, 3, degree=10).fit(log(60)[:, :1])
-    allowed = {name: array.each for name, array in features.learned().items()}
-    features.mean_, features.scale_ = np.array([[allowed["mean_"].high], [allowed["scale_"].low]])
-    with np.errstate(all="raise"):
-        largest = np.abs(features.step([-1e9])).max()
-        assert np.isfinite(largest * 1e30 * 1e5)
-
-
 def test_weights_of_the_network_are_dense_and_normal_and_their_largest_eigenvalue_is_rho():
     features = EchoStates(r=200, f_input=0.02, rho=0.7, random_state=0).fit(log(9))
     assert np.abs(np.linalg.eigvals(features.W_r_)).max() == pytest.approx(0.7, rel=1e-6)

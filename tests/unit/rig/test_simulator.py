@@ -1,5 +1,6 @@
 import copy
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -65,86 +66,73 @@ def reference(rig, volts, duration_s, dt=2e-5):
     """Write out the equations of the design again and take plain Euler steps.
 
     ``volts(t)`` gives both voltages. Friction is found from play operators
-    instead of the slip of the elements. Rows: t, p_main, theta, p_i, p_o, phi; gauge.
+    instead of the slip of the elements. Rows: p_main, p_i, p_o, theta, phi; gauge.
     """
     v, c, a, b, r = (
-        rig[key] for key in ("valve", "main_chamber", "reservoir_chamber", "bending", "reservoir")
+        SimpleNamespace(
+            **{
+                name: value if np.isscalar(value) else np.array(value)
+                for name, value in rig[key].items()
+            }
+        )
+        for key in ("valve", "main_chamber", "reservoir_chamber", "bending", "reservoir")
     )
-    wn, zeta = v["natural_frequency_rad_per_s"], v["damping_ratio"]
-    delta, weight = np.array(b["slip_distance_deg"]), np.array(b["slip_weight"])
-    delta_s, weight_s = np.array(r["slip_distance_ml"]), np.array(r["slip_weight"])
-    kve, tau = np.array(b["relaxation_stiffness_kpa_per_deg"]), np.array(b["relaxation_time_s"])
 
     def flow(x, p):
-        dz, conductance, ratio = v["dead_zone"], v["sonic_conductance_ml_per_s_kpa"], 0.3
-        supply = min(max((x - dz) / (1.0 - dz), 0.0), 1.0) + v["leak"]
-        exhaust = min(max((-x - dz) / (1.0 - dz), 0.0), 1.0) + v["leak"]
-        return iso_6358(supply, v["supply_kpa_abs"], p, conductance, ratio) - iso_6358(
-            exhaust, p, ATMOSPHERE_KPA, conductance, ratio
+        ends = (v.supply_kpa_abs, p), (p, ATMOSPHERE_KPA)
+        edges = [min(max((y - v.dead_zone) / (1.0 - v.dead_zone), 0.0), 1.0) for y in (x, -x)]
+        supply, exhaust = (
+            iso_6358(edge + v.leak, *end, v.sonic_conductance_ml_per_s_kpa, 0.3)
+            for edge, end in zip(edges, ends, strict=True)
         )
+        return supply - exhaust
+
+    def slip(play, travel, distance, weight):
+        play[:] = np.maximum(travel - distance, np.minimum(travel + distance, play))
+        return float(np.dot(weight, (travel - play) / distance))
 
     x, dx = [0.0, 0.0], [0.0, 0.0]
     p, p_i = ATMOSPHERE_KPA, ATMOSPHERE_KPA
-    theta, omega = -b["preload_kpa"] / b["stop_stiffness_kpa_per_deg"], 0.0
-    origin, relaxed, play = theta, np.zeros(len(tau)), np.zeros(len(delta))
-    s, phi, play_s = 0.0, 0.0, np.zeros(len(delta_s))
+    theta = origin = -b.preload_kpa / b.stop_stiffness_kpa_per_deg
+    relaxed, play, play_s = (np.zeros(len(of)) for of in (b.relaxation_time_s, b.slip_weight,
+                                                          r.slip_weight))  # fmt: skip
+    omega = s = phi = 0.0
     rows = []
     for k in range(round(duration_s / dt)):
-        t = k * dt
-        for i, volt in enumerate(volts(t)):
-            ddx = wn**2 * ((volt - 5.0) / 5.0 - x[i]) - 2.0 * zeta * wn * dx[i]
+        wn, gauge, gauge_i = v.natural_frequency_rad_per_s, p - ATMOSPHERE_KPA, p_i - ATMOSPHERE_KPA
+        for i, volt in enumerate(volts(k * dt)):
+            ddx = wn**2 * ((volt - 5.0) / 5.0 - x[i]) - 2.0 * v.damping_ratio * wn * dx[i]
             x[i], dx[i] = x[i] + dt * dx[i], dx[i] + dt * ddx
 
-        volume = c["volume_ml"] + c["volume_ml_per_deg"] * theta
-        dp = flow(x[0], p) * ATMOSPHERE_KPA - p * c["volume_ml_per_deg"] * omega
-        gauge = p - ATMOSPHERE_KPA
-        travel = theta - origin
-        play = np.maximum(travel - delta, np.minimum(travel + delta, play))
-        friction = (b["friction_kpa"] + b["friction_per_kpa"] * max(gauge, 0.0)) * float(
-            np.dot(weight, (travel - play) / delta)
-        )
-        resisting = (
-            b["preload_kpa"]
-            + b["stiffness_kpa_per_deg"] * theta
-            + b["cubic_stiffness_kpa_per_deg3"] * theta**3
-            + float(np.dot(kve, theta - relaxed))
-            + b["damping_kpa_s_per_deg"] * omega
-            + friction
-        )
+        volume = c.volume_ml + c.volume_ml_per_deg * theta
+        dp = flow(x[0], p) * ATMOSPHERE_KPA - p * c.volume_ml_per_deg * omega
+        torque = gauge * (1.0 - b.gain_loss_per_deg * theta) - b.preload_kpa
+        torque -= b.stiffness_kpa_per_deg * theta + b.cubic_stiffness_kpa_per_deg3 * theta**3
+        torque -= float(np.dot(b.relaxation_stiffness_kpa_per_deg, theta - relaxed))
+        torque -= b.damping_kpa_s_per_deg * omega
+        dry = b.friction_kpa + b.friction_per_kpa * max(gauge, 0.0)
+        torque -= dry * slip(play, theta - origin, b.slip_distance_deg, b.slip_weight)
         if theta < 0.0:
-            resisting += b["stop_stiffness_kpa_per_deg"] * theta
-            resisting += b["stop_damping_kpa_s_per_deg"] * omega
-        driving = gauge * (1.0 - b["gain_loss_per_deg"] * theta)
+            torque -= b.stop_stiffness_kpa_per_deg * theta + b.stop_damping_kpa_s_per_deg * omega
 
-        left = r["passive_volume_ml"] - s - r["bending_volume_ml_per_deg"] * phi
-        sealed = (r["precharge_kpa"] + ATMOSPHERE_KPA) * r["passive_volume_ml"]
-        p_o = sealed / left - ATMOSPHERE_KPA
-        play_s = np.maximum(s - delta_s, np.minimum(s + delta_s, play_s))
-        dry = r["friction_kpa"] + r["friction_per_kpa"] * max(p_i - ATMOSPHERE_KPA, 0.0)
-        net = (
-            p_i
-            - ATMOSPHERE_KPA
-            - dry * float(np.dot(weight_s, (s - play_s) / delta_s))
-            - r["squeeze_stiffness_kpa_per_ml"] * s
-            - r["back_pressure_gain"] * (p_o - r["precharge_kpa"])
-        )
-        ds = net / r["squeeze_damping_kpa_s_per_ml"]
-        if s <= 0.0:
-            ds = max(ds, 0.0)
-        across = p_i - ATMOSPHERE_KPA - p_o + r["precharge_kpa"]
-        dphi = (across / r["bending_stiffness_kpa_per_deg"] - phi) / r["bending_time_s"]
+        left = r.passive_volume_ml - s - r.bending_volume_ml_per_deg * phi
+        p_o = (r.precharge_kpa + ATMOSPHERE_KPA) * r.passive_volume_ml / left - ATMOSPHERE_KPA
+        dry = r.friction_kpa + r.friction_per_kpa * max(gauge_i, 0.0)
+        net = gauge_i - dry * slip(play_s, s, r.slip_distance_ml, r.slip_weight)
+        net -= r.squeeze_stiffness_kpa_per_ml * s
+        net -= r.back_pressure_gain * (p_o - r.precharge_kpa)
+        ds = net / r.squeeze_damping_kpa_s_per_ml
+        ds = max(ds, 0.0) if s <= 0.0 else ds
+        across = gauge_i - p_o + r.precharge_kpa
+        dphi = (across / r.bending_stiffness_kpa_per_deg - phi) / r.bending_time_s
+
+        rows.append((gauge, gauge_i, p_o, theta, phi))
+        relaxed = relaxed + dt * (theta - relaxed) / b.relaxation_time_s
+        p += dt * c.polytropic_index * dp / volume
         dp_i = flow(x[1], p_i) * ATMOSPHERE_KPA - p_i * ds
-
-        rows.append((t, gauge, theta, p_i - ATMOSPHERE_KPA, p_o, phi))
-        relaxed = relaxed + dt * (theta - relaxed) / tau
-        p += dt * c["polytropic_index"] * dp / volume
-        p_i += dt * a["polytropic_index"] * dp_i / (a["volume_ml"] + s)
-        theta, omega = (
-            theta + dt * omega,
-            omega + dt * (driving - resisting) / b["inertia_kpa_s2_per_deg"],
-        )
-        s += dt * ds
-        phi += dt * dphi
+        p_i += dt * a.polytropic_index * dp_i / (a.volume_ml + s)
+        theta, omega = theta + dt * omega, omega + dt * torque / b.inertia_kpa_s2_per_deg
+        s, phi = s + dt * ds, phi + dt * dphi
     return np.array(rows)
 
 
@@ -175,9 +163,9 @@ def test_rig_agrees_with_plain_euler_on_the_equations_of_the_design(quiet_rig):
     assert quiet_rig["valve"]["critical_pressure_ratio"] == 0.3
     found = np.array(rows)
     assert (np.ptp(found, axis=0) > (150.0, 100.0, 10.0, 20.0, 5.0)).all()
-    np.testing.assert_allclose(found[:, :2], expected[:, [1, 3]], atol=1.0)
+    np.testing.assert_allclose(found[:, :2], expected[:, :2], atol=1.0)
     # the transducer of P_o lags by 0.1 ms
-    np.testing.assert_allclose(found[:, 2:], expected[:, [4, 2, 5]], atol=0.15)
+    np.testing.assert_allclose(found[:, 2:], expected[:, 2:], atol=0.15)
 
 
 def test_drift_is_an_exact_ornstein_uhlenbeck_process(rig):
