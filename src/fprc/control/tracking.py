@@ -83,31 +83,22 @@ def tracking_law(
 def refuse_impossible(
     theta_d_deg: np.ndarray, control: "Control", angle_range_deg: tuple[float, float]
 ) -> None:
-    """Check a reference before the rig moves.
+    """Raise ControlError before the rig moves if a reference cannot be followed.
 
-    Parameters
-    ----------
-    control : Control
-        Sample rate, K_in, and limit of P_i.
-
-    Raises
-    ------
-    ControlError
-        Names the first time and value at which the reference leaves the
-        actuator's range, or P_i = K_in theta_d exceeds its limit.
+    It names the first time and value at which the reference leaves the actuator's range, or
+    P_i = K_in theta_d exceeds its limit.
     """
     (low, high), limit_kpa = angle_range_deg, control.reservoir_limit_kpa
     p_i_kpa = control.k_in_kpa_per_deg * theta_d_deg
-    problems = []
-    for name, unit, values, wrong, why in (
-        ("theta_d", "deg", theta_d_deg, ~((theta_d_deg >= low) & (theta_d_deg <= high)),
-         f"leaves the actuator's range of {low:g} to {high:g} deg; reduce amplitude or offset"),
-        ("P_i", "kPa", p_i_kpa, p_i_kpa > limit_kpa,
-         f"exceeds the reservoir's limit of {limit_kpa:g} kPa; reduce theta_d or K_in"),
-    ):  # fmt: skip
-        if wrong.any():
-            k = int(wrong.argmax())
-            time_s = k / control.sample_rate_hz
-            problems.append(f"{name} = {values[k]:.2f} {unit} at t = {time_s:.3f} s {why}")
+    problems = [
+        f"{name} = {values[k]:.2f} {unit} at t = {k / control.sample_rate_hz:.3f} s {why}"
+        for name, unit, values, wrong, why in (
+            ("theta_d", "deg", theta_d_deg, ~((theta_d_deg >= low) & (theta_d_deg <= high)),
+             f"leaves the actuator's range of {low:g} to {high:g} deg; reduce amplitude or offset"),
+            ("P_i", "kPa", p_i_kpa, p_i_kpa > limit_kpa,
+             f"exceeds the reservoir's limit of {limit_kpa:g} kPa; reduce theta_d or K_in"),
+        )
+        if wrong[k := int(wrong.argmax())]
+    ]  # fmt: skip
     if problems:
         raise ControlError("\n".join(problems))

@@ -45,12 +45,7 @@ def write_columns(
     """Write channels and attributes to a file under a temporary name, then rename it.
 
     HDF5 keeps a checksum of each channel (``fletcher32``), and its own of everything else. The
-    same content gives the same bytes.
-
-    Raises
-    ------
-    LogError
-        The name of a channel does not end in a unit.
+    same content gives the same bytes. LogError: the name of a channel does not end in a unit.
     """
     with h5py.File("log", "w", **_IN_MEMORY) as file:
         file.attrs.update({name: as_written(value) for name, value in attributes.items()})

@@ -25,19 +25,9 @@ RUN_ATTRIBUTES = ("controller", "reference", "settle_s")
 def write_raw(path: Path | str, channels: Mapping[str, np.ndarray], /, **attributes: Any) -> None:
     """Write a raw log; it may have channels besides ``RAW_CHANNELS``.
 
-    A channel that is NaN throughout belongs to a sensor that the rig lacks, and is left out.
-
-    Parameters
-    ----------
-    **attributes
-        ``experiment``, ``source``, ``sample_rate_hz``, ``seed`` and ``rig`` (the configuration of
-        rig and control), and further ones of the run. ``software`` is this version unless
-        it is given.
-
-    Raises
-    ------
-    LogError
-        One of these attributes is missing, or see ``write_columns``.
+    A channel that is NaN throughout belongs to a sensor that the rig lacks, and is left out. The
+    attributes are ``RAW_ATTRIBUTES`` (LogError if one is missing; ``software`` is this version
+    unless it is given, ``rig`` the configuration of rig and control), and further ones of the run.
     """
     described = {"software": f"fprc {__version__}", **attributes}
     if missing := [name for name in RAW_ATTRIBUTES if name not in described]:
@@ -90,13 +80,7 @@ def read_raw(
 
 
 def read_run(path: Path | str) -> Columns:
-    """Read the log of a closed-loop run.
-
-    Raises
-    ------
-    LogError
-        See ``read_raw`` (the rate is not checked); also, the log is not of a closed-loop run.
-    """
+    """Read the log of a closed-loop run, as ``read_raw``, at any rate; LogError for another."""
     log = read_raw(path, experiment=None, sample_rate_hz=None, rate_tolerance=math.inf)
     if not _is_run(log.attributes):
         raise LogError(

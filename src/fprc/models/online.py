@@ -67,11 +67,6 @@ class Online:
     n_features_in_ : int
         Inputs of the model.
 
-    Raises
-    ------
-    ValueError
-        The model remembers no training data, or cannot learn online.
-
     References
     ----------
     The paper's future work; the update is the recursive least squares of its authors' next paper

@@ -119,11 +119,8 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
     def step(self, x: ArrayLike) -> float:
         """Return P_ff(k), kPa, given the next sample of shape (n_inputs,).
 
-        Raises
-        ------
-        ValueError
-            The sample, which is then ignored, is not finite or beyond 1e9, or has the wrong number
-            of inputs.
+        ValueError: the sample, which is then ignored, is not finite or beyond 1e9, or has the wrong
+        number of inputs.
         """
         if not hasattr(self, "readout_"):
             check_is_fitted(self)
