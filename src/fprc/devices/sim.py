@@ -51,10 +51,10 @@ class SimulatedRig:
         self.push_kpa = 0.0
         self._period_s = 1.0 / sample_rate_hz
         self._substeps = math.ceil(self._period_s / rig["step_s"] - 1e-9)
-        self._rig = parameters(rig)
-        self._instruments = draw_instruments(rig, np.random.default_rng([seed]))
+        instruments = draw_instruments(rig, np.random.default_rng([seed]))
         self._rng = np.random.default_rng([seed, run + 1])
         self._state = initial_state(rig, self._rng)
+        self._simulated = self._state, parameters(rig), instruments
         self._valve_v = np.full(2, NEUTRAL_V)
         self._reading = np.full(1, math.nan, SAMPLE)
         self._tick = -1
@@ -127,10 +127,7 @@ class SimulatedRig:
         """
         bad = np.flatnonzero(~np.isfinite(p_ff_kpa))
         if bad.size:
-            raise ControlError(
-                f"the model gave P_ff = {p_ff_kpa[bad[0]]} kPa at sample {bad[0]}; it must be "
-                "finite"
-            )
+            raise ControlError(f"the model gave P_ff = {p_ff_kpa[bad[0]]} kPa at sample {bad[0]}")
         names, samples = RAW_CHANNELS, len(p_ff_kpa)
         limits_kpa, theta_d = (-math.inf, math.inf), np.full(samples, math.nan)
         if theta_d_deg is not None:
@@ -157,21 +154,12 @@ class SimulatedRig:
         pushes = np.zeros(samples) if push_kpa is None else push_kpa
         p_i_kpa = control.k_in_kpa_per_deg * theta_d
         rows = np.full(samples, math.nan, SAMPLE)
+        setpoints = np.column_stack([p_ff_kpa, theta_d, p_i_kpa, pushes])
+        noise = self._rng.standard_normal((samples - 1, NOISE_PER_TICK))
         failed, done = close_loop(
-            self._state,
-            self._rig,
-            self._instruments,
-            record(controllers),
-            np.column_stack([p_ff_kpa, theta_d, p_i_kpa, pushes]),
-            *learner,
-            self._rng.standard_normal((samples - 1, NOISE_PER_TICK)),
-            self._period_s,
-            self._substeps,
-            self._tick,
-            self._valve_v,
-            self._reading,
-            rows,
-        )
+            *self._simulated, record(controllers), setpoints, *learner, noise, self._period_s,
+            self._substeps, self._tick, self._valve_v, self._reading, rows,
+        )  # fmt: skip
         self._tick += done if failed else samples - 1
         self._refuse(failed)
         return {name: rows[name].copy() for name in names}
@@ -182,17 +170,11 @@ class SimulatedRig:
 
     def _advance(self, substeps: int) -> None:
         self._tick += 1
+        noise = self._rng.standard_normal(NOISE_PER_TICK)
         failed = advance(
-            self._state,
-            self._rig,
-            self._instruments,
-            self._valve_v,
-            self.push_kpa,
-            self._rng.standard_normal(NOISE_PER_TICK),
-            self._period_s,
-            substeps,
+            *self._simulated, self._valve_v, self.push_kpa, noise, self._period_s, substeps,
             self._reading,
-        )
+        )  # fmt: skip
         self._refuse(failed)
 
     def _refuse(self, failed: int) -> None:

@@ -189,8 +189,8 @@ def test_drift_is_an_exact_ornstein_uhlenbeck_process(rig):
 def test_runs_on_one_rig_share_its_instruments_but_not_their_noise(rig):
     first, second = (SimulatedRig(rig, seed=5, run=k, sample_rate_hz=200.0) for k in (0, 1))
     other = SimulatedRig(rig, seed=6, run=0, sample_rate_hz=200.0)
-    assert first._instruments == second._instruments
-    assert first._instruments != other._instruments
+    assert first._simulated[2] == second._simulated[2]
+    assert first._simulated[2] != other._simulated[2]
     assert first.read() != second.read()
     assert first.state["drift_kpa"] != second.state["drift_kpa"]
 
