@@ -3,7 +3,6 @@
 import statistics
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
@@ -62,19 +61,6 @@ def log(tmp_path):
 def test_figure_is_marked_by_the_source_of_its_data_alone(axes, data, mark):
     style.save(axes.figure, data)
     assert [text.get_text() for text in axes.figure.texts] == [mark]
-
-
-def test_figure_is_the_same_whatever_the_users_matplotlibrc_says(tmp_path):
-    theirs = {"text.usetex": True, "savefig.bbox": "tight", "axes.facecolor": "black",
-              "font.family": "no such font", "font.size": 90.0}  # fmt: skip
-    pictures = []
-    for name, own in (("ours", {}), ("theirs", theirs)):
-        matplotlib.rcParams.update(own)
-        fig, ax = style.figure(1, 1, 2.0, 1.0)
-        ax.plot([0, 1], label="a_b")
-        style.save(fig, {"source": "rig"}, str(tmp_path / f"{name}.png"))
-        pictures.append((tmp_path / f"{name}.png").read_bytes())
-    assert pictures[0] == pictures[1]
 
 
 @pytest.mark.parametrize(
