@@ -9,8 +9,6 @@ import pandas as pd
 import pytest
 import yaml
 from bs4 import BeautifulSoup
-from hypothesis import given
-from hypothesis import strategies as st
 from PIL import Image
 
 import fprc
@@ -115,17 +113,6 @@ def project(tmp_path):
     project.add_figure(6, "none")
     project.add_figure(12)
     return project
-
-
-PIECES = st.sampled_from(["<", ">", "&", '"', "'", "P_o", "theta", "<i>", "&lt;", "</td>", " "])
-
-
-@given(st.lists(PIECES | st.text(max_size=4), max_size=12).map("".join))
-def test_whatever_a_text_holds_it_adds_no_other_tag_and_loses_nothing(text):
-    shown = str(symbols(text))
-    assert set(re.findall(r"<[^>]*>", shown)) <= {"<sub>", "</sub>"}
-    plain = html.unescape(re.sub("<sub>(.*?)</sub>", r"_\1", shown))
-    assert plain.replace("θ", "theta") == text.replace("θ", "theta")
 
 
 @pytest.mark.parametrize(
