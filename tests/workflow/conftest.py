@@ -73,11 +73,8 @@ class Project:
         with suppress(subprocess.TimeoutExpired):
             run.wait(seconds)
         status = run.poll()
-        while members := _session(run.pid):
-            for member in members:
-                with suppress(ProcessLookupError):
-                    os.kill(member, signal.SIGKILL)
-            time.sleep(0.05)
+        with suppress(ProcessLookupError):
+            os.killpg(run.pid, signal.SIGKILL)
         run.wait(60)
         text = (ROOT / "docs/running.md").read_text(encoding="utf-8")
         done = self.run(*re.search("After a kill, run `(snakemake [^`]+)`", text)[1].split())
@@ -106,17 +103,6 @@ class Project:
         # the lock of a run of another process, which comes and goes, would stop a run of the copy
         shutil.copytree(self.folder, folder, ignore=shutil.ignore_patterns("locks"))
         return Project(folder, new=False)
-
-
-def _session(leader: int) -> list[int]:
-    """Return the processes of a session that are still there."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):
-            state, _, _, session = path.read_text().rpartition(")")[2].split()[:4]
-            if int(session) == leader and state != "Z":
-                found.append(int(path.parent.name))
-    return found
 
 
 @pytest.fixture(scope="session")
