@@ -17,18 +17,6 @@ Y = np.arange(50.0).reshape(-1, 1)
 COLUMNS = {"t": Y.ravel() / 100.0, "angle": np.sin(Y.ravel()), "force": Y.ravel() ** 2}
 
 
-@pytest.fixture
-def written(tmp_path):
-    """Let a function write an HDF5 file, and return the table read from it."""
-
-    def written(write):
-        with h5py.File(tmp_path / "log.h5", "w") as file:
-            write(file)
-        return read_table(tmp_path / "log.h5")
-
-    return written
-
-
 @pytest.fixture(params=["5", "7.3"])
 def read(request, tmp_path, matlab_files):
     """Write variables as a version of MATLAB does, and return the table read."""
@@ -73,7 +61,6 @@ def test_parts_have_the_names_that_matlab_gives_them(read, matlab_files):
     expected |= {f"grid{{{k}}}": k * y for k in (1, 2, 3, 4)}
     expected |= {"q[:, 0]": np.array([0.0, 2.0, 4.0]), "q[:, 1]": np.array([1.0, 3.0, 5.0])}
     assert columns(table) == {name: values.tolist() for name, values in expected.items()}
-    assert all(table.pick(name).values.tolist() == v.tolist() for name, v in expected.items())
 
 
 def test_what_is_no_column_of_matlab_leaves_the_rest_and_is_told(read, matlab_files):
@@ -130,11 +117,11 @@ def test_tables_and_times_are_columns_and_other_objects_are_not(version, tmp_pat
     assert {"run.note", "s"} <= set(table.others)
 
 
-def test_what_is_no_column_of_hdf5_leaves_the_others(written, tmp_path):
+def test_what_is_no_column_of_hdf5_leaves_the_others(tmp_path):
+    path = tmp_path / "log.h5"
     with h5py.File(tmp_path / "other.h5", "w") as other:
         other["y"] = np.arange(3.0)
-
-    def write(file):
+    with h5py.File(path, "w") as file:
         file["group/x"] = np.arange(5)
         file["on"] = np.arange(5) > 2
         file["row"] = np.zeros((1, 5))
@@ -148,30 +135,18 @@ def test_what_is_no_column_of_hdf5_leaves_the_others(written, tmp_path):
         file.create_dataset("raw", (3,), "f8", external=[(tmp_path / "x.bin", 0, 24)])
         file.create_dataset("huge", (10**5, 10**4), "f8", chunks=(100, 100), fillvalue=1.0)
         file.create_dataset("part", (10, 6), "f8", chunks=(5, 2))[:, :4] = 1.0
-
-    table = written(write)
-    assert {n: c.values.shape for n, c in table.columns.items()} == dict.fromkeys(
-        ("group/x", "on", "row"), (5,)
-    )
-    assert set(table.others) == {
-        "video", "who", "rate", "none", "virtual", "raw", "huge", "part",
-    }  # fmt: skip
-
-
-def test_dataset_that_cannot_be_read_leaves_the_others(written, tmp_path):
-    def write(file):
-        file["x"] = np.arange(5.0)
-        file.create_dataset("bad", data=np.arange(5.0), chunks=(5,), fletcher32=True)
-
-    written(write)
-    path = tmp_path / "log.h5"
-    with h5py.File(path) as file:
-        at = file["bad"].id.get_chunk_info(0).byte_offset
+        bad = file.create_dataset("bad", data=np.arange(5.0), chunks=(5,), fletcher32=True)
+        at = bad.id.get_chunk_info(0).byte_offset
     content = bytearray(path.read_bytes())
     content[at] ^= 1
     path.write_bytes(content)
     table = read_table(path)
-    assert (list(table.columns), list(table.others)) == (["x"], ["bad"])
+    assert {n: c.values.shape for n, c in table.columns.items()} == dict.fromkeys(
+        ("group/x", "on", "row"), (5,)
+    )
+    assert set(table.others) == {
+        "video", "who", "rate", "none", "virtual", "raw", "huge", "part", "bad",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", ["hdf5", "matlab5", "matlab73", "npz", "xlsx"])
