@@ -45,24 +45,14 @@ def answer_recordings(
 ) -> dict[str, Any]:
     """Compare the best models with and without P_o, and P_o with itself at other times.
 
-    Parameters
-    ----------
-    models : Mapping
-        Section ``models`` of the configuration, for 200 samples a second.
-    seed : int
-        Seed of rules and networks.
-    unit : str
-        Unit of the target.
-
-    Returns
-    -------
-    dict
-        ``verdict``, ``reason`` (why it is not decided, else empty), ``words`` (the first line);
-        ``ratio`` with P_o over without, ``low`` and ``high``; of ``without`` and ``with``:
-        ``error`` (geometric mean over blocks, unit of the target), ``family``, ``families`` (error
-        of each) and ``blocks``; ``shifts``, the errors with P_o of other times; ``period_s`` of
-        the motion or None; ``needed_s``, which length would decide, or None; ``explained``, share
-        of the target's variance that the side without P_o explains; ``block_s``, ``duration_s``.
+    ``models`` is the configuration's section, for 200 samples a second; ``seed`` is of rules and
+    networks. Returned are ``verdict``, ``reason`` (why it is not decided, else empty), ``words``
+    (the first line); ``ratio`` with P_o over without, ``low`` and ``high``; of ``without`` and
+    ``with``: ``error`` (geometric mean over blocks, ``unit`` of the target), ``family``,
+    ``families`` (error of each) and ``blocks``; ``shifts``, the errors with P_o of other times;
+    ``period_s`` of the motion or None; ``needed_s``, which length would decide, or None;
+    ``explained``, share of the target's variance that the side without P_o explains; ``block_s``,
+    ``duration_s``.
     """
     thin = recordings.thinned()
     folds, period_s = thin.folds(), period_of(thin)
@@ -149,21 +139,16 @@ def decide(found: Mapping[str, Any], ratios: Sequence[float]) -> tuple[str, str,
     return UNDECIDED, reason, needed_s
 
 
-def family_title(family: str, with_p_o: bool) -> str:
-    """Return the name of a family of one side for readers."""
-    if family == "fuzzy":
-        return "FPRC" if with_p_o else "FPRC on low-passed theta"
-    return f"{family} + P_o" if with_p_o else family
-
-
 def first_line(found: Mapping[str, Any], unit: str) -> str:
     """Return verdict, both errors and families, and the reason."""
-    sides = [
-        f"{three_digits(found[side]['error'])}{f' {unit}' if side == 'with' else ''} "
-        f"({family_title(found[side]['family'], side == 'with')})"
-        for side in ("with", "without")
-    ]
+    fuzzy = {"with": "FPRC", "without": "FPRC on low-passed theta"}
+    errors, families = [], []
+    for side, ending in {"with": " + P_o", "without": ""}.items():
+        errors.append(three_digits(found[side]["error"]))
+        family = found[side]["family"]
+        families.append(fuzzy[side] if family == "fuzzy" else f"{family}{ending}")
     more = found["reason"]
     if found["verdict"] == NO and found["period_s"]:
         more = f"The motion repeats every {found['period_s']:.3g} s; on another one it may differ."
-    return f"{found['verdict']}: with P_o {sides[0]}, without {sides[1]}. {more}".rstrip()
+    line = f"{found['verdict']}: with P_o {errors[0]} {unit} ({families[0]}), "
+    return f"{line}without {errors[1]} ({families[1]}). {more}".rstrip()

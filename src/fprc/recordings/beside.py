@@ -43,14 +43,10 @@ def judge_memory(
 ) -> dict[str, Any]:
     """Measure memory, capacity and parts of P_o, on the longest of thinned recordings.
 
-    Returns
-    -------
-    dict
-        ``p_o`` and ``theta``, of P_o with its low-passes and of theta with the same: ``memory``,
-        ``memory_s``, ``degrees`` and ``rank``, see ``fprc.capacity``; ``lags_s``; ``parts``,
-        shares of the variance of P_o on unseen blocks: ``linear``, a filter of theta;
-        ``hysteresis``, what plays add; and ``new``, what does not come back when the motion
-        repeats (None if it does not repeat).
+    Of ``p_o`` and ``theta``, each with its low-passes: ``memory``, ``memory_s``, ``degrees`` and
+    ``rank``, see ``fprc.capacity``; ``lags_s``; ``parts``, shares of the variance of P_o on unseen
+    blocks: ``linear``, a filter of theta; ``hysteresis``, what plays add; and ``new``, what does
+    not come back when the motion repeats (None if it does not repeat).
     """
     longest = int(np.argmax(recordings.lengths))
     p_o, theta = (recordings.parts(x)[longest] for x in (recordings.p_o, recordings.theta))
@@ -129,13 +125,7 @@ def draw_memory(found: Mapping[str, Any], png: str) -> None:
 def judge_models(
     recordings: Recordings, models: Mapping[str, Any], seed: int
 ) -> list[dict[str, Any]]:
-    """Judge the paper's models on every block.
-
-    Returns
-    -------
-    list of dict
-        ``model``, and ``blocks``, the RMSE on each, or the ``reason`` why a model cannot be judged.
-    """
+    """Return of each of the paper's models the RMSE on ``blocks``, or a ``reason`` for none."""
     cells: list[dict[str, Any]] = []
     inputs = {"theta_deg": recordings.theta, "p_o_kpa": recordings.p_o}
     folds = recordings.folds()
@@ -156,11 +146,8 @@ def judge_models(
 def judge_claims(cells: Sequence[Mapping[str, Any]], overlap: float) -> list[dict[str, Any]]:
     """Judge B1, B4 and R1 by the ratios of errors on blocks.
 
-    Returns
-    -------
-    list of dict
-        What ``decide_together`` gives, with ``other``, the model that FPRC is compared with, and
-        ``reason``, why a claim is undecided or not judged.
+    To what ``decide_together`` gives come ``other``, the model that FPRC is compared with, and
+    ``reason``, why a claim is undecided or not judged.
     """
     errors = {cell["model"]: np.log(cell["blocks"]) for cell in cells if "blocks" in cell}
     claims = {}

@@ -132,9 +132,6 @@ def _time_line(name: str | None, clocks: Mapping[str, Clock], table: Table) -> s
     if clock.repeated:
         spec["repeated"] = "mean" if clock.repeated > 0.1 * samples else "first"
         words.append(f"{clock.repeated} samples repeat a time stamp; first or mean")
-        if 2 * clock.repeated > samples:
-            each = samples / (samples - clock.repeated)
-            words.append(f"or give rate_hz: {each * clock.rate_hz:.4g}, without a column")
     if not has(f"{name} {table.columns[name].label}", "time"):
         words += _or([other for other in clocks if other != name])
     return _line("time", spec, words)

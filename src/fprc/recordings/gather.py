@@ -39,11 +39,8 @@ class Recording(NamedTuple):
 def gather(table: Table, mapping: ImportMap) -> Recording:
     """Select, convert and cut the channels of a file.
 
-    Raises
-    ------
-    LogError
-        Lists every column that is missing; or lengths differ, time does not increase, a value is
-        not finite or too large, or nothing is left.
+    LogError lists every column that is missing; or lengths differ, time does not increase, a value
+    is not finite or too large, or nothing is left.
     """
     path, specs, time = table.path, mapping.columns, mapping.time
     asked = {name: spec["column"] for name, spec in specs.items()}
@@ -176,11 +173,7 @@ def resample(
     one and at least that of the recording. A linear-phase FIR low-pass, applied without delay, is
     flat up to 0.8 of the new Nyquist frequency and at -70 dB above it; then every n-th sample is
     kept. For the low-pass, the recording is extended by point reflection in each of its end points.
-
-    Raises
-    ------
-    LogError
-        The recording is shorter than a sample, or takes more than ``MOST_POINTS``.
+    LogError: it is shorter than a sample, or takes more than ``MOST_POINTS``.
     """
     span_s, ratio = float(time_s[-1] - time_s[0]), rate_of(time_s) / rate_hz
     factor, aligned = 1, False  # how much finer the grid of the low-pass is; 1: there is none

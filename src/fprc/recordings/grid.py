@@ -65,12 +65,8 @@ def locate(
 ) -> Place:
     """Find a table in the first lines: the width that most lines of numbers have.
 
-    Parameters
-    ----------
-    rows, lines : Mapping
-        Fields of each line, and the line itself, by their numbers.
-    comments : collection of int
-        Numbers of lines that hold no samples, but may hold names.
+    Given are the fields of each line, and the line itself, by their numbers; ``comments`` may hold
+    names, but no samples.
     """
     begin = data_line or (header_line or 0) + 1
     below = {n: fields for n, fields in rows.items() if n not in comments and n >= begin}

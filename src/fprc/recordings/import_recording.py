@@ -31,15 +31,7 @@ def import_or_draft(
     map_: str | None = None,
     out: str | None = None,
 ) -> None:
-    """Turn a recording of another program into a raw log.
-
-    Raises
-    ------
-    LogError
-        The file cannot be used with this map; lists all columns that it lacks.
-    OutputError
-        One of the files exists and was not written by an import, or cannot be written.
-    """
+    """Turn a recording of another program into a raw log; no file of another program is lost."""
     if draft:
         # a map that is not complete may already say how the text is to be read
         layout = read_csv(map_).model_dump() if map_ else {}

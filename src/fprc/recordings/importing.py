@@ -132,13 +132,7 @@ class ImportMap(Section):
 
 
 def read_map(path: Path | str) -> ImportMap:
-    """Read and check the map of an import.
-
-    Raises
-    ------
-    ConfigError
-        The file is not YAML with keys and values; or lists all that is wrong in it.
-    """
+    """Read the map of an import; ConfigError lists all that is wrong in it."""
     return _valid(ImportMap, read_yaml(path), path)
 
 

@@ -53,13 +53,7 @@ class Judgement(NamedTuple):
 def judge(
     recording: Recording, mapping: ImportMap, table: Table, limits: Quality, target: str
 ) -> Judgement:
-    """Judge a recording before it is resampled.
-
-    Parameters
-    ----------
-    target : {"command", "measured"}
-        P_exp that the models would learn.
-    """
+    """Judge a recording before it is resampled; ``target`` is the P_exp that models would learn."""
     time_s, channels, units = recording.time_s, recording.channels, mapping.units
     rate_hz, steps_ms = rate_of(time_s), 1e3 * np.diff(time_s)
     words = [

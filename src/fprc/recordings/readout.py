@@ -1,4 +1,4 @@
-"""`fprc readout`: say whether P_o of a recording is worth a second sensor."""
+"""`fprc readout`: say whether P_o of a recording is worth a second sensor, on one page."""
 
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import (
@@ -18,17 +19,19 @@ from fprc.channels import TARGETS
 from fprc.config import from_files
 from fprc.errors import ConfigError, LogError
 from fprc.evaluation.rates import PAPER_HZ, settings_at
-from fprc.evaluation.sides import PURGE_S, PURGES, WARM_UP_S, Recordings
+from fprc.evaluation.sides import PURGE_S, PURGES, SHIFTS, WARM_UP_S, Recordings
 from fprc.given import refuse_repeats
 from fprc.logs.quality import noted_unit
+from fprc.paper import SOURCES
 from fprc.plan.arguments import paper_models
 from fprc.provenance import sha256
-from fprc.recordings.answer import answer_recordings
+from fprc.recordings.answer import MARGIN, answer_recordings
 from fprc.recordings.beside import (
     draw_memory,
     judge_claims,
     judge_memory,
     judge_models,
+    memory_in_words,
     sentences,
 )
 from fprc.recordings.clock import rate_of
@@ -36,8 +39,8 @@ from fprc.recordings.gather import Recording, gather, resample
 from fprc.recordings.import_recording import draw_recording, is_imported, write_log
 from fprc.recordings.importing import read_map
 from fprc.recordings.judge import Judgement, judge, unexplained
-from fprc.recordings.readout_page import report_page
 from fprc.recordings.table import read_table
+from fprc.tables.text import markdown, three_digits
 
 #: Share of a recording that becomes the training log of the workflow unless the map gives
 #: test_from_s.
@@ -135,7 +138,7 @@ def report_readout(
         report = described | _judge(recordings, settings, unit)
         write_json(answered, report)
         draw_memory(report["memory"], str(folder / "readout/memory.png"))
-        write_text(page, report_page(recorded, map_, report, rate_hz))
+        write_text(page, _page(recorded, map_, report, rate_hz))
     doubts = [f"Doubtful: {line}" for _, found in recorded.values() for line in found.doubts]
     lines = [report["answer"]["words"], *doubts, *sentences(report["claims"]), str(page)]
     print("\n".join(lines))
@@ -151,3 +154,65 @@ def _judge(recordings: Recordings, settings: Mapping[str, Any], unit: str) -> di
     overlap = float(np.mean([len(block) / len(rows) for rows, block in recordings.folds()]))
     claims = judge_claims(cells, overlap)
     return {"answer": answer, "memory": memory, "cells": cells, "claims": claims}
+
+
+def _page(
+    recorded: Mapping[str, tuple[Recording, Judgement]],
+    map_file: str,
+    report: Mapping[str, Any],
+    rate_hz: float,
+) -> str:
+    """Return the report as Markdown, with links to the pictures of each recording, by file."""
+    found, unit = report["answer"], report["unit"]
+    verdict, _, rest = found["words"].partition(":")
+    blocks, shifts, period = len(found["block_s"]), found["shifts"], found["period_s"]
+    beaten = sum(found["with"]["error"] < error for error in shifts)
+    names = ", ".join(f"`{Path(path).name}`" for path in recorded)
+    sides = pd.DataFrame(
+        {
+            "Family": "FPRC, without P_o on low-passed theta" if family == "fuzzy" else family,
+            f"Without P_o [{unit}]": three_digits(found["without"]["families"][family]),
+            f"With P_o [{unit}]": three_digits(error),
+            "Chosen without": f"{found['without']['chosen'].count(family)} of {blocks}",
+            "Chosen with": f"{found['with']['chosen'].count(family)} of {blocks}",
+        }
+        for family, error in found["with"]["families"].items()
+    )
+    note = (
+        f"Geometric mean of the RMSE over {blocks} blocks of {np.mean(found['block_s']):.3g} s. "
+        "Each block is predicted by models that the other blocks trained, without 2 s on each side "
+        "of it; families and settings are chosen by these other blocks alone."
+    )
+    lines = [
+        f"# Is P_o worth a second sensor in {names}?",
+        f"**{verdict}**:{rest}",
+        *(f"- Doubtful: {line}" for _, judged in recorded.values() for line in judged.doubts),
+        f"Map: `{map_file}`. Data: {SOURCES[report['source']]}. Target: P_exp, {report['target']}.",
+        "## What the answer rests on",
+        f"- Ratio of the errors, with P_o over without: {found['ratio']:.3f} "
+        f"({found['low']:.3f} to {found['high']:.3f}, 95 %). Worth a second sensor is what lies "
+        f"below {1.0 / MARGIN:.3f}.",
+        f"- P_o of another time, in {len(shifts)} trials: the error is "
+        f"{three_digits(min(shifts))} to {three_digits(max(shifts))}; P_o beats {beaten} of them."
+        if shifts
+        else f"- The motion repeats so often that fewer than {SHIFTS} shifts of P_o are controls.",
+        f"- The motion {f'repeats every {period:.3g} s' if period else 'does not repeat'}.",
+        f"- Without P_o, {100.0 * found['explained']:.3g} % of P_exp's variance are explained.",
+        markdown(sides, note),
+        "## What P_o remembers",
+        *(f"- {line}" for line in memory_in_words(report["memory"])),
+        "![memory and capacity of P_o](readout/memory.png)",
+        "## The paper's models",
+        "Settings are the paper's, unless `--config` gave others; those that count samples are "
+        f"scaled to {rate_hz:g} Hz, the rate of the models. Taps keep their number.",
+        *(f"- {line}" for line in sentences(report["claims"])),
+        "Each ratio is the geometric mean over blocks; below 1 it favours FPRC. The chance that "
+        "any of these verdicts is wrong is kept at 5 % (Holm).",
+        "Every number: [readout/answer.json](readout/answer.json).",
+    ]
+    files = zip(recorded.items(), report["recordings"], strict=True)
+    for number, ((path, (recording, judged)), digest) in enumerate(files, 1):
+        lines += [f"## `{path}`", f"SHA-256 `{digest[:16]}`."]
+        lines += [f"- {word}" for word in (*judged.words, *recording.notes)]
+        lines += [f"![it](raw/recording_{number}.png)"]
+    return "\n\n".join(lines) + "\n"

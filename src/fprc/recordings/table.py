@@ -40,13 +40,7 @@ class Table(NamedTuple):
         return f"sample {number}{line}"
 
     def pick(self, name: str) -> Column:
-        """Return the column that a map names.
-
-        Raises
-        ------
-        LogError
-            There is no such column; the message does not contain its name, but a similar one.
-        """
+        """Return the column that a map names; LogError, with a similar name, if there is none."""
         if name in self.columns:
             return self.columns[name]
         if name in self.others:
@@ -74,16 +68,8 @@ _FORMATS = (
 def read_table(path: Path | str, **layout: Any) -> Table:
     """Read every column of a file that can be a channel; its content tells its format.
 
-    Parameters
-    ----------
-    **layout
-        Layout of a text file, see ``fprc.recordings.text.read_text``.
-
-    Raises
-    ------
-    LogError
-        The file cannot be opened, is damaged, empty, too large, or of another format; or the
-        library that reads it is not installed.
+    ``layout`` is of a text, see ``fprc.recordings.text.read_text``. LogError: the file cannot be
+    opened, is damaged, empty or of another format, or the library that reads it is not installed.
     """
     from fprc.recordings import formats, text
 

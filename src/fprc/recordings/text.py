@@ -53,18 +53,8 @@ def read_text(
     be a comment; a line of units below it, LabVIEW's and TwinCAT's headers, and lines such as
     ``angle: 1.2, p: 30`` are understood. Lines that begin with ``#``, ``%``, ``//`` or ``sep=``
     are comments; blank lines are skipped. A last line without a line end is left out: it may be
-    cut short.
-
-    Parameters
-    ----------
-    separator, decimal, header_line, data_line
-        Format of the file, lines counted from 1; None: detect it.
-
-    Raises
-    ------
-    LogError
-        The file is not text, or too large; it has no samples; many lines have more or fewer
-        fields than the first sample.
+    cut short. What the caller gives of the layout, lines counted from 1, is not detected. LogError:
+    the file is no text, has no samples, or many lines with more or fewer fields than the first.
     """
     lines, notes = _lines_of(path)
     labview: dict[str, str] = {}

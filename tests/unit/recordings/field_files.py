@@ -254,7 +254,6 @@ CASES = {
         np.arange(COUNT) / 9.0),
     "time of 2 Hz": Case("a.csv", text(["time", *NAMES[1:]], T * 50), 2.0, T * 50),
     "epoch in ms": Case("a.csv", text(["stamp", *NAMES[1:]], _whole(1e-3, 1700000000000))),
-    "epoch in us": Case("a.csv", text(["stamp", *NAMES[1:]], _whole(1e-6, 1700000000000000))),
     "epoch in ns": Case("a.csv", text(["stamp", *NAMES[1:]], _whole(1e-9, 1700000000 * 10**9))),
     "days of Excel": Case(
         "a.csv", text(["Time", *NAMES[1:]], [f"{45359 + k / 8640000:.10f}" for k in range(COUNT)])),
@@ -264,7 +263,6 @@ CASES = {
     "number from 1": Case("a.csv", text(["#", *NAMES[1:]], np.arange(COUNT) + 1),
                           edits={"time": {"rate_hz": 100}}),
     "index and clock": Case("a.csv", text(["", *NAMES], np.arange(COUNT), more=[T])),
-    "frame and clock": Case("a.csv", text(["frame", *NAMES], 3 * np.arange(COUNT), more=[T])),
     # structs of MATLAB
     "structure with time": Case("a.mat", matlab(out={
         "time": T.reshape(-1, 1), "signals": structs(values=_columns([ANGLE, PRESSURE, P_O]),
@@ -335,7 +333,6 @@ CASES = {
         SERIAL, IN_WORDS, strict=True))),
     # units beside the numbers
     "attributes": Case("a.h5", hdf5(_with_units)),
-    "attribute unit": Case("a.hdf5", hdf5(lambda file: _with_units(file, "unit"))),
     "compound": Case("a.h5", hdf5(_compound)),
     "matrix with names": Case("a.h5", hdf5(_named_matrix)),
     "groups with clocks": Case("a.h5", hdf5(_groups)),
@@ -346,10 +343,6 @@ CASES = {
     "cut row": Case("a.csv", text().replace(
         rows(T, ANGLE, PRESSURE, P_O)[30], "0.3,1\n"), doubt="line 32",
         kept=np.delete(np.arange(COUNT), 30), time_s=np.delete(T, 30)),
-    "cut row, no clock": Case("a.csv", text(NAMES[1:], [f"{a:g}" for a in ANGLE], values=[
-        PRESSURE, P_O]).replace(rows(ANGLE, PRESSURE, P_O)[30], "29.1,\n"), edits={
-            "time": {"rate_hz": 100}}, kept=np.delete(np.arange(COUNT), 30),
-        time_s=np.delete(T, 30)),
     "word in a cell": Case("a.csv", text(values=[
         [*(f"{a:g}" for a in ANGLE[:30]), "ERR", *(f"{a:g}" for a in ANGLE[31:])], PRESSURE, P_O]),
         kept=np.delete(np.arange(COUNT), 30), time_s=np.delete(T, 30), doubt="1 values of"),
@@ -422,12 +415,6 @@ CASES = {
                             + text([], separator="\t")),
     "header of blanks": Case("a.txt", "Time (s) Angle (deg) Pressure (kPa) P_res (kPa)\n"
                              + text([], separator=" ")),
-    "oscilloscope": Case("a.csv", "".join(
-        f"Interval,0.0{k},,{row}" if k < 3 else f",,,{row}"
-        for k, row in enumerate(rows(T, ANGLE, PRESSURE, P_O))), edits={
-            "time.column": "3"} | {
-            f"channels.{name}": {"column": str(k + 4), "unit": "deg" if k == 0 else "kPa"}
-            for k, name in enumerate(CHANNELS)}),
     # other formats
     "Excel": Case("a.xlsx", _excel("")), "Excel, title": Case("a.xlsx", _excel("Versuch 7")),
     "TDMS": Case("a.tdms", _tdms), "Parquet": Case("a.parquet", _parquet),
