@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import settings
+from pydantic import validate_call
 
 from fprc.artifacts import write_csv
 from fprc.config import Settings
@@ -86,8 +87,8 @@ def make_data():
         raw, data, quality = (str(folder / f"{name}{end}") for end in (".h5", ".data.h5", ".json"))
         signal = settings["experiments"][name]
         rig = {"control": of_pressures(settings), "rig": settings["rig"]}
-        record(raw, experiment=name, signal=signal, seed=seed, **rig)
-        preprocess(
+        validate_call(record)(raw, experiment=name, signal=signal, seed=seed, **rig)
+        validate_call(preprocess)(
             raw, data, quality, experiment=name, target="command", sample_rate_hz=200.0,
             limits=settings["quality"],
         )  # fmt: skip

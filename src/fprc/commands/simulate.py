@@ -5,6 +5,7 @@ from typing import Literal
 
 from fprc.artifacts import refuse_output
 from fprc.config import from_files, local_files
+from fprc.config.settings import Control
 from fprc.plan.arguments import of_pressures
 from fprc.stages.record import record
 
@@ -20,18 +21,17 @@ def simulate(
     """Simulate an experiment and write its raw log."""
     refuse_output(out, ".h5")
     chosen = {name: value for name, value in (("seed", seed), ("rig", rig)) if value is not None}
-    settings = from_files(config or local_files(), chosen).model_dump(mode="json")
-    signal, control = settings["experiments"][experiment], settings["control"]
+    settings = from_files(config or local_files(), chosen)
+    whole, signal = settings.model_dump(mode="json"), dict(settings.experiments)[experiment]
     record(
         out,
         experiment=experiment,
         signal=signal,
-        control=of_pressures(settings),
-        rig=settings["rig"],
-        seed=settings["seed"],
+        control=Control(**of_pressures(whole)),
+        rig=whole["rig"],
+        seed=settings.seed,
     )
-    report = (
-        f"{out}: {experiment}, {signal['duration_s']:g} s at {control['sample_rate_hz']:g} Hz, on "
-        f"the simulated rig {settings['fitted']['name']}, seed {settings['seed']}"
+    print(
+        f"{out}: {experiment}, {signal.duration_s:g} s at {settings.control.sample_rate_hz:g} Hz, "
+        f"on the simulated rig {settings.fitted.name}, seed {settings.seed}"
     )
-    print(report)

@@ -21,11 +21,11 @@ from fprc.tables.text import failed, write_table
 from fprc.yaml_file import read_yaml
 
 
-def draw_weights(train: str, fig9: Sequence[str], *, validation: Mapping[str, Any]) -> None:
+def draw_weights(train: str, fig9: Sequence[str], *, validation: CrossValidation) -> None:
     """Figure 9: proportional contribution of the normalised weights of the FPRC, rule by rule."""
     data = read_data(train)
-    described = {"source": data.attributes["source"], "seed": validation["seed"]}
-    shares = described | weight_shares(data, CrossValidation(**validation))
+    described = {"source": data.attributes["source"], "seed": validation.seed}
+    shares = described | weight_shares(data, validation)
     table = weights.weight_shares(shares, read_yaml(PUBLISHED))
     style.save(weights.draw_shares(table), described, *fig9, table=table)
 
@@ -35,7 +35,7 @@ def draw_loops(
     table4: Sequence[str] = (),
     *,
     left_out: Sequence[str],
-    limits: Mapping[str, Any],
+    limits: Quality,
     feedback: str,
     quiet_s: float,
     **figures: Sequence[str],
@@ -61,7 +61,7 @@ def draw_loops(
         note = f"one run each{same}.\nData: {SOURCES[source]}. {feedback}"
         if left_out:
             note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
-        note += failed([line for run in logs for line in warnings_of_run(run, Quality(**limits))])
+        note += failed([line for run in logs for line in warnings_of_run(run, limits)])
         table = tracking.tracking(logs, read_yaml(PUBLISHED))
         write_table(table, tracking.tracking_page(table), note, *table4, title=tracking.TITLE)
     _draw({(run.attributes["reference"], run.attributes["controller"]): run for run in logs},

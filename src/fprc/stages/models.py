@@ -25,7 +25,7 @@ def judge(
     predictions: Sequence[str],
     *,
     name: str,
-    validation: Mapping[str, Any],
+    validation: CrossValidation,
 ) -> None:
     """Cross-validate one model on each log and test its best fold on the other.
 
@@ -33,8 +33,8 @@ def judge(
     output on the training log (``fits``) and on the test log (``predictions``).
     """
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
-    outside = outside_classes(validation["models"])
-    judged = cross_validate_both(name, CrossValidation(**validation), logs)
+    outside = outside_classes(validation.models)
+    judged = cross_validate_both(name, validation, logs)
     for k, (train, test) in enumerate(DIRECTIONS):
         validated, report, tested = judged[k]
         write_json(errors[k], report)
@@ -53,16 +53,16 @@ def grid(
     cells: str,
     *,
     values: Mapping[str, Sequence[float]],
-    validation: Mapping[str, Any],
+    validation: CrossValidation,
 ) -> None:
     """Cross-validate and test every cell of every grid, on logs that have no further seeds."""
     data = {"sweep": read_data(sweep), "complex": read_data(complex)}
     described = {
         "source": data["sweep"].attributes["source"],
-        "seed": validation["seed"],
+        "seed": validation.seed,
         "unit": data["sweep"].unit,
     }
-    write_json(cells, described | evaluate_grids(data, values, CrossValidation(**validation)))
+    write_json(cells, described | evaluate_grids(data, values, validation))
 
 
 def measure_times(

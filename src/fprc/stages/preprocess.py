@@ -1,7 +1,7 @@
 """Check a raw log and select the channels of the models."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ def preprocess(
     experiment: str,
     target: str,
     sample_rate_hz: float,
-    limits: Mapping[str, Any],
+    limits: Quality,
 ) -> None:
     """Check a raw log, write its quality record, and select the channels.
 
@@ -40,7 +40,7 @@ def preprocess(
     paths = [raw] if isinstance(raw, str) else list(raw)
     recordings, reports = read_recordings(
         paths, experiment=experiment, target=target, sample_rate_hz=sample_rate_hz,
-        limits=Quality(**limits),
+        limits=limits,
     )  # fmt: skip
     whole, report = recordings[0], reports[0]
     if len(paths) > 1:

@@ -4,6 +4,7 @@ import logging
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fprc.config.section import Section
 from fprc.config.settings import Control, Signal
 from fprc.config.tracking import Tracking
 from fprc.experiments.hysteresis import acquire
@@ -19,19 +20,23 @@ def record(
     raw: str,
     *,
     experiment: str,
-    signal: Mapping[str, Any],
-    control: Mapping[str, Any],
+    signal: Signal,
+    control: Control,
     rig: Mapping[str, Any],
     seed: int,
 ) -> None:
     """Record one hysteresis experiment (Sec. II-B)."""
-    channels = acquire(experiment, Signal(**signal), Control(**control), rig, seed)
+    channels = acquire(experiment, signal, control, rig, seed)
     write_raw(
         raw, channels, experiment=experiment, source="sim", seed=seed,
-        sample_rate_hz=control["sample_rate_hz"],
-        rig={"rig": rig, "control": control, "signal": signal},
+        sample_rate_hz=control.sample_rate_hz,
+        rig={"rig": rig, "control": _given(control), "signal": _given(signal)},
     )  # fmt: skip
     log.info("simulated %d samples, wrote %s", len(channels["time_s"]), raw)
+
+
+def _given(section: Section) -> dict[str, Any]:
+    return section.model_dump(mode="json", exclude_unset=True)
 
 
 def track(
@@ -41,8 +46,8 @@ def track(
     references: Sequence[str],
     names: Sequence[str],
     controllers: Sequence[str],
-    tracking: Mapping[str, Any],
-    control: Mapping[str, Any],
+    tracking: Tracking,
+    control: Control,
     rig: Mapping[str, Any],
     seed: int,
     classes: Mapping[str, Any] | None = None,
@@ -60,7 +65,7 @@ def track(
     files = dict(zip(names, models, strict=True))
     outside = outside_classes(classes or {})
     fitted = {name: load_model(path, outside) for name, path in files.items()}
-    bench, runs = Track(Tracking(**tracking), Control(**control), rig, seed), iter(raw)
+    bench, runs = Track(tracking, control, rig, seed), iter(raw)
     for reference in references:
         for controller, channels in bench.follow(reference, controllers, fitted).items():
             described = bench.describe(reference, controller)

@@ -25,10 +25,10 @@ def replicate(
     cells: str,
     measures: str,
     *,
-    on_rig: Mapping[str, Any],
-    validation: Mapping[str, Any],
+    on_rig: RigSettings,
+    validation: CrossValidation,
     values: Mapping[str, Any],
-    tracking: Mapping[str, Any],
+    tracking: Tracking,
 ) -> None:
     """Repeat everything but the execution times with another seed, beginning with new logs.
 
@@ -36,14 +36,13 @@ def replicate(
     Figs. 10 and 11 (``cells``), and the closed loops of Sec. IV (``measures``). The seed is that of
     ``validation``.
     """
-    settings, how = RigSettings(**on_rig), CrossValidation(**validation)
-    data = simulate(settings, how.seed)
+    how, data = validation, simulate(on_rig, validation.seed)
     comparison, models = compare_models(data, how)
     described = {"seed": how.seed, "source": "sim"}
     starts, started = errors_over_starts(data, how, _STARTS)
     write_json(compared, described | comparison | {"fprc_rmse_over_starts": starts})
     write_json(cells, described | evaluate_grids(data, values, how, folds=1))
-    bench = Track(Tracking(**tracking), settings.control, settings.rig, how.seed)
+    bench = Track(tracking, on_rig.control, on_rig.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     loops = {"fprc": 0.0, "fprc_pd": 1.0}
     tracked = [tracking_errors(bench, model, loops) for model in started[:_TRACKED]]

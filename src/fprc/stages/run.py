@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from pydantic import validate_call
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import explaining
@@ -23,6 +24,7 @@ _NOT_ARGUMENTS = ("stage", "code", "made_from")
 def run_stage(job: Any) -> None:
     """Call the stage of a rule with its named inputs, outputs and params as arguments.
 
+    Params are plain data; pydantic makes the sections of them that the stage is annotated with.
     ``job`` is the object ``snakemake`` of a ``script:``; its param ``stage`` names the function.
     Progress goes to the rule's log file, and with FPRC_MESSAGES=all to the terminal too. An
     FprcError ends the process with exit code 1 and only its message; the traceback goes to the log
@@ -35,7 +37,8 @@ def run_stage(job: Any) -> None:
         _log_to(job.log[0], " ".join([job.rule, *job.wildcards]))
         # what loads OpenMP later reads this; its threads would wait for those of other jobs
         os.environ["OMP_NUM_THREADS"] = "1"
-        stage = stage_of(job.params.stage)  # first: the limit applies to loaded libraries only
+        # first: the limit applies to loaded libraries only
+        stage = validate_call(stage_of(job.params.stage))
         with threadpool_limits(1):
             stage(**arguments)
     except FprcError as error:

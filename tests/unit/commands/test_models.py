@@ -3,6 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from pydantic import validate_call
 
 from fprc.cli import main
 from fprc.config import from_files
@@ -72,7 +73,7 @@ def test_model_and_prediction_are_those_of_the_workflow(
 ):
     raw = recorded_by_rule
     made = [[f"{kind}{i}" for i in range(2)] for kind in ("errors", "model", "fit", "prediction")]
-    judge(*prepared, *made, name=name, validation=validation(settings, name))
+    validate_call(judge)(*prepared, *made, name=name, validation=validation(settings, name))
 
     train = ("train", raw["sweep"], "--model", name, "--config", few, "--out", "mine.h5")
     assert run(*train) == 0

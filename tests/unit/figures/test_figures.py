@@ -10,6 +10,7 @@ import pytest
 from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.escape import figure
+from fprc.experiments.settings import CrossValidation
 from fprc.figures import grids, hysteresis, loops, style
 from fprc.logs import Columns, write_columns
 from fprc.paper import LOOPS, REFERENCES
@@ -140,7 +141,7 @@ def test_fig_9_writes_the_shares_and_their_means(figures, place, monkeypatch):
     data = Columns(Path("sweep.h5"), {}, {"source": "sim"})
     monkeypatch.setattr(draw, "read_data", lambda path: data)
     monkeypatch.setattr(draw, "weight_shares", lambda data, how: found)
-    how = {"models": {}, "folds": 5, "split": "shuffled", "purge_s": 0.0, "seed": 1}
+    how = CrossValidation(models={}, folds=5, split="shuffled", seed=1)
     draw.draw_weights("sweep.h5", [*PICTURES, place("t.csv")], validation=how)
     table = pd.read_csv(place("t.csv"))
     assert table.groupby("rule")["share"].sum().tolist() == pytest.approx([1.0, 1.0])
@@ -264,7 +265,7 @@ def test_figs_12_to_17_show_the_errors_and_signals_of_their_runs(figures, place,
     monkeypatch.setattr(draw, "read_each", lambda read, paths: list(logs.values()))
     numbers = (*range(12, 16), 17)
     files = {f"fig{n}": [*PICTURES, place(f"fig{n}.csv")] for n in numbers} | {"fig16": PICTURES}
-    limits = Settings().quality.model_dump()
+    limits = Settings().quality
     more = {"left_out": [], "limits": limits, "feedback": "", "quiet_s": 20.0}
     draw.draw_loops([], **more, **files)
     *following, loops, disturbance = figures

@@ -2,6 +2,7 @@ import json
 
 import numpy as np
 import pytest
+from pydantic import validate_call
 
 from fprc.channels import needed_by
 from fprc.config import Settings
@@ -26,7 +27,7 @@ def settings():
 def follow(folder, model, settings, controllers=CONTROLLERS, reference="sine_0p5", **more):
     paths = [str(folder / f"{name}.h5") for name in controllers]
     chosen = {"references": [reference], "controllers": controllers, "seed": 1} | settings | more
-    track([model], paths, names=["fprc"], **chosen)
+    validate_call(track)([model], paths, names=["fprc"], **chosen)
     return {name: read_columns(path, NAMES) for name, path in zip(controllers, paths, strict=True)}
 
 

@@ -2,6 +2,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
+from pydantic import validate_call
 
 from fprc.artifacts import read_json
 from fprc.config import Settings
@@ -60,7 +61,9 @@ def errors(settings, on_rig, validation, tmp_path_factory):
     folder = tmp_path_factory.mktemp("repeated")
     files = {name: str(folder / f"{name}.json") for name in ("compared", "cells", "measures")}
     tracking = settings["tracking"]
-    replicate(**files, on_rig=on_rig, validation=validation, values=VALUES, tracking=tracking)
+    validate_call(replicate)(
+        **files, on_rig=on_rig, validation=validation, values=VALUES, tracking=tracking
+    )
     return files["compared"]
 
 
@@ -77,7 +80,7 @@ def judge_both(model, logs, validation, folder):
         kind: [str(folder / f"{kind}_{name}") for name in logs]
         for kind in ("errors", "fitted", "fits", "predictions")
     }
-    judge(**logs, **files, name=model, validation=validation)
+    validate_call(judge)(**logs, **files, name=model, validation=validation)
     return files
 
 
@@ -106,7 +109,7 @@ def test_weights_are_those_of_the_main_run_with_that_seed(
     errors, logs, validation, tmp_path, undrawn
 ):
     csv = str(tmp_path / "weights.csv")
-    draw_weights(logs["sweep"], [csv], validation=validation)
+    validate_call(draw_weights)(logs["sweep"], [csv], validation=validation)
     shown, ours = pd.read_csv(csv), read_json(errors)["weights"]
     for feature, rules in ours["shares"].items():
         rows = shown[shown["feature"] == feature]

@@ -239,7 +239,7 @@ def table_of(tmp_path):
 
     def make(*runs):
         files = [str(tmp_path / f"table4.{kind}") for kind in ("csv", "md")]
-        limits = config.Settings().quality.model_dump()
+        limits = config.Settings().quality
         more = {"left_out": [], "limits": limits, "feedback": "As configured.", "quiet_s": 1.0}
         draw_loops(list(map(str, runs)), files, **more)
         return pd.read_csv(files[0]), Path(files[1]).read_text(encoding="utf-8")
