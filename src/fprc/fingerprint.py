@@ -29,7 +29,7 @@ ELSEWHERE = (
 
 
 def code_that_computes(
-    *models: str, settings: Mapping[str, Any] | None = None, also: Iterable[str] = ()
+    *models: str, settings: Mapping[str, Any] | None = None, also: tuple[str, ...] = ()
 ) -> str:
     """Return a digest of the code that computes.
 
@@ -40,52 +40,50 @@ def code_that_computes(
     settings : Mapping, optional
         Section ``models`` of the configuration. Of a model from outside the file of its class
         counts.
-    also : iterable of str
-        Further packages and modules, as ``studies.family``.
+    also : tuple of str
+        Beginnings of the names of further modules, as ``studies``.
     """
-    computing = {name for name in modules() if not name.startswith(SHOWS)}
-    own = {class_module(name).removeprefix("fprc.") for name in COMPETITORS}
-    shared = {name for name in computing if not name.startswith(ELSEWHERE)} - own
-    further = {name for name in computing if name.startswith(tuple(also))}
-    return _digest([*shared, *further, *(class_module(name, settings) for name in models)])
+    own = {class_module(name) for name in COMPETITORS}
+    shared = {
+        f"fprc.{name}"
+        for name in modules()
+        if not name.startswith(SHOWS) and (name.startswith(also) or not name.startswith(ELSEWHERE))
+    }
+    return _digest(shared - own | {class_module(name, settings) for name in models})
 
 
 def code_that_shows() -> str:
     """Return a digest of the code and the other files of what is shown."""
     folder = Path(fprc.__path__[0])
-    files = [
-        folder / "config/published.yaml",
-        *folder.glob("claims/*.*"),
-        *folder.glob("figures/drawings/*"),
-        *folder.glob("stages/*.*"),
-    ]
-    data = (path.read_bytes() for path in sorted(files) if path.suffix != ".py")
-    code = _digest(name for name in modules() if name.startswith(SHOWS))
+    patterns = ("config/published.yaml", "claims/*.*", "figures/drawings/*", "stages/*.*")
+    files = sorted(path for pattern in patterns for path in folder.glob(pattern))
+    data = (path.read_bytes() for path in files if path.suffix != ".py")
+    code = _digest(f"fprc.{name}" for name in modules() if name.startswith(SHOWS))
     return hashlib.sha256(b"".join([code.encode(), *data])).hexdigest()[:16]
 
 
-@cache
 def modules() -> dict[str, Path]:
     """Return the files of this package by their modules, without ``fprc.``."""
     folder = Path(fprc.__path__[0])
     return {
         ".".join(path.relative_to(folder).with_suffix("").parts): path
-        for path in sorted(folder.rglob("*.py"))
+        for path in folder.rglob("*.py")
     }
 
 
 def _digest(names: Iterable[str]) -> str:
-    lines = sorted({f"{name} {_code_of(name.removeprefix('fprc.'))}" for name in names})
+    ours = {f"fprc.{name}": path for name, path in modules().items()}
+    files = {name: ours.get(name) or Path(sys.modules[name].__file__ or "") for name in names}
+    lines = (f"{name} {_code_of(path.read_bytes())}" for name, path in sorted(files.items()))
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
 
 
 @cache
-def _code_of(name: str) -> str:
-    """Return a hash of the code of a module of this package or of an imported one."""
-    path = modules().get(name) or Path(sys.modules[name].__file__ or "")
-    tree = ast.parse(path.read_bytes())
+def _code_of(source: bytes) -> str:
+    """Return code without docstrings and comments."""
+    tree = ast.parse(source)
     for node in ast.walk(tree):
         match getattr(node, "body", None):
             case [ast.Expr(ast.Constant(str())), *_] as body:
                 body.pop(0)
-    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+    return ast.dump(tree)

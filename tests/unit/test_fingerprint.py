@@ -7,17 +7,10 @@ from pathlib import Path
 import pytest
 
 import fprc
-from fprc import fingerprint
 from fprc.fingerprint import ELSEWHERE, SHOWS, code_that_computes, code_that_shows, modules
 from fprc.registry import MODELS
 
 PACKAGE = Path(fprc.__path__[0])
-
-
-def forget():
-    """Begin as a new process would."""
-    fingerprint.modules.cache_clear()
-    fingerprint._code_of.cache_clear()
 
 
 @pytest.fixture
@@ -27,10 +20,9 @@ def changed(tmp_path, monkeypatch):
     monkeypatch.setattr(fprc, "__path__", [str(tmp_path / "fprc")])
 
     def digests():
-        forget()
         return {
             "shows": code_that_shows(),
-            "studies": code_that_computes(also=["studies"]),
+            "studies": code_that_computes(also=("studies",)),
             "shared": code_that_computes(),
             **{name: code_that_computes(name) for name in MODELS},
         }
@@ -42,8 +34,7 @@ def changed(tmp_path, monkeypatch):
         path.write_text(old.replace(*replaced) if replaced else f"{old}\n{text}\n", "utf-8")
         return {name for name, digest in digests().items() if digest != before[name]}
 
-    yield edit
-    forget()
+    return edit
 
 
 COMPUTING = {"shared", "studies", *MODELS}
@@ -72,7 +63,6 @@ def test_model_from_outside_counts_by_the_file_of_its_class(tmp_path, monkeypatc
     settings = {"others": {"mine": other}}
     before = code_that_computes("mine", settings=settings)
     path.write_text(text.replace("1", "2"), encoding="utf-8")
-    forget()
     assert code_that_computes("mine", settings=settings) != before
     del sys.modules["outside_of_this"]
 
