@@ -157,20 +157,15 @@ def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceMo
     ConfigError
         There is no such model, its class cannot be imported, or it does not take the settings.
     """
-    others, parameters = models.get("others", {}), dict(entry_of(name, models).fixed)
-    if name in others:
-        parameters = others[name]["settings"]
-    else:
-        for key, value in settings_of(name, models).items():
-            parameters |= value if isinstance(value, Mapping) else {key: value}
+    parameters = dict(entry_of(name, models).fixed)
+    for key, value in settings_of(name, models).items():
+        parameters |= value if isinstance(value, Mapping) else {key: value}
+    if other := parameters.pop(name, None):  # of models.others
+        parameters = other["settings"]
     try:
         model = load_class(name, models)(**parameters | changed)
     except (TypeError, ValueError) as error:
-        if name in others:
-            raise ConfigError(f"models.others.{name}.settings: {error}") from error
-        if changed:
-            raise ConfigError(f"{name} with the settings {changed}: {error}") from error
-        raise
+        raise ConfigError(f"{name} with {parameters | changed}: {error}") from error
     if "random_state" in model.get_params():
         model.set_params(random_state=seed)
     return model
@@ -188,20 +183,16 @@ def load_class(name: str, models: Settings) -> Any:
     module, _, cls = path.rpartition(".")
     if name not in models.get("others", {}):
         return getattr(import_module(module), cls)
-    where = f"models.others.{name}.estimator: {path}"
     try:
         loaded = getattr(import_module(module), cls)
+        if not issubclass(loaded, import_module("fprc.models").SequenceModel) or isabstract(loaded):
+            raise TypeError("is no model")
     except Exception as error:  # the user's module may raise any error
         raise ConfigError(
-            f"{where} cannot be imported ({type(error).__name__}: {error}); give module.Class, and "
+            f"models.others.{name}.estimator = {path}: {type(error).__name__}: {error}; give the "
+            "module.Class of a fprc.models.SequenceModel with make_features and make_readout, and "
             "put the module's folder on PYTHONPATH"
         ) from error
-    base = import_module("fprc.models").SequenceModel
-    if not isinstance(loaded, type) or not issubclass(loaded, base) or isabstract(loaded):
-        raise ConfigError(
-            f"{where} is no model; derive a class from fprc.models.SequenceModel, with "
-            "make_features and make_readout"
-        )
     return loaded
 
 
