@@ -9,7 +9,6 @@
 LONG, ALONE = 1, workflow.cores + 1
 #: What tables, figures and pages are made with.
 SHOWS = code_that_shows()
-PATHS = PLAN.paths
 
 
 def computes(*models):
@@ -19,12 +18,12 @@ def computes(*models):
 
 def table(name):
     """Return the files of a table, named below the results: numbers, and pages with title and note."""
-    return [PATHS.below(f"{name}.{kind}") for kind in ("csv", "md", "tex", "json")]
+    return [f"{RESULTS}/{name}.{kind}" for kind in ("csv", "md", "tex", "json")]
 
 
 def figure(name, *numbers):
     """Return the files of a figure; with "csv" also the numbers that it shows."""
-    return [PATHS.below(f"figures/{name}.{kind}") for kind in ("pdf", "png", *numbers)]
+    return [f"{RESULTS}/figures/{name}.{kind}" for kind in ("pdf", "png", *numbers)]
 
 
 def behind(shown):

@@ -4,7 +4,7 @@
 TRACKED = [*REFERENCES, DISTURBANCE]
 #: The models that drive the closed loops; logs that were recorded elsewhere need none.
 DRIVEN_BY = (
-    [PATHS.judged("sweep", model)["fitted"] for model in PLAN.feedforward] if PLAN.records else []
+    [PLAN.judged("sweep", model)["fitted"] for model in PLAN.feedforward] if PLAN.records else []
 )
 
 
@@ -12,9 +12,9 @@ if PLAN.on_simulated_rig:
 
     rule record:
         output:
-            raw=PATHS.log("{experiment}"),
+            raw=f"{RAW}/{{experiment}}.h5",
         log:
-            PATHS.messages("record_{experiment}"),
+            f"{RESULTS}/logs/record_{{experiment}}.log",
         params:
             stage="stages.record.record",
             code=computes(),
@@ -33,12 +33,12 @@ if PLAN.on_simulated_rig:
             models=DRIVEN_BY,
         output:
             raw=[
-                PATHS.log(run_log(reference, controller))
+                f"{RAW}/{run_log(reference, controller)}.h5"
                 for reference in TRACKED
                 for controller in PLAN.controllers
             ],
         log:
-            PATHS.messages("track"),
+            f"{RESULTS}/logs/track.log",
         params:
             **pick(SETTINGS, "tracking", "control", "rig", "seed"),
             stage="stages.record.track",
@@ -55,15 +55,15 @@ if PLAN.on_simulated_rig:
 
 if SETTINGS["source"] == "rig":
 
-    FITTED = lambda wildcards: PATHS.judged("sweep", model_of_run(wildcards.name))["fitted"]
+    FITTED = lambda wildcards: PLAN.judged("sweep", model_of_run(wildcards.name))["fitted"]
 
     rule record_on_rig:
         input:
             lambda wildcards: [] if wildcards.name in EXPERIMENTS else [FITTED(wildcards)],
         output:
-            raw=PATHS.log("{name}"),
+            raw=f"{RAW}/{{name}}.h5",
         log:
-            PATHS.messages("record_on_rig_{name}"),
+            f"{RESULTS}/logs/record_on_rig_{{name}}.log",
         # no rule for a log that exists: it is neither recorded again nor overwritten
         wildcard_constraints:
             name="|".join(name for name in PLAN.every_log if name not in PLAN.existing) or "none",
@@ -84,10 +84,10 @@ rule preprocess:
     input:
         raw=lambda wildcards: PLAN.logs_of(wildcards.experiment),
     output:
-        data=PATHS.data("{experiment}"),
-        quality=PATHS.quality("{experiment}"),
+        data=f"{RESULTS}/data/{{experiment}}.h5",
+        quality=f"{RESULTS}/quality/{{experiment}}.json",
     log:
-        PATHS.messages("preprocess_{experiment}"),
+        f"{RESULTS}/logs/preprocess_{{experiment}}.log",
     params:
         stage="stages.preprocess.preprocess",
         code=computes(),

@@ -1,7 +1,7 @@
 # Sec. III-D: cross-validation, test and execution times of the models.
 # Result files are named after the training log; Table III trains on `complex`.
 
-BOTH_LOGS = {log: PATHS.data(log) for log in EXPERIMENTS}
+BOTH_LOGS = {log: f"{RESULTS}/data/{log}.h5" for log in EXPERIMENTS}
 
 
 rule judge:
@@ -9,11 +9,11 @@ rule judge:
         **BOTH_LOGS,
     output:
         **{
-            kind: [PATHS.judged(log, "{model}")[kind] for log in EXPERIMENTS]
+            kind: [PLAN.judged(log, "{model}")[kind] for log in EXPERIMENTS]
             for kind in ("errors", "fitted", "fits", "predictions")
         },
     log:
-        PATHS.messages("judge_{model}"),
+        f"{RESULTS}/logs/judge_{{model}}.log",
     params:
         name="{model}",
         validation=lambda wildcards: validation(SETTINGS, wildcards.model),
@@ -27,11 +27,11 @@ rule judge:
 
 rule replicate:
     output:
-        compared=PATHS.replicate("models", "{seed}"),
-        cells=PATHS.replicate("grids", "{seed}"),
-        measures=PATHS.replicate("control", "{seed}"),
+        compared=f"{RESULTS}/replicates/models_{{seed}}.json",
+        cells=f"{RESULTS}/replicates/grids_{{seed}}.json",
+        measures=f"{RESULTS}/replicates/control_{{seed}}.json",
     log:
-        PATHS.messages("replicate_{seed}"),
+        f"{RESULTS}/logs/replicate_{{seed}}.log",
     priority: LONG
     params:
         stage="stages.replicate.replicate",
@@ -50,10 +50,10 @@ rule measure_times:
     input:
         **BOTH_LOGS,
     output:
-        times=PATHS.below("timing/times.json"),
-        times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
+        times=f"{RESULTS}/timing/times.json",
+        times_over_n_c=f"{RESULTS}/timing/times_over_n_c.json",
     log:
-        PATHS.messages("measure_times"),
+        f"{RESULTS}/logs/measure_times.log",
     priority: ALONE
     threads: workflow.cores
     params:
@@ -73,9 +73,9 @@ rule grid:  # of logs that have no further seeds
     input:
         **BOTH_LOGS,
     output:
-        cells=PATHS.below("grids.json"),
+        cells=f"{RESULTS}/grids.json",
     log:
-        PATHS.messages("grid"),
+        f"{RESULTS}/logs/grid.log",
     priority: LONG
     params:
         stage="stages.models.grid",

@@ -25,7 +25,7 @@ rule draw_without_data:
         **{target: figure(name) for target, name in SCHEMATICS.items()},
         table1=table("tables/table1"),
     log:
-        PATHS.messages("draw_without_data"),
+        f"{RESULTS}/logs/draw_without_data.log",
     params:
         stage="stages.tabulate.tabulate_settings",
         code=SHOWS,
@@ -38,15 +38,12 @@ rule draw_without_data:
 
 rule tabulate_models:
     input:
-        **{
-            log: [PATHS.judged(log, model)["errors"] for model in PLAN.models]
-            for log in EXPERIMENTS
-        },
-        quality=[PATHS.quality(log) for log in EXPERIMENTS],
+        **{log: [PLAN.judged(log, model)["errors"] for model in PLAN.models] for log in EXPERIMENTS},
+        quality=[f"{RESULTS}/quality/{log}.json" for log in EXPERIMENTS],
     output:
         **PLAN.possible(table2=table("tables/table2"), table3=table("tables/table3")),
     log:
-        PATHS.messages("tabulate_models"),
+        f"{RESULTS}/logs/tabulate_models.log",
     params:
         stage="stages.tabulate.tabulate_models",
         code=SHOWS,
@@ -59,11 +56,11 @@ rule tabulate_models:
 
 rule tabulate_times:
     input:
-        times=PATHS.below("timing/times.json"),
+        times=f"{RESULTS}/timing/times.json",
     output:
         **PLAN.possible(timing=table("timing/table2_timing")),
     log:
-        PATHS.messages("tabulate_times"),
+        f"{RESULTS}/logs/tabulate_times.log",
     params:
         stage="stages.tabulate.tabulate_times",
         code=SHOWS,
@@ -87,7 +84,7 @@ rule tabulate_seeds:
             ]
         ),
     log:
-        PATHS.messages("tabulate_seeds"),
+        f"{RESULTS}/logs/tabulate_seeds.log",
     params:
         stage="stages.tabulate.tabulate_seeds",
         code=SHOWS,
@@ -106,7 +103,7 @@ rule draw_hysteresis:
             fig4=figure("fig04_hysteresis_actuator"), fig5=figure("fig05_hysteresis_reservoir")
         ),
     log:
-        PATHS.messages("draw_hysteresis"),
+        f"{RESULTS}/logs/draw_hysteresis.log",
     params:
         stage="figures.hysteresis.draw_hysteresis",
         code=SHOWS,
@@ -118,11 +115,11 @@ rule draw_hysteresis:
 
 rule draw_training:
     input:
-        **pick(PATHS.judged("sweep", "fprc"), "fits", "predictions"),
+        **pick(PLAN.judged("sweep", "fprc"), "fits", "predictions"),
     output:
         **PLAN.possible(fig8=figure("fig08_training", "csv")),
     log:
-        PATHS.messages("draw_training"),
+        f"{RESULTS}/logs/draw_training.log",
     params:
         stage="figures.loops.draw_training",
         code=SHOWS,
@@ -134,11 +131,11 @@ rule draw_training:
 
 rule draw_weights:
     input:
-        train=PATHS.data("sweep"),
+        train=f"{RESULTS}/data/sweep.h5",
     output:
         **PLAN.possible(fig9=figure("fig09_weights", "csv")),
     log:
-        PATHS.messages("draw_weights"),
+        f"{RESULTS}/logs/draw_weights.log",
     params:
         stage="stages.draw.draw_weights",
         code=[computes("fprc"), SHOWS],
@@ -152,11 +149,11 @@ rule draw_weights:
 rule draw_grids:
     input:
         grids=PLAN.grids,
-        times=PATHS.below("timing/times_over_n_c.json"),
+        times=f"{RESULTS}/timing/times_over_n_c.json",
     output:
         **PLAN.possible(fig10=figure("fig10_settings", "csv"), fig11=figure("fig11_taps", "csv")),
     log:
-        PATHS.messages("draw_grids"),
+        f"{RESULTS}/logs/draw_grids.log",
     priority: LONG  # its execution times are measured last, and the report waits for it
     params:
         stage="figures.grids.draw_grids",
@@ -169,11 +166,11 @@ rule draw_grids:
 
 rule draw_loops:
     input:
-        runs=[PATHS.log(run) for run in PLAN.runs],
+        runs=[f"{RAW}/{run}.h5" for run in PLAN.runs],
     output:
         **PLAN.possible(**LOOPS),
     log:
-        PATHS.messages("draw_loops"),
+        f"{RESULTS}/logs/draw_loops.log",
     params:
         stage="stages.draw.draw_loops",
         code=SHOWS,
@@ -192,12 +189,12 @@ rule ledger:
         replicates=PLAN.replicates("models"),
         grids=PLAN.replicates("grids"),
         controls=PLAN.replicates("control"),
-        times=PATHS.below("timing/times.json"),
-        times_over_n_c=PATHS.below("timing/times_over_n_c.json"),
+        times=f"{RESULTS}/timing/times.json",
+        times_over_n_c=f"{RESULTS}/timing/times_over_n_c.json",
     output:
-        **PLAN.possible(claims=[PATHS.below("claims.json"), PATHS.below("claims.csv")]),
+        **PLAN.possible(claims=[f"{RESULTS}/claims.json", f"{RESULTS}/claims.csv"]),
     log:
-        PATHS.messages("ledger"),
+        f"{RESULTS}/logs/ledger.log",
     params:
         stage="stages.tabulate.write_ledger",
         code=SHOWS,
@@ -236,13 +233,13 @@ DRAWN = {
 
 rule report_page:
     input:
-        ledger=[PATHS.below("claims.json")] if "claims" in MADE else [],
+        ledger=[f"{RESULTS}/claims.json"] if "claims" in MADE else [],
         tables=PAGES,
         figures=list(DRAWN),
     output:
-        html=PATHS.below("report.html"),
+        html=f"{RESULTS}/report.html",
     log:
-        PATHS.messages("report_page"),
+        f"{RESULTS}/logs/report_page.log",
     params:
         stage="stages.report.write_report",
         code=SHOWS,
@@ -255,8 +252,8 @@ rule report_page:
         "../scripts/stage.py"
 
 
-TARGETS["report"] = [PATHS.below("report.html"), *sorted(set(sum(TARGETS.values(), [])))]
-TARGETS["logs"] = [PATHS.log(experiment) for experiment in PLAN.experiments]
+TARGETS["report"] = [f"{RESULTS}/report.html", *sorted(set(sum(TARGETS.values(), [])))]
+TARGETS["logs"] = [f"{RAW}/{experiment}.h5" for experiment in PLAN.experiments]
 
 for target, files in TARGETS.items():
 
@@ -276,7 +273,7 @@ for target in PLAN.unavailable:
         name:
             target
         log:
-            PATHS.messages(target),
+            f"{RESULTS}/logs/{target}.log",
         localrule: True
         message:
             PLAN.refusal(target)

@@ -8,11 +8,11 @@ IN_CHECKOUT = os.path.normpath(FOLDER) == "workflow/studies"
 rule beyond_page:
     input:
         # each table by its block in the documentation
-        **{f"beyond_{name}": PATHS.below(f"beyond/{name}.md") for name in PAGES_BEYOND},
-        figures=[PATHS.below("beyond/figure_pairs.png")],
+        **{f"beyond_{name}": f"{RESULTS}/beyond/{name}.md" for name in PAGES_BEYOND},
+        figures=[f"{RESULTS}/beyond/figure_pairs.png"],
         made_from=STUDY_TARGETS["beyond"],
     log:
-        PATHS.messages("beyond_page"),
+        f"{RESULTS}/logs/beyond_page.log",
     localrule: True
     params:
         stage="studies.pages.update_pages",
@@ -27,12 +27,12 @@ rule beyond_page:
 
 use rule beyond_page as drift_page with:
     input:
-        online_verdicts=PATHS.below("online/verdicts.md"),
-        online_errors=PATHS.below("online/errors.md"),
-        figures=[PATHS.below("online/figure.png")],
+        online_verdicts=f"{RESULTS}/online/verdicts.md",
+        online_errors=f"{RESULTS}/online/errors.md",
+        figures=[f"{RESULTS}/online/figure.png"],
         made_from=STUDY_TARGETS["online"],
     log:
-        PATHS.messages("drift_page"),
+        f"{RESULTS}/logs/drift_page.log",
     params:
         pages=["docs/drift.md"],
         pictures=["docs/images/drift.png"],
@@ -47,11 +47,11 @@ if PLAN.on_simulated_rig:
     use rule beyond_page as readme with:
         input:
             **SHOWN_IN_README,
-            verdicts=PATHS.below("claims.json"),
-            figures=[PATHS.below("claims.csv")],
+            verdicts=f"{RESULTS}/claims.json",
+            figures=[f"{RESULTS}/claims.csv"],
             made_from=TARGETS["report"],
         log:
-            PATHS.messages("readme"),
+            f"{RESULTS}/logs/readme.log",
         params:
             pages=["README.md", "docs/results.md"],
             pictures=["docs/claims.csv"],
@@ -60,12 +60,12 @@ if PLAN.on_simulated_rig:
 
     rule check:
         input:
-            ledger=PATHS.below("claims.json"),
+            ledger=f"{RESULTS}/claims.json",
             # README shows the results of the paper's settings, in the checkout
             pages=list(SHOWN_IN_README.values()) if IN_CHECKOUT and RESULTS == "results" else [],
             verdicts=str(TEXTS),
         log:
-            PATHS.messages("check"),
+            f"{RESULTS}/logs/check.log",
         localrule: True
         params:
             stage="studies.pages.check_results",

@@ -6,9 +6,9 @@ rule judge_family:
     input:
         ensemble=ENSEMBLE,
     output:
-        judged=PATHS.below("{study}/{family}.json"),
+        judged=f"{RESULTS}/{{study}}/{{family}}.json",
     log:
-        PATHS.messages("judge_{study}_{family}"),
+        f"{RESULTS}/logs/judge_{{study}}_{{family}}.log",
     wildcard_constraints:
         study="|".join(STUDIES),
         family="|".join(FAMILIES),
@@ -33,12 +33,12 @@ rule judge_family:
 
 rule count_members:
     input:
-        judged=PATHS.below("families/ensemble.json"),
+        judged=f"{RESULTS}/families/ensemble.json",
         published=PUBLISHED,
     output:
-        members=PATHS.below("families/members.json"),
+        members=f"{RESULTS}/families/members.json",
     log:
-        PATHS.messages("count_members"),
+        f"{RESULTS}/logs/count_members.log",
     params:
         stage="studies.family.count_members",
         code=SHOWS,
@@ -50,13 +50,13 @@ rule count_members:
 
 rule tabulate_beyond:
     input:
-        families=expand(PATHS.below("beyond/{family}.json"), family=FAMILIES),
+        families=expand(f"{RESULTS}/beyond/{{family}}.json", family=FAMILIES),
     output:
-        **{name: PATHS.below(f"beyond/{name}.csv") for name in PAGES_BEYOND[:2]},
-        pages=expand(PATHS.below("beyond/{page}.md"), page=PAGES_BEYOND),
-        figure=[PATHS.below("beyond/figure_pairs.pdf"), PATHS.below("beyond/figure_pairs.png")],
+        **{name: f"{RESULTS}/beyond/{name}.csv" for name in PAGES_BEYOND[:2]},
+        pages=expand(f"{RESULTS}/beyond/{{page}}.md", page=PAGES_BEYOND),
+        figure=[f"{RESULTS}/beyond/figure_pairs.pdf", f"{RESULTS}/beyond/figure_pairs.png"],
     log:
-        PATHS.messages("tabulate_beyond"),
+        f"{RESULTS}/logs/tabulate_beyond.log",
     params:
         stage="studies.beyond.tabulate_beyond",
         code=SHOWS,
@@ -69,13 +69,13 @@ rule tabulate_beyond:
 
 rule tabulate_online:
     input:
-        families=expand(PATHS.below("online/{family}.json"), family=FAMILIES),
+        families=expand(f"{RESULTS}/online/{{family}}.json", family=FAMILIES),
     output:
         verdicts=table("online/verdicts")[:2],
         errors=table("online/errors")[:2],
-        figure=[PATHS.below("online/figure.pdf"), PATHS.below("online/figure.png")],
+        figure=[f"{RESULTS}/online/figure.pdf", f"{RESULTS}/online/figure.png"],
     log:
-        PATHS.messages("tabulate_online"),
+        f"{RESULTS}/logs/tabulate_online.log",
     params:
         stage="studies.online.tabulate_online",
         code=SHOWS,

@@ -64,57 +64,11 @@ def title_of_result(target: str) -> str:
 
 
 @dataclass(frozen=True)
-class Paths:
-    """Files below the folders ``raw`` and ``results``; arguments may be wildcards."""
-
-    raw: str
-    results: str
-
-    def below(self, name: str) -> str:
-        """Return a file below the results folder."""
-        return f"{self.results}/{name}"
-
-    def log(self, name: str) -> str:
-        """Return the raw log of an experiment or a run."""
-        return f"{self.raw}/{name}.h5"
-
-    def messages(self, name: str) -> str:
-        """Return the file of a job's messages."""
-        return self.below(f"logs/{name}.log")
-
-    def data(self, experiment: str) -> str:
-        """Return the preprocessed log of an experiment."""
-        return self.below(f"data/{experiment}.h5")
-
-    def quality(self, experiment: str) -> str:
-        """Return the quality record of a raw log."""
-        return self.below(f"quality/{experiment}.json")
-
-    def judged(self, experiment: str, model: str) -> dict[str, str]:
-        """Return the files of ``fprc.stages.models.judge``, by its arguments, for one log."""
-        return {
-            "errors": self.below(f"crossval/{experiment}_{model}.json"),
-            "fitted": self.below(f"models/{experiment}_{model}.h5"),
-            "fits": self.below(f"predictions/{experiment}_{model}_train.h5"),
-            "predictions": self.below(f"predictions/{experiment}_{model}_test.h5"),
-        }
-
-    def replicate(self, part: str, seed: int | str) -> str:
-        """Return the report of a further seed; part: models, grids or control."""
-        return self.below(f"replicates/{part}_{seed}.json")
-
-
-@dataclass(frozen=True)
 class Plan:
     """Models and runs of the workflow, and the results that cannot be made."""
 
     settings: Settings  #: the whole configuration
     existing: Mapping[str, Columns]  #: the existing raw logs, without samples, by name
-
-    @cached_property
-    def paths(self) -> Paths:
-        """Every file of the workflow."""
-        return Paths(**dict(self.settings.folders))
 
     @cached_property
     def section_models(self) -> dict[str, Any]:
@@ -162,7 +116,7 @@ class Plan:
         source = {"source": self.settings.source}
         for name in self.every_log if self.records else ():
             if self.on_simulated_rig or name not in logs:
-                logs[name] = Columns(Path(self.paths.log(name)), {}, source, names=channels)
+                logs[name] = Columns(Path(self.log(name)), {}, source, names=channels)
         return logs
 
     @cached_property
@@ -180,7 +134,7 @@ class Plan:
         """Results that cannot be made, with their reasons."""
         reasons = {name: self._why_not(need) for name, need in NEEDS.items()}
         if not self.runs:
-            every = self.paths.log(run_log("*", "*"))
+            every = self.log(run_log("*", "*"))
             reasons["table4"] = f"needs closed-loop logs {every}; there is none"
         if not self.on_simulated_rig:
             reasons |= {name: need.on_rigs for name, need in NEEDS.items() if need.on_rigs}
@@ -191,7 +145,7 @@ class Plan:
         logs = self.contents
         absent = [f"{name}.h5" for name in need.logs if name not in logs]
         if absent:
-            return f"needs {in_words(absent)} in {self.paths.raw}"
+            return f"needs {in_words(absent)} in {self.settings.folders.raw}"
         lacking = [
             f"{channel} in {name}.h5"
             for name in need.logs
@@ -199,6 +153,23 @@ class Plan:
             if channel not in logs[name].names
         ]
         return f"needs {in_words(lacking)}" if lacking else None
+
+    @property
+    def _results(self) -> str:
+        return self.settings.folders.results
+
+    def log(self, name: str) -> str:
+        """Return the file of a raw log."""
+        return f"{self.settings.folders.raw}/{name}.h5"
+
+    def judged(self, experiment: str, model: str) -> dict[str, str]:
+        """Return the files of ``fprc.stages.models.judge``, by its arguments, for one log."""
+        return {
+            "errors": f"{self._results}/crossval/{experiment}_{model}.json",
+            "fitted": f"{self._results}/models/{experiment}_{model}.h5",
+            "fits": f"{self._results}/predictions/{experiment}_{model}_train.h5",
+            "predictions": f"{self._results}/predictions/{experiment}_{model}_test.h5",
+        }
 
     def possible(self, **files: list[str]) -> dict[str, list[str]]:
         """Return those of the results, named with their files, that can be made."""
@@ -237,26 +208,26 @@ class Plan:
     def replicates(self, part: str) -> list[str]:
         """Return one part of each further seed's report."""
         seeds = self.settings.evaluation.replicate_seeds
-        return [self.paths.replicate(part, seed) for seed in seeds]
+        return [f"{self._results}/replicates/{part}_{seed}.json" for seed in seeds]
 
     @property
     def grids(self) -> list[str]:
         """Reports that Figs. 10 and 11 show: of further seeds, or of the logs of one rig."""
         if self.on_simulated_rig:
             return self.replicates("grids")
-        return [self.paths.below("grids.json")]
+        return [f"{self._results}/grids.json"]
 
     def logs_of(self, experiment: str) -> list[str]:
         """Return the raw logs of an experiment."""
         further = self.further if experiment == TRAINING else []
-        return [self.paths.log(name) for name in (experiment, *further)]
+        return [self.log(name) for name in (experiment, *further)]
 
     @property
     def data(self) -> list[str]:
         """Raw and preprocessed logs of the experiments."""
         logs = self.experiments
         raw = [file for log in logs for file in self.logs_of(log)]
-        return [*raw, *map(self.paths.data, logs)]
+        return [*raw, *(f"{self._results}/data/{name}.h5" for name in logs)]
 
 
 def read_plan(settings: Settings) -> Plan:
@@ -275,7 +246,7 @@ def read_plan(settings: Settings) -> Plan:
     names = [name for name in empty.every_log if (raw / f"{name}.h5").exists()]
     if not empty.records:
         names += [path.stem for path in raw.glob("*.h5") if _is_further(path.stem)]
-    read = read_each(read_columns, [empty.paths.log(name) for name in names], names=())
+    read = read_each(read_columns, [empty.log(name) for name in names], names=())
     plan = Plan(settings, dict(zip(names, read, strict=True)))
     wrong = [
         f"{log.path}: its source is not {settings.source}, so it is not overwritten; move it away, "
