@@ -1,6 +1,5 @@
 import importlib.util
 import shutil
-from pathlib import Path
 
 import numba
 import pytest
@@ -26,10 +25,10 @@ def package(tmp_path):
 def kernel_of(package):
     """Compile a function of one of the package's modules."""
 
-    def build(formula="2.0 * x"):
+    def build():
         path = package / "of_one_line.py"
         if not path.exists():
-            path.write_text(f"def f(x):\n    return {formula}\n", encoding="utf-8")
+            path.write_text("def f(x):\n    return 2.0 * x\n", encoding="utf-8")
         spec = importlib.util.spec_from_file_location(path.stem, path)
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
@@ -38,31 +37,23 @@ def kernel_of(package):
     return build
 
 
-@pytest.mark.parametrize("module", [compiled, control_laws])
-def test_cache_folder_changes_with_how_it_is_compiled_and_with_the_laws(
-    package, module, tmp_path, monkeypatch
-):
-    before = compiled._cache_folder(package)
-    for source in (compiled, control_laws):
-        shutil.copy(source.__file__, tmp_path)
-    monkeypatch.setattr(compiled, "__file__", str(tmp_path / "compiled.py"))
-    assert compiled._cache_folder(package) == before
-    with open(tmp_path / Path(module.__file__).name, "a") as file:
-        file.write("# changed\n")
-    assert compiled._cache_folder(package) != before
-
-
-def test_cache_cannot_go_stale_in_a_folder_of_the_users_choice(
-    package, kernel_of, tmp_path, monkeypatch
+@pytest.mark.parametrize("source", ["friction", "control_laws", "compiled"])
+def test_cache_goes_with_any_source_of_the_package_the_laws_or_how_it_is_compiled(
+    package, kernel_of, tmp_path, monkeypatch, source
 ):
     chosen = tmp_path / "chosen"
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(chosen))
+    for ours in (compiled, control_laws):
+        shutil.copy(ours.__file__, tmp_path)
+    monkeypatch.setattr(compiled, "__file__", str(tmp_path / "compiled.py"))
     kernel_of()(1.0)
-    old = set(chosen.rglob("*.nbi"))
-    assert len(old) == 1
-    (package / "friction.py").write_text("# rewritten\n", encoding="utf-8")
     kernel_of()(1.0)
-    assert len(set(chosen.rglob("*.nbi")) - old) == 1
+    assert len(set(chosen.rglob("*.nbi"))) == 1
+    folder = package if source == "friction" else tmp_path
+    with open(folder / f"{source}.py", "a", encoding="utf-8") as file:
+        file.write("# changed\n")
+    kernel_of()(1.0)
+    assert len(set(chosen.rglob("*.nbi"))) == 2
 
 
 @pytest.mark.parametrize("kind", ["*.nbi", "*.nbc"])

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from fprc.config import check
 from fprc.datasets import load_hysteresis
 from fprc.errors import ConfigError
-from fprc.logs import read_columns, write_raw
+from fprc.logs import read_columns
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = check({}).model_dump(mode="json")
@@ -29,23 +29,9 @@ def test_data_are_those_of_the_workflow(sweep, make_data, tmp_path):
     assert_array_equal(sweep.target, ours["p_target_kpa"])
 
 
-def test_imported_log_may_lack_p_o_and_hold_another_quantity(channels, tmp_path):
-    kept = {name: channels[name] for name in ("time_s", "theta_deg", "p_exp_kpa")}
-    notes = {"p_exp_kpa": "not in kPa: torque [N m]"}
-    write_raw(
-        tmp_path / "sweep.h5", kept, experiment="sweep", source="import", sample_rate_hz=200.0,
-        seed=0, software="test", rig={}, notes=notes,
-    )  # fmt: skip
-    loaded = load_hysteresis("sweep", raw=tmp_path / "sweep.h5")
-    assert_array_equal(loaded.data, kept["theta_deg"][:, None])
-    assert_array_equal(loaded.target, kept["p_exp_kpa"])
-    assert loaded.units == {"time_s": "s", "theta_deg": "deg", "p_exp_kpa": "N m"}
-    assert loaded.source == "import"
-
-
 @pytest.mark.parametrize(
     "wrong",
-    [{"experiment": "sine"}, {"target": "P_exp"}, {"seed": -1}, {"rig": "papr"},
+    [{"experiment": "sine"}, {"seed": -1}, {"rig": "papr"},
      {"rig": {"leek": 1}}],
 )  # fmt: skip
 def test_wrong_argument_is_refused(wrong):
