@@ -40,7 +40,7 @@ def test_simulated_log_is_not_taken_for_the_real_rigs(project):
     put(project, "sweep", "sim")
     done = project.snakemake("--dry-run", "table2", "--config", *OF_THEIR_OWN)
     assert done.returncode != 0
-    assert re.search(r"sweep\.h5: is a log of the simulated rig.*folders\.raw", done.stdout)
+    assert re.search(r"sweep\.h5: its source is not rig.*folders\.raw", done.stdout)
 
 
 def test_real_rig_is_not_started_unless_armed(project):
