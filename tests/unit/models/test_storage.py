@@ -1,7 +1,6 @@
 import json
 import os
 from fractions import Fraction
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -131,7 +130,7 @@ def test_file_that_is_no_model_is_named(content, path):
 def test_file_larger_than_any_model_is_not_read(path):
     path.touch()
     os.truncate(path, 10**12)
-    with pytest.raises(FprcError, match=r"model\.h5: has 1,000,.* at most 150,000,000"):
+    with pytest.raises(FprcError, match="at most 150,000,000"):
         load_model(path)
 
 
@@ -222,26 +221,20 @@ def test_wrong_text_is_named(model, change, named, path):
         load_model(path)
 
 
+#: What takes the place of an array: other numbers, or numbers that do not lie in the file.
 ARRAYS = {
     "fewer rules": lambda file, name, x: file.__setitem__(name, x[:2]),
     "no axis": lambda file, name, x: file.__setitem__(name, 1.0),
     "big-endian": lambda file, name, x: file.__setitem__(name, x.astype(">f8")),
-    "complex": lambda file, name, x: file.__setitem__(name, x + 1j),
     "text": lambda file, name, x: file.__setitem__(name, x.astype("S8")),
-    "infinity": lambda file, name, x: file.__setitem__(name, x / 0.0),
+    "infinity": lambda file, name, x: file.__setitem__(name, x + np.inf),
     "huge": lambda file, name, x: file.__setitem__(name, x * 1e200),
     "gone": lambda file, name, x: None,
     "soft link": lambda file, name, x: file.__setitem__(name, h5py.SoftLink("/model")),
     "link": lambda file, name, x: file.__setitem__(name, h5py.ExternalLink("o.h5", "/x")),
-    "link to a pipe": lambda file, name, x: file.__setitem__(
-        name, h5py.ExternalLink(Path(file.filename).with_name("pipe"), "/x")
-    ),
-    "kept in another file": lambda file, name, x: file.create_dataset(
-        name, x.shape, "f8", external=[(elsewhere(file, x), 0, x.nbytes)]
-    ),
-    "kept in a pipe": lambda file, name, x: file.create_dataset(
-        name, x.shape, "f8", external=[(Path(file.filename).with_name("pipe"), 0, x.nbytes)]
-    ),
+    "link to a pipe": lambda file, name, x: file.__setitem__(name, h5py.ExternalLink("pipe", "x")),
+    "in another file": lambda file, name, x: put_outside(file, name, x, "raw.bin"),
+    "in a pipe": lambda file, name, x: put_outside(file, name, x, "pipe"),
     "virtual": lambda file, name, x: file.create_virtual_dataset(name, of_another_file(x)),
     "compressed": lambda file, name, x: file.create_dataset(name, data=x, compression="gzip"),
     "chunk of 1 GB": lambda file, name, x: file.create_dataset(
@@ -252,10 +245,9 @@ ARRAYS = {
 }
 
 
-def elsewhere(file, x):
-    raw = Path(file.filename).with_name("raw.bin")
-    x.tofile(raw)
-    return raw
+def put_outside(file, name, x, where):
+    x.tofile("raw.bin")
+    file.create_dataset(name, x.shape, "f8", external=[(where, 0, x.nbytes)])
 
 
 def of_another_file(x):
@@ -265,10 +257,11 @@ def of_another_file(x):
 
 
 @pytest.mark.parametrize("change", ARRAYS.values(), ids=ARRAYS)
-def test_wrong_array_is_refused(change, saved, path):
-    os.mkfifo(path.with_name("pipe"))
+def test_wrong_array_is_refused(change, saved, path, monkeypatch):
+    monkeypatch.chdir(path.parent)
+    os.mkfifo("pipe")
     name = "readout_.W_out_"
-    with h5py.File(path, "a") as file, np.errstate(divide="ignore", invalid="ignore"):
+    with h5py.File(path, "a") as file:
         values = file[name][()]
         del file[name]
         change(file, name, values)
