@@ -94,14 +94,12 @@ def compiled(fitted, tmp_path_factory):
     """A function that compiles a model, once, and returns a new stream of it."""
 
     @cache
-    def build(name, command, single):
-        options = FLOAT if single else ()
+    def build(name, command, *options):
         return library_of(c_header(fitted[name], "pff"), command, tmp_path_factory, *options)
 
-    def begin(name, command=C99, single=False):
-        return Stream(build(name, command, single), np.float32 if single else np.float64)
-
-    return begin
+    return lambda name, command=C99, *options: Stream(
+        build(name, command, *options), np.float32 if options else np.float64
+    )
 
 
 def library_of(header, command, tmp_path_factory, *options):
@@ -158,7 +156,7 @@ def test_compiled_header_steps_as_the_model_does(name, command, fitted, compiled
 @pytest.mark.parametrize("command", [C99, CPP], ids=["c99", "c++"])
 def test_float_agrees_to_the_digits_of_float(command, fitted, compiled):
     X = recording(500, 2, seed=2)
-    exact, got = steps(fitted["fprc"], X), steps(compiled("fprc", command, single=True), X)
+    exact, got = steps(fitted["fprc"], X), steps(compiled("fprc", command, *FLOAT), X)
     assert 0.0 < np.abs(got - exact).max() < 0.05
 
 
