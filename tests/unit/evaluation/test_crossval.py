@@ -138,16 +138,10 @@ def test_rmse_is_the_root_of_the_mean_square():
     assert rmse(np.array([0.0, 0.0, 0.0, 0.0]), np.array([1.0, -1.0, 5.0, -3.0])) == 3.0
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_output_that_is_not_finite_is_refused(value):
-    with pytest.raises(EvaluationError, match="nan|inf"):
-        rmse(np.zeros(3), np.array([0.0, value, 0.0]))
-
-
-@pytest.mark.parametrize("shape", [(3, 1), (1,), (2,)])
-def test_arrays_of_different_shapes_are_refused(shape):
-    with pytest.raises((EvaluationError, ValueError)):
-        rmse(np.arange(3.0), np.zeros(shape))
+@pytest.mark.parametrize("output", [[0, np.nan, 0], [0, -np.inf, 0], [0, 0], [[0], [0], [0]]])
+def test_output_that_is_not_finite_or_of_another_shape_is_refused(output):
+    with pytest.raises(EvaluationError):
+        rmse(np.zeros(3), np.array(output, dtype=float))
 
 
 def log():
@@ -163,10 +157,8 @@ def pressure():
 def test_ridge_that_learns_in_blocks_finds_the_same_errors_and_outputs():
     samples = 11_000  # more than a block of states
     time = np.arange(samples) / 200.0
-    X, y = (
-        30.0 + 20.0 * np.sin(time)[:, None],
-        175.0 + 100.0 * np.sin(time - 0.3) + np.cos(9 * time),
-    )
+    X = 30.0 + 20.0 * np.sin(time)[:, None]
+    y = 175.0 + 100.0 * np.sin(time - 0.3) + np.cos(9 * time)
     model, lengths = ESN(r=8, random_state=0), [10_500, 500]
     folds = split_rows(samples, 4, "shuffled", seed=1)
     kept = crossval.prepare(model, {"train": (X, y, lengths)}).cross_validated("train", folds)

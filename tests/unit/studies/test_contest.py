@@ -70,6 +70,7 @@ def fprc(logs):
 def test_errors_are_those_of_the_model_by_itself(judged, fprc, logs):
     X, y, _ = logs["complex"].samples("fprc")
     assert judged["fprc"]["forward"] == pytest.approx(rmse(y, fprc.predict(X)))
+    assert judged["fprc"]["forward/-2"] == pytest.approx(rmse(y, fprc.predict(X - [0.0, 2.0])))
     backward = FPRC(random_state=SEED).fit(X, y)
     X, y, _ = logs["sweep"].samples("fprc")
     assert judged["fprc"]["reversed"] == pytest.approx(rmse(y, backward.predict(X)))
@@ -88,18 +89,9 @@ def test_offset_of_p_o_reaches_the_tracking_of_fprc(judged, fprc, on_rig, tracki
     assert set(judged["fuzzy_linear"]) == {"train", "forward", "reversed", *expected}
 
 
-def test_shifted_p_o_is_the_models_input(judged, fprc, logs):
-    X, y, _ = logs["complex"].samples("fprc")
-    own = judged["fprc"]
-    assert own["forward/-2"] == pytest.approx(rmse(y, fprc.predict(X - [0.0, 2.0])))
-
-
-def test_families_are_judged_on_unseen_blocks_too(judged):
+def test_unseen_blocks_and_memory_are_measured_too(judged):
     assert 0.5 < judged["plays_p_o"]["blocks"] / judged["plays_p_o"]["train"] < 4.0
     assert judged["fprc"]["blocks"] > 0.0
-
-
-def test_memory_of_p_o_is_beside_that_of_theta(judged):
     assert judged["threshold"] == {"nonlinear": 0.1}
     for name in ("p_o", "theta"):
         assert 0.0 < judged[name]["memory_s"] < 5.0
