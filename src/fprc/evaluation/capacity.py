@@ -100,9 +100,8 @@ def capacity(
     """
     states, inputs = np.asarray(state, dtype=float), np.asarray(u, dtype=float)
     states = states.reshape(len(states), -1)
-    if inputs.shape != (len(states),) or not (
-        np.isfinite(states).all() and np.isfinite(inputs).all()
-    ):
+    finite = np.isfinite(states).all() and np.isfinite(inputs).all()
+    if inputs.shape != (len(states),) or not finite:
         raise EvaluationError("the state and the input must be finite, and of the same length")
     if len(inputs) < 2 * (lags * spacing + taps) + 10 * (shifts + 1):
         raise EvaluationError(
@@ -112,22 +111,23 @@ def capacity(
     inputs = (inputs - inputs.mean()) / (inputs.std() or 1.0)
     reach = max((lags - 1) * spacing, taps - 1)
     past = np.lib.stride_tricks.sliding_window_view(inputs, reach + 1)[:, ::-1]
-    states = states[reach:]
+    own, spaced = past[:, :taps], past[:, : (lags - 1) * spacing + 1 : spacing]
+    basis = _basis(states[reach:])
+    # of the states at other times, which span what their rolled basis spans
     moved = [
-        np.roll(states, round(share * len(states)), axis=0)
+        np.roll(basis, round(share * len(basis)), axis=0)
         for share in np.linspace(0.0, 1.0, shifts + 2)[1:-1]
     ]
-    spaced = past[:, : (lags - 1) * spacing + 1 : spacing]
-    targets, rank = _capacities(states, moved, spaced, spacing, degree, most)
-    curve = _memory(states, past[:, :taps], spaced)
-    chance = np.max([_memory(other, past[:, :taps], spaced) for other in moved], axis=0)
+    names = [*_products(lags, degree, most)]
+    shares = _capacities(basis, moved, [spaced[:, list(name)].prod(axis=1) for name in names])
+    targets = {tuple(spacing * k for k in name): x for name, x in zip(names, shares, strict=True)}
+    curve = _memory(basis, own, spaced)
+    chance = np.max([_memory(other, own, spaced) for other in moved], axis=0)
     memory = np.where(curve > np.maximum(chance, 0.0), curve, 0.0)
-    sums = np.zeros(degree)
-    for factors, share in targets.items():
-        sums[len(factors) - 1] += share
-    area = float(memory.sum()) * spacing / rate_hz
-    lags_s = np.arange(lags) * spacing / rate_hz
-    return Capacity(sums, targets, rank, lags_s, memory, area)
+    sums = np.bincount([len(name) - 1 for name in names], shares, degree)
+    step_s = spacing / rate_hz
+    lags_s, area = np.arange(lags) * step_s, float(memory.sum()) * step_s
+    return Capacity(sums, targets, basis.shape[1], lags_s, memory, area)
 
 
 def filtered_capacity(signal: np.ndarray, theta: np.ndarray, rate_hz: float) -> Capacity:
@@ -139,23 +139,16 @@ def filtered_capacity(signal: np.ndarray, theta: np.ndarray, rate_hz: float) -> 
 
 
 def _capacities(
-    states: np.ndarray, moved: Sequence[np.ndarray], past: np.ndarray, spacing: int, degree: int,
-    most: int,
-) -> tuple[dict[tuple[int, ...], float], int]:  # fmt: skip
-    names = [*_products(past.shape[1], degree, most)]
-    products = np.column_stack([past[:, list(name)].prod(axis=1) for name in names])
-    goals, sizes = np.linalg.qr(np.column_stack([np.ones(len(products)), products]))
-    left = np.abs(np.diag(sizes))[1:] > _RANK * np.linalg.norm(products, axis=0)
-    goals = goals[:, 1:]
-    basis = _basis(states)
-    found = ((basis.T @ goals) ** 2).sum(axis=0)
-    # a rotated basis is still orthonormal, but for the mean that it was rid of, which stays 0
-    by_chance = np.array([((_basis(other).T @ goals) ** 2).sum(axis=0) for other in moved])
-    mean, highest = by_chance.mean(axis=0), by_chance.max(axis=0)
+    basis: np.ndarray, moved: Sequence[np.ndarray], products: Sequence[np.ndarray]
+) -> list[float]:
+    """Return the share of each product, made orthogonal, that the basis explains above chance."""
+    columns = np.column_stack([np.ones(len(basis)), *products])
+    goals, sizes = np.linalg.qr(columns)
+    left = np.abs(np.diag(sizes)) > _RANK * np.linalg.norm(columns, axis=0)
+    found, *by_chance = (((one.T @ goals) ** 2).sum(axis=0) for one in (basis, *moved))
+    mean, highest = np.mean(by_chance, axis=0), np.max(by_chance, axis=0)
     above = np.where(left & (found > highest), (found - mean) / np.maximum(1.0 - mean, _RANK), 0.0)
-    shares = np.clip(above, 0.0, 1.0).tolist()
-    lags = [tuple(spacing * lag for lag in name) for name in names]
-    return dict(zip(lags, shares, strict=True)), basis.shape[1]
+    return np.clip(above, 0.0, 1.0)[1:].tolist()
 
 
 def _products(lags: int, degree: int, most: int) -> Iterator[tuple[int, ...]]:
@@ -176,9 +169,9 @@ def _basis(states: np.ndarray) -> np.ndarray:
     return directions[:, sizes > _RANK * sizes.max(initial=0.0)]
 
 
-def _memory(states: np.ndarray, own: np.ndarray, past: np.ndarray) -> np.ndarray:
+def _memory(basis: np.ndarray, own: np.ndarray, past: np.ndarray) -> np.ndarray:
     """Return the share of each lagged input that states add to the own taps, on unseen blocks."""
-    both = np.column_stack([np.ones(len(own)), own, _basis(states) * np.sqrt(len(own))])
+    both = np.column_stack([np.ones(len(own)), own, basis * np.sqrt(len(own))])
     blocks = np.array_split(np.arange(len(own)), _BLOCKS)
     moments = [(both[block].T @ both[block], both[block].T @ past[block]) for block in blocks]
     left = np.zeros((2, past.shape[1]))

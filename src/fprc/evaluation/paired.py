@@ -95,24 +95,18 @@ def decide_together(
     with a part of fewer than two units is not judged.
 
     A decided verdict becomes undecided if there are fewer than 8 units, or if fewer than 95 %
-    of 200 random subsets with ``left_out`` units fewer give the same verdict at the same level.
-
-    Parameters
-    ----------
-    claims : Mapping
-        Text and parts of each claim, by its id.
-    left_out : int
-        Units that a subset lacks, fewer than 7.
+    of 200 random subsets with ``left_out`` (fewer than 7) units fewer give the same verdict at the
+    same level.
 
     Returns
     -------
     list of dict
         One for each part of a claim: ``part``, its text, ``mean``, ``low`` and ``high``; of a claim
-        that is not judged one, in which these are None. Of the claim ``verdict``; ``p``, the lowest
-        level that decides it, adjusted over all claims; ``level``, at which each part was judged;
-        ``stable``, the share of the subsets that give the same verdict, or None; ``words``, the
-        verdict as readers see it, unstable if too few of the subsets give it; ``units``, of the
-        part that has the fewest; ``dropped``, units without a pair.
+        that is not judged one, in which these are None. Of the claim ``id`` and text, ``claim``;
+        ``verdict``; ``p``, the lowest level that decides it, adjusted over all claims; ``level``,
+        at which each part was judged; ``stable``, the share of the subsets that give the same
+        verdict, or None; ``words``, the verdict as readers see it, unstable if too few of the
+        subsets give it; ``units``, of the part that has the fewest; ``dropped``, without a pair.
 
     References
     ----------

@@ -5,6 +5,7 @@ The limits below were written down before they were run on any recording.
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,8 +121,8 @@ def best_of_side(
     differ between the sides by chance.
     """
     settings, inside, each = {}, {}, {}
-    for family in SIDES:
-        fits = readouts_of(recordings, family, with_p_o, models, seed)
+    for family, names in SIDES.items():
+        fits = readouts_of(recordings, names[with_p_o], models, seed)
         blocks = range(len(fits.blocks))
         tried = np.array([[np.log(fits.errors(i, [out])) for i in blocks if i != out]
                           for out in blocks]).mean(axis=1)  # fmt: skip
@@ -141,34 +142,31 @@ def error_when_shifted(
     recordings: Recordings, chosen: Side, models: Mapping[str, Any], seed: int
 ) -> float:
     """Return the geometric mean of the errors of what was chosen with P_o, refitted."""
-    names = {name for name, _ in chosen.chosen}
-    fits = {name: readouts_of(recordings, name, True, models, seed) for name in sorted(names)}
+    families = sorted({name for name, _ in chosen.chosen})
+    fits = {name: readouts_of(recordings, SIDES[name][True], models, seed) for name in families}
     return float(gmean([fits[name].errors(i)[k] for i, (name, k) in enumerate(chosen.chosen)]))
 
 
-def block_errors(
-    recordings: Recordings, with_p_o: bool, models: Mapping[str, Any], seed: int
-) -> dict[str, float]:
-    """Return the error of each family of one side on all blocks, geometric mean, best ridge."""
+def block_errors(recordings: Recordings, models: Mapping[str, Any], seed: int) -> dict[str, float]:
+    """Return the error of each model of ``SIDES`` on all blocks, geometric mean, best ridge."""
     errors = {}
-    for family in SIDES:
-        fits = readouts_of(recordings, family, with_p_o, models, seed)
+    for name in chain(*SIDES.values()):
+        fits = readouts_of(recordings, name, models, seed)
         of_each = [fits.errors(block) for block in range(len(fits.blocks))]
-        errors[family] = float(gmean(of_each).min())
+        errors[name] = float(gmean(of_each).min())
     return errors
 
 
 def readouts_of(
-    recordings: Recordings, family: str, with_p_o: bool, models: Mapping[str, Any], seed: int
+    recordings: Recordings, name: str, models: Mapping[str, Any], seed: int
 ) -> BlockReadouts:
-    """Return the readouts of a family of one side on the blocks of recordings."""
-    name = SIDES[family][with_p_o]
+    """Return the readouts of a model of ``SIDES`` on the blocks of recordings."""
     inputs = {"theta_deg": recordings.theta, "p_o_kpa": recordings.p_o}
     X = np.column_stack([_scaled(inputs[channel]) for channel in entry_of(name).inputs])
     ratio = recordings.rate_hz / PAPER_HZ
     settings = {**models, "fprc": models["fprc"] | scaled(models["fprc"], ratio)}
     changed = scaled(entry_of(name).fixed, ratio)
-    if family == "ESN":  # one network on both sides
+    if name in ("echo", "echo_p_o"):  # one network on both sides
         changed["random_state"] = seed
     model = build(name, settings, seed, **changed)
     lengths = recordings.lengths

@@ -4,7 +4,7 @@ import logging
 import platform
 import re
 import time
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -59,41 +59,34 @@ def time_models(
     taken: dict[Name, dict[tuple[str, str], list[float]]] = {name: {} for name in fitted}
     for turn in range(repeats):
         log.info("repeat %d of %d, all models in turn", turn + 1, repeats)
-        whole = turn % WHOLE_EVERY == 0
         for name, (model, train, test) in fitted.items():
-            for what, seconds in _turn(model, train, test, whole, sequential).items():
-                taken[name].setdefault(what, []).append(seconds)
-    return {
-        name: [
-            {
-                "phase": phase,
-                "mode": mode,
-                "samples": (samples := len(train[0] if phase == "train" else test[0])),
-                "multiplications": multiplications(model, phase, samples),
-                "seconds": seconds,
-            }
-            for (phase, mode), seconds in taken[name].items()
-        ]
-        for name, (model, train, test) in fitted.items()
-    }
+            for phase, mode, seconds in _turn(model, train, test, turn, sequential):
+                taken[name].setdefault((phase, mode), []).append(seconds)
+    found: dict[Name, list[dict[str, Any]]] = {name: [] for name in fitted}
+    for name, (model, *logs) in fitted.items():
+        for (phase, mode), times in taken[name].items():
+            samples = len(logs[phase == "test"][0])
+            made = multiplications(model, phase, samples)
+            found[name].append({"phase": phase, "mode": mode, "samples": samples,
+                                "multiplications": made, "seconds": times})  # fmt: skip
+    return found
 
 
 def _turn(
-    model: SequenceModel, train: Log, test: Log, whole: bool, sequential: bool
-) -> dict[tuple[str, str], float]:
-    """Return the seconds of training and of test in each mode that is timed in this turn."""
-    features, seconds = model.features_, dict[tuple[str, str], float]()
+    model: SequenceModel, train: Log, test: Log, turn: int, sequential: bool
+) -> Iterator[tuple[str, str, float]]:
+    """Yield phase, mode and seconds of what is timed in a turn."""
+    whole = turn % WHOLE_EVERY == 0
     if whole:
-        rows, mapped = _timed(features.transform, train[0])
+        rows, mapped = _timed(model.features_.transform, train[0])
         _, fit = _timed(model.make_readout().fit, rows, train[1])
         if sequential:
-            seconds["train", "sequential"] = _stepped(features, train[0]) + fit
-        seconds["train", "batch"] = mapped + fit
+            yield "train", "sequential", _stepped(model.features_, train[0]) + fit
+        yield "train", "batch", mapped + fit
     if sequential:
-        seconds["test", "sequential"] = _stepped(model, test[0])
+        yield "test", "sequential", _stepped(model, test[0])
     if whole:
-        seconds["test", "batch"] = _timed(model.predict, test[0])[1]
-    return seconds
+        yield "test", "batch", _timed(model.predict, test[0])[1]
 
 
 def _timed(work: Callable[..., Result], *log: np.ndarray) -> tuple[Result, float]:
@@ -146,18 +139,14 @@ def multiplications(model: SequenceModel, phase: str, samples: int) -> int | Non
 
 def machine() -> dict[str, Any]:
     """Return the CPU, the most threads of any numerical library, and the kernels of BLAS."""
-    pools = threadpool_info()
+    pools, info = threadpool_info(), Path("/proc/cpuinfo")
     threads = max((pool["num_threads"] for pool in pools), default=1)
     blas = {
         f"{pool['internal_api']} {pool.get('architecture', '')}".strip()
         for pool in pools
         if pool["user_api"] == "blas"
     }
-    return {"cpu": _cpu_name(), "threads": threads, "blas": ", ".join(sorted(blas))}
-
-
-def _cpu_name() -> str:
-    info = Path("/proc/cpuinfo")
     text = info.read_text(encoding="utf-8") if info.exists() else ""
     found = re.search(r"model name\s*:\s*(.+)", text)
-    return found[1] if found else platform.processor() or platform.machine()
+    cpu = found[1] if found else platform.processor() or platform.machine()
+    return {"cpu": cpu, "threads": threads, "blas": ", ".join(sorted(blas))}

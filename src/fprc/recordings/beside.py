@@ -55,8 +55,8 @@ def judge_memory(
         for name, signal in {"p_o": p_o, "theta": theta}.items()
     }
     of_p_o, explained = recordings._replace(target=recordings.p_o), []
-    for family in ("low-passes", "plays"):
-        fits = readouts_of(of_p_o, family, False, models, seed)
+    for name in ("bank", "plays"):
+        fits = readouts_of(of_p_o, name, models, seed)
         errors = [fits.errors(block)[len(ALPHAS) // 2] for block in range(len(fits.blocks))]
         explained.append(max(0.0, 1.0 - float(np.mean(np.square(errors)) / np.var(of_p_o.target))))
     new = None

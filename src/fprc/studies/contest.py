@@ -31,11 +31,7 @@ NONLINEAR, LEAST = 0.1, 1e-3
 
 
 def judge_models(
-    unit: Unit,
-    *,
-    models: Mapping[str, Any],
-    tracking: Mapping[str, Any],
-    slow: int,
+    unit: Unit, *, models: Mapping[str, Any], tracking: Mapping[str, Any], slow: int
 ) -> dict[str, Any]:
     """Judge all models, if the unit's family has ``every_model``, or those of ``BRIEF``.
 
@@ -59,21 +55,15 @@ def judge_models(
     sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(Tracking(**tracking), unit.on_rig.control, unit.on_rig.rig, seed)
     followed = {name: bench.inputs(name) for name in REFERENCES}
-    both = _recordings(sweep, complex_)
-    blocks = {
-        SIDES[family][side]: error
-        for side in (False, True)
-        for family, error in block_errors(both, side, models, seed).items()
-    }
+    blocks = block_errors(_recordings(sweep, complex_), models, seed)
     judged: dict[str, dict[str, Any]] = {}
     for name in names:
         try:
             model, train, forward = _trained(name, sweep, complex_, models, seed)
-            report: dict[str, Any] = {"train": train, "forward": forward}
-            _, _, report["reversed"] = _trained(name, complex_, sweep, models, seed)
+            _, _, backward = _trained(name, complex_, sweep, models, seed)
+            report: dict[str, Any] = {"train": train, "forward": forward, "reversed": backward}
             report |= _follow(bench, model, name, followed)
-            if name in blocks:
-                report["blocks"] = blocks[name]
+            report |= {"blocks": blocks[name]} if name in blocks else {}
             if name == "fprc":
                 low = [0.0, -2.0]  # kPa
                 X, expected, _ = complex_.samples(name)
