@@ -166,18 +166,17 @@ def test_verdict_that_fewer_units_turn_is_undecided():
     assert outcome.stable < 0.95
 
 
-def test_one_outlier_leaves_it_undecided():
-    values = normal(-0.1, 0.02, 12)
+@pytest.mark.parametrize(
+    ("values", "verdict", "stable"),
+    [
+        (normal(-0.1, 0.02, 12), "superior", 1.0),
+        ([*normal(-0.1, 0.02, 12)[1:], 1.0], "undecided", None),  # one outlier
+        (normal(-0.5, 0.01, 7), "undecided", None),  # too few
+        (normal(-0.5, 0.01, 8), "superior", 1.0),
+        ([-0.2] * 10, "superior", 1.0),  # all units agree
+        ([0.0] * 10, "equivalent", 1.0),
+    ],
+)
+def test_verdict_of_a_claim_alone(values, verdict, stable):
     outcome = judge(values)
-    assert (outcome.verdict, outcome.stable) == ("superior", 1.0)
-    assert judge([*values[1:], 1.0]).verdict == "undecided"
-
-
-def test_seven_units_decide_nothing_and_eight_do():
-    for units, verdict in ((7, "undecided"), (8, "superior")):
-        assert judge(normal(-0.5, 0.01, units)).verdict == verdict
-
-
-def test_units_that_all_agree_are_judged():
-    assert judge([-0.2] * 10).verdict == "superior"
-    assert judge([0.0] * 10).verdict == "equivalent"
+    assert (outcome.verdict, outcome.stable) == (verdict, stable)
