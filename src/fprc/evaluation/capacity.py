@@ -104,10 +104,7 @@ def capacity(
     if inputs.shape != (len(states),) or not finite:
         raise EvaluationError("the state and the input must be finite, and of the same length")
     if len(inputs) < 2 * (lags * spacing + taps) + 10 * (shifts + 1):
-        raise EvaluationError(
-            f"{len(inputs)} samples are too few for {lags} lags and {shifts} shifts; use a longer "
-            "recording, or fewer lags"
-        )
+        raise EvaluationError(f"{len(inputs)} samples are too few for {lags} lags; use fewer")
     inputs = (inputs - inputs.mean()) / (inputs.std() or 1.0)
     reach = max((lags - 1) * spacing, taps - 1)
     past = np.lib.stride_tricks.sliding_window_view(inputs, reach + 1)[:, ::-1]

@@ -77,8 +77,7 @@ def cross_validate_both(
 
 def _halves(expected: np.ndarray, predicted: np.ndarray) -> list[float]:
     """Return the RMSE in the first and in the second half of a log."""
-    pairs = zip(np.array_split(expected, 2), np.array_split(predicted, 2), strict=True)
-    return [rmse(*pair) for pair in pairs]
+    return list(map(rmse, np.array_split(expected, 2), np.array_split(predicted, 2)))
 
 
 def _seen(train: Data, test: Data, expected: np.ndarray, predicted: np.ndarray) -> float:

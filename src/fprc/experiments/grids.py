@@ -71,8 +71,7 @@ def normalised(prepared: Prepared, log: str) -> Prepared:
     taps = rows[:, : model.n_y], rows[:, model.n_y :]  # those of one signal share its range
     ranges = [float(np.ptp(of_signal)) for of_signal in taps]
     if 0.0 in ranges:
-        constant = taps[ranges.index(0.0)].min()
-        raise EvaluationError(f"FPRC: a signal is {constant:g} throughout and cannot be normalised")
+        raise EvaluationError("FPRC: a signal is constant throughout and cannot be normalised")
     scaled = [(t - t.min()) / width for t, width in zip(taps, ranges, strict=True)]
     weaker = clone(model).set_params(alpha=model.alpha / np.prod(ranges))
     return prepared._replace(model=weaker, rows={log: np.hstack(scaled)})

@@ -100,17 +100,12 @@ def _trained(
 
 def _remembered(sweep: Recordings) -> dict[str, dict[str, float]]:
     """Return memory and nonlinear capacity of P_o and of theta, each with its low-passes."""
-    found = {
-        name: filtered_capacity(signal, sweep.theta, sweep.rate_hz)
-        for name, signal in (("p_o", sweep.p_o), ("theta", sweep.theta))
-    }
-    return {"threshold": {"nonlinear": NONLINEAR}} | {
-        name: {
-            "memory_s": max(one.memory_s, LEAST),
-            "nonlinear": max(float(one.degrees[1:].sum()), LEAST),
-        }
-        for name, one in found.items()
-    }
+    found = {"threshold": {"nonlinear": NONLINEAR}}
+    for name, signal in (("p_o", sweep.p_o), ("theta", sweep.theta)):
+        one = filtered_capacity(signal, sweep.theta, sweep.rate_hz)
+        nonlinear = float(one.degrees[1:].sum())
+        found[name] = {"memory_s": max(one.memory_s, LEAST), "nonlinear": max(nonlinear, LEAST)}
+    return found
 
 
 def _follow(

@@ -1,6 +1,7 @@
 """Verdicts on D1 to D3, tables and the figure of a model that learns while it runs."""
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import pandas as pd
@@ -166,12 +167,10 @@ def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
 def draw_errors(table: pd.DataFrame, figure: Sequence[str], names: Sequence[str]) -> None:
     """Draw the tracking error of families over the offset of P_o, with and without learning."""
     fig, axes = style.figure(2, len(names), style.PAGE_IN, 3.6, sharex=True, sharey=True)
-    for column, name in enumerate(names):
-        for row, loop in enumerate(LOOPS):
-            ax = axes[row][column]
-            plot_offsets(table[(table["family"] == name) & (table["loop"] == loop)], ax)
-            ax.set_title(f"{family_title(name)}, {LOOPS[loop]}")
-            ax.label_outer()
+    for ax, (loop, name) in zip(axes.flat, product(LOOPS, names), strict=True):
+        plot_offsets(table[(table["family"] == name) & (table["loop"] == loop)], ax)
+        ax.set_title(f"{family_title(name)}, {LOOPS[loop]}")
+        ax.label_outer()
     axes[0][0].yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes[0][0].yaxis.set_major_formatter("{x:g}")
     axes[0][0].yaxis.set_minor_locator(NullLocator())
