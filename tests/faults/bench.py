@@ -16,7 +16,7 @@ from fprc.config import Settings
 from fprc.devices.sim import SimulatedRig
 
 FOLDER = Path(__file__).parent
-LOGGED = 32768
+LOGGED = 65536
 #: Boards of this process alone: other tests, and a rig, may run beside it on this computer.
 BOARDS = {"input_device": f"AIO000-{os.getpid()}", "output_device": f"AIO001-{os.getpid()}"}
 _COUNTS = (

@@ -8,7 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define LOGGED 32768
+#define LOGGED 65536
 
 struct bench { // little-endian; bench.py has the same
     double in[16], out[16]; // voltages that the input board reads, and the output board holds
