@@ -187,7 +187,8 @@ def _page(
         f"# Is P_o worth a second sensor in {names}?",
         f"**{verdict}**:{rest}",
         *(f"- Doubtful: {line}" for _, judged in recorded.values() for line in judged.doubts),
-        f"Map: `{map_file}`. Data: {SOURCES[report['source']]}. Target: P_exp, {report['target']}.",
+        f"Map: `{map_file}`. Data: {SOURCES[report['source']]}. Predicted is P_exp "
+        f"({report['target']}).",
         "## What the answer rests on",
         f"- Ratio of the errors, with P_o over without: {found['ratio']:.3f} "
         f"({found['low']:.3f} to {found['high']:.3f}, 95 %). Worth a second sensor is what lies "

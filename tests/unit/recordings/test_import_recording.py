@@ -9,7 +9,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.channels import RAW_CHANNELS
+from fprc.channels import RAW_CHANNELS, unit_of
 from fprc.cli import main
 from fprc.config import Settings
 from fprc.errors import ConfigError, OutputError
@@ -32,9 +32,8 @@ BOTH = {"theta_deg": ANGLE, "p_exp_command_kpa": COMMAND}
 def bring(recorded, tmp_path, undrawn):
     """Import a simulated sweep, written as CSV, with the given channels."""
 
-    def bring(channels=BOTH, lost=slice(0), **more):
-        table = pd.DataFrame(recorded["sweep"])
-        table.drop(index=table.index[lost]).to_csv(tmp_path / "log.csv", index=False)
+    def bring(channels=BOTH, **more):
+        pd.DataFrame(recorded["sweep"]).to_csv(tmp_path / "log.csv", index=False)
         mapping = {"experiment": "sweep", "time": {"column": "time_s"}, "channels": channels} | more
         (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
         raw = tmp_path / "sweep.h5"
@@ -46,9 +45,7 @@ def bring(recorded, tmp_path, undrawn):
 
 def test_log_goes_out_as_csv_and_comes_back_the_same(bring, recorded):
     names = [name for name in RAW_CHANNELS if name != "time_s"]
-    units = {"kpa": "kPa", "deg": "deg", "_v": "V"}
-    unit = {name: next(u for end, u in units.items() if name.endswith(end)) for name in names}
-    raw = bring({name: {"column": name, "unit": unit[name]} for name in names})
+    raw = bring({name: {"column": name, "unit": unit_of(name)} for name in names})
     log = read_raw(raw, **RATE)
     assert set(log.channels) == set(RAW_CHANNELS)
     for name in names:
@@ -86,13 +83,6 @@ def imported(folder, channels, **more):
     names = [str(folder / name) for name in ("log.csv", "map.yaml", "sweep.h5")]
     assert main(["import", names[0], "--map", names[1], "--out", names[2]]) == 0
     return folder / "sweep.h5"
-
-
-def test_gap_that_is_filled_is_noted_in_the_log(bring):
-    log = read_raw(bring(lost=slice(1000, 1300)), **RATE)
-    assert len(log.channels["time_s"]) == 4000
-    noted = assess(log, LIMITS, 200.0)["notes"]["time_s"]
-    assert "filled by linear interpolation: 1, about 300 samples" in noted
 
 
 def test_newtons_are_not_taken_for_kilopascals(bring):

@@ -17,10 +17,10 @@ SMALL = {
 
 @pytest.fixture
 def read(tmp_path):
-    def read(content):
+    def read(content, reader=read_map):
         path = tmp_path / "map.yaml"
         path.write_text(content if isinstance(content, str) else yaml.safe_dump(content))
-        return read_map(path)
+        return reader(path)
 
     return read
 
@@ -81,10 +81,7 @@ def test_all_errors_are_told_at_once(read):
         assert sum(line.startswith(f"  {part}") for line in lines) == 1
 
 
-def test_format_of_the_text_is_read_from_a_map_that_is_not_complete(tmp_path):
-    path = tmp_path / "map.yaml"
-    path.write_text(yaml.safe_dump({"time": 5, "csv": {"decimal": ","}}))
-    assert read_csv(path).decimal == ","
-    path.write_text(yaml.safe_dump({"csv": {"decimal": ";"}}))
+def test_format_of_the_text_is_read_from_a_map_that_is_not_complete(read):
+    assert read({"time": 5, "csv": {"decimal": ","}}, read_csv).decimal == ","
     with pytest.raises(ConfigError, match=r"map\.yaml: 1 error in the map:\n  csv\.decimal = ;"):
-        read_csv(path)
+        read({"csv": {"decimal": ";"}}, read_csv)
