@@ -4,7 +4,6 @@ import re
 import shlex
 import subprocess
 import sys
-from pathlib import Path
 from unittest.mock import Mock
 
 import numpy as np
@@ -15,18 +14,7 @@ from fprc.commands import configuration
 
 pytestmark = pytest.mark.slow
 
-CONFIG = Path(__file__).parents[2] / "config"
 COMMAND = [sys.executable, "-c", "import sys; from fprc.cli import main; sys.exit(main())"]
-
-
-def test_errors_of_a_configuration_go_to_stderr_without_a_traceback(tmp_path, capsys):
-    path = tmp_path / "mine.yaml"
-    path.write_text("seed: -1\nmodles: {}\n")
-    assert main(["config", "check", str(CONFIG / "config.yaml"), str(path)]) == 1
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.startswith("error: 2 errors in the configuration:")
-    assert "Traceback" not in printed.err
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
