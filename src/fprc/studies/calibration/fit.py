@@ -206,8 +206,9 @@ class _Fit(NamedTuple):
             for place, (loss, point, k) in enumerate(runs):
                 known.clear()
                 for _ in range(turns):
+                    # noise of its own for each round: none fits the noise of one seed
                     before, found = self.round(
-                        point, self.first + _SEARCH + k, _FEW if count > 1 else self.full_seeds
+                        point, self.first + _SEARCH + done, _FEW if count > 1 else self.full_seeds
                     )
                     known.append((before, point))
                     loss, point, done = found.loss, found.point, done + 1
