@@ -84,11 +84,11 @@ class Calibration(Section):
         "least a fifth below FPRC, margin that it is below FPRC with gains half again as large, "
         "closed_sweep for its printed error in the sweep",
     )
-    seed: int = quantity(1, (0, 1000), "seed of the drawn rigs and of all noise in the fit")
+    seed: int = quantity(2, (0, 1000), "seed of the drawn rigs and of all noise in the fit")
     members: int = quantity(60, (1, 10_000), "drawn rigs with plausible loops that are judged")
     starts: int = quantity(8, (1, 1000), "searches, which begin at the best of them")
     rounds: int = quantity(2, (1, 1000), "rounds of each search until the worse half ends")
-    last_rounds: int = quantity(6, (1, 1000), "rounds of the search that is left")
+    last_rounds: int = quantity(28, (1, 1000), "rounds of the search that is left")
     full_seeds: int = quantity(6, (1, 400), "noise seeds of the full models")
 
     @model_validator(mode="after")
