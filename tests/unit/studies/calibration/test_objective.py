@@ -2,6 +2,7 @@ import copy
 import math
 from typing import get_args
 
+import numpy as np
 import pytest
 import yaml
 
@@ -89,4 +90,12 @@ def test_numbers_are_means_over_seeds_and_what_was_not_measured_misses_nothing()
     assert missed(bare) == set()
     of = targets(PRINTED, ["open_loop"])
     assert all(map(math.isnan, numbers_of([bare], of)))
-    assert [target.of for target in of] == [("open_loop", name) for name in REFERENCES]
+    assert {target.of for target in of} == {("open_loop", name) for name in REFERENCES}
+
+
+@pytest.mark.parametrize(("share", "count"), [(1.1, 1), (1.3, 2), (0.7, 2)])
+def test_an_error_far_from_print_misses_twice(share, count):
+    judged = ideal()
+    judged["errors"]["complex/esn/test"] *= share
+    of = [t for t in targets(PRINTED, ["tables"]) if t.of == ("errors", "complex/esn/test")]
+    assert np.count_nonzero(misses(numbers_of([judged], of), of)) == count
