@@ -26,7 +26,6 @@ _TERMS = {
     "closed_loop": "feedback that cuts errors by a fifth",
     "closed_sweep": "the closed-loop error of the sweep",
     "margin": "feedback that helps with gains half again as large",
-    "closed_errors": "closed-loop Table IV",
 }
 
 #: Kinds of claims by what they have to do with the fit of the rig, in the order of readers.
@@ -48,15 +47,11 @@ Fit = Mapping[str, Sequence[str]]
 
 
 def status_of(claim: Claim, fitted: Fit) -> str:
-    """Return whether a claim was fitted, half fitted, predicted, or of its own kind.
-
-    It is half fitted if the fit had a part of it, or began at a rig that was searched for it.
-    """
+    """Return whether a claim was fitted, in part or whole, predicted, or of its own kind."""
     to = set(fitted.get("to", ()))
     if claim.kind or to & set(claim.fitted_by):
         return claim.kind or "fitted"
-    half = to & set(claim.half_fitted_by) or _of_the_start(claim, fitted)
-    return "half fitted" if half else "predicted"
+    return "half fitted" if to & set(claim.half_fitted_by) else "predicted"
 
 
 def holding(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
@@ -72,21 +67,8 @@ def holding(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
 
 
 def fit_in_words(fitted: Fit) -> str:
-    """Return what a rig was fitted to, and where its fit began, as a part of a sentence."""
-    to = fitted.get("to", ())
-    start = _words([term for term in fitted.get("start", ()) if term not in to])
-    words = _words(to) or "nothing"
-    return words + (f", beginning at a rig that was searched for {start}" if start else "")
-
-
-def _words(terms: Sequence[str]) -> str:
-    return in_words([_TERMS.get(term, term) for term in terms])
-
-
-def _of_the_start(claim: Claim, fitted: Fit) -> list[str]:
-    """Return the terms that bear on a claim and that only the start of the fit was searched for."""
-    own = {claim.id, *claim.fitted_by, *claim.half_fitted_by} - set(fitted.get("to", ()))
-    return [term for term in fitted.get("start", ()) if term in own and not claim.kind]
+    """Return what a rig was fitted to, as a part of a sentence."""
+    return in_words([_TERMS.get(term, term) for term in fitted.get("to", ())]) or "nothing"
 
 
 def judge_claims(
@@ -113,8 +95,6 @@ def judge_claims(
         anyway = held == known["of"] and status in ("predicted", "half fitted")
         holds = NOT_INFORMATIVE if claim.holds_by_chance or anyway else REPRODUCED
         ranges = known["ranges"].get(claim.id, {})
-        start = _words(_of_the_start(claim, fitted))
-        began = f"the rig at which the fit began was searched for {start}" if start else ""
         rows.append(
             {
                 "id": claim.id,
@@ -123,7 +103,7 @@ def judge_claims(
                 "ours": _ours(statements, ranges),
                 "test": _limits(statements),
                 "basis": _basis(claim, results),
-                "note": "; ".join(filter(None, (claim.note, began))),
+                "note": claim.note,
                 "verdict": next(weakest, holds),
                 "rig": status,
                 "rigs": "-" if held is None else f"{held} of {known['of']}",

@@ -14,7 +14,7 @@ Term = Literal[
 ]  # fmt: skip
 
 #: What a rig may have been searched for, also by searches that are not of this project.
-SearchedFor = Literal[Term, "C9b", "C11", "C12", "closed_errors"]
+SearchedFor = Literal[Term, "C9b", "C11", "C12"]
 
 #: Seeds from here on belong to fits, so many to each ``calibration.seed``.
 FIRST_SEED, SEEDS_PER_FIT = 1_000_000, 10_000
@@ -44,12 +44,7 @@ class Fitted(Section):
 
     name: str = Field("default", pattern=r"^[\w.-]+$", description="name of the rig")
     to: tuple[SearchedFor, ...] = Field(
-        (), description="what it was fitted to; all but this and `start` is predicted"
-    )
-    start: tuple[SearchedFor, ...] = Field(
-        (),
-        description="what the rig at which the fit began had been searched for: terms as in "
-        "calibration.fit, closed_errors (Table IV with feedback), claims",
+        (), description="what it was fitted to; all else is predicted"
     )
     seeds: tuple[int, ...] = Field(
         (),

@@ -136,15 +136,15 @@ def _lines(pages: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple[str, str]]
 def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return a table, with whether the rig was fitted to it or to some of its rows."""
     table, name = read_json(path), Path(path).stem
-    to, start = set(fitted["to"]), set(fitted.get("start", ()))
+    to = set(fitted["to"])
 
     def kind(term: str) -> str:
-        return "fitted" if term in to else "half fitted" if term in start else "predicted"
+        return "fitted" if term in to else "predicted"
 
     kinds: dict[str, str] = {}
     if name.startswith("table4"):
-        closed = {"closed_sweep", "closed_errors"} & (to | start)
-        kinds = {"FPRC": kind("open_loop"), "FPRC+PD": "half fitted" if closed else "predicted"}
+        closed = "half fitted" if "closed_sweep" in to else "predicted"
+        kinds = {"FPRC": kind("open_loop"), "FPRC+PD": closed}
     elif name.removesuffix("_seeds") in ("table2", "table3"):
         kinds = {"FPRC": kind("tables")}
     same = len(set(kinds.values())) < 2

@@ -184,12 +184,8 @@ FITS = [
     ({"to": ["tables", "orders"]}, "fitted", "predicted", [None] * 3),
     ({"to": ["tables", "open_loop"]}, "fitted", "half fitted",
      ["fitted", "predicted", "predicted"]),
-    ({"to": ["C8"], "start": ["tables", "open_loop"]}, "half fitted", "half fitted",
-     ["half-fitted", "predicted", "predicted"]),
     ({"to": ["open_loop", "closed_sweep"]}, "predicted", "half fitted",
      ["fitted", "half-fitted", "predicted"]),
-    ({"to": [], "start": ["closed_errors"]}, "predicted", "half fitted",
-     ["predicted", "half-fitted", "predicted"]),
 ]  # fmt: skip
 
 
