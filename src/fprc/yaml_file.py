@@ -1,5 +1,6 @@
 """Read YAML files, in which no key may be repeated."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,8 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
     Raises
     ------
     ConfigError
-        The file cannot be read, is not YAML, repeats a key, or has no keys and values; names the
-        line.
+        The file cannot be read, is not YAML, repeats a key, has a number such as 0700 or 1:30, which
+        is another one in YAML 1.1 than in 1.2, or has no keys and values; names the line.
     """
     content = read_given(path, error=ConfigError, most_bytes=1_000_000)
     try:
@@ -36,3 +37,13 @@ class _Loader(yaml.SafeLoader):
                 line = key.start_mark.line + 1
                 raise ValueError(f"line {line}: {key.value!s:.40} is a duplicate; remove one")
         return super().construct_mapping(node, deep)
+
+    def construct_scalar(self, node: Any) -> Any:
+        # PyYAML, and with it Snakemake, reads YAML 1.1, in which 0700 is 448 and 1:30 is 90
+        number = node.tag.endswith((":int", ":float"))
+        if number and re.match(r"[-+]?0[\d_]|.*:", node.value):
+            line = node.start_mark.line + 1
+            raise ValueError(
+                f"line {line}: {node.value:.40}: write a number without colons and leading zeros"
+            )
+        return super().construct_scalar(node)

@@ -22,8 +22,8 @@ def read(tmp_path_factory):
 
 
 def test_keys_and_values_are_read(read):
-    text = "seed: 2\nfree: [0.1, null]\nnames: {b: 'P_o, ü'}  # a comment\n"
-    assert read(text) == {"seed": 2, "free": [0.1, None], "names": {"b": "P_o, ü"}}
+    text = "seed: 2\nfree: [0.1, null, 0x12, 0]\nnames: {b: 'P_o, ü'}  # a comment\n"
+    assert read(text) == {"seed": 2, "free": [0.1, None, 18, 0], "names": {"b": "P_o, ü"}}
     assert read("") == read("# nothing\n") == {}
 
 
@@ -42,6 +42,7 @@ def test_repeated_key_is_refused_for_any_values(read, content):
      ("a:\n- {form: 1, 'form': 2}\n", "line 2: form"), ("a: !mine 010\n", "line 1"),
      ("a: 1\n---\nb: 2\n", "line 2"), ("? [1, 2]\n: 3\n", "line 1"), ("a:\n\tb: 1\n", "line 2"),
      ("[" * 100_000, ""), ("- 1\n", ""), ("7", ""), ("false", ""), (b"#" * 1_000_001, "bytes"),
+     ("a:\n- 0700\n", "line 2: 0700"), ("a: 1:30\n", "line 1: 1:30"), ("a: -1:30.5", "line 1: -1:30.5"),
      (b"\xff", ""), ("n: " + "9" * 5000, "")],
 )  # fmt: skip
 def test_what_is_no_settings_is_refused_in_one_line(read, text, place):

@@ -44,8 +44,9 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
     Raises
     ------
     FprcError
-        There is no such experiment, or its reference is impossible; the model is missing, was
-        changed, is another than the experiment's, or was trained at another rate or in other units.
+        There is no such experiment, its commands are beyond ``hardware.limits``, or its reference
+        is impossible; the model is missing, was changed, is another than the experiment's, or was
+        trained at another rate or in other units.
     """
     refuse_unknown(name, settings)
     planned = (
@@ -59,6 +60,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
 def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
     control, signal = Control(**settings["control"]), Signal(**settings["experiments"][name])
     p_exp_kpa = pressure_command(signal, control.sample_rate_hz)
+    _refuse_beyond(settings, p_exp_kpa=p_exp_kpa.max(), p_i_kpa=control.reservoir_limit_kpa)
     attributes = {
         "experiment": name,
         "sample_rate_hz": control.sample_rate_hz,
@@ -77,6 +79,8 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
     bench = Track(tracking, control, {}, settings["seed"])
     reference, controller = reference_and_controller(name)
     theta_d = bench.reference(reference)
+    p_i_kpa = control.k_in_kpa_per_deg * theta_d.max()
+    _refuse_beyond(settings, p_exp_kpa=tracking.pressure_limit_kpa, p_i_kpa=p_i_kpa)
     hint = f"; push the reservoir by hand from {tracking.pushes.quiet_s:g} s on"
     attributes, fitted = bench.describe(reference, controller), None
     driver = feedforward_of(controller)
@@ -90,6 +94,17 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
         attributes,
         hint if reference == DISTURBANCE else "",
     )
+
+
+def _refuse_beyond(settings: Mapping[str, Any], **highest: float) -> None:
+    """Check that no command, as far as it may go, ends the run by its reading."""
+    for sensor, kpa in highest.items():
+        if kpa > (limit := settings["hardware"]["limits"][sensor][1]):
+            raise ConfigError(
+                f"commands go up to {kpa:g} kPa, and a reading above {limit:g} ends a run "
+                f"(hardware.limits.{sensor}); lower the amplitude, tracking.pressure_limit_kpa or "
+                "control.reservoir_limit_kpa"
+            )
 
 
 def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any:

@@ -35,6 +35,16 @@ def test_every_name_can_be_planned_and_only_the_disturbance_asks_to_push(setting
         assert bool(experiment.hint) is name.startswith("track_disturbance_")
 
 
+@pytest.mark.parametrize("sensor", ["p_exp_kpa", "p_i_kpa"])
+@pytest.mark.parametrize("name", ["sweep", "track_sine_0p2_pd"])
+def test_command_beyond_the_limit_of_its_reading_is_refused_before_the_rig_moves(
+    settings, name, sensor
+):
+    settings["hardware"]["limits"][sensor] = (-20.0, 349.0)
+    with pytest.raises(ConfigError, match=rf"above 349 .*{sensor}"):
+        plan(name, settings)
+
+
 @pytest.fixture(scope="module")
 def files(fprc_file, recorded, tmp_path_factory):
     """Files of models, and of what is none."""
