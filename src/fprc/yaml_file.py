@@ -16,8 +16,8 @@ def read_yaml(path: Path | str) -> dict[Any, Any]:
     Raises
     ------
     ConfigError
-        The file cannot be read, is not YAML, repeats a key, has a number such as 0700 or 1:30, which
-        is another one in YAML 1.1 than in 1.2, or has no keys and values; names the line.
+        The file cannot be read, is not YAML, repeats a key, has a number such as 0700 or 1:30,
+        which is another one in YAML 1.1 than in 1.2, or has no keys and values; names the line.
     """
     content = read_given(path, error=ConfigError, most_bytes=1_000_000)
     try:

@@ -35,6 +35,7 @@ BEAT_S = 0.05
 _RETRY_S, _MESSAGE_S, _POLL_S = 0.1, 1.0, 0.02
 #: Number of stop signals after which the guardian kills the loop and vents.
 _KILL_AFTER = 3
+_GIVES_UP = "Ctrl-C, or where it is ignored `kill`, gives up"
 
 
 def guard(request: Mapping[str, Any]) -> None:
@@ -131,48 +132,62 @@ def _watch(process: _Process, loop: Mapping[str, float]) -> str:
         state = max(limits_s, key=(state + chunk).rfind)  # the latest
 
 
-def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] = ()) -> str:
+def _ends(received: Sequence[int]) -> int:
+    """Count the signals that end a wait: Ctrl-C, or any where that is ignored (nohup, ``&``)."""
+    ignored = signal.getsignal(signal.SIGINT) == signal.SIG_IGN
+    return len(received) if ignored else received.count(signal.SIGINT)
+
+
+def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] | None = None) -> str:
     """Vent until the sensors confirm it or the user gives up; return the outcome as text.
 
-    ``received`` has the signals to this process; a SIGINT more gives up.
+    ``received`` has the signals to this process; one more gives up, see ``_ends``. Without it
+    nobody can: a call of the driver that does not return in twice ``vent_s`` and a second does.
     """
-    before, printed_s = received.count(signal.SIGINT), time.monotonic()
     outcome, problem, given_up = list[str](), "the driver has not answered yet", threading.Event()
+    longest_s = 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S if received is None else math.inf
+    received = received or ()
+    before, began_s = _ends(received), (printed_s := time.monotonic())
+
+    def note(text: str) -> None:
+        nonlocal problem
+        problem = text
 
     def attempt() -> None:
-        nonlocal problem
+        nonlocal began_s
         while not given_up.is_set() and not outcome:
+            began_s = time.monotonic()
             try:
-                vent_from_outside(hardware)
+                vent_from_outside(hardware, note)
                 outcome.append("both chambers are vented, as their sensors show")
             except NotVentedError as error:
                 outcome.append(str(error))
             except Exception as error:  # of any type: the next attempt may succeed
-                problem = f"{type(error).__name__}: {error}"
+                note(f"{type(error).__name__}: {error}")
                 given_up.wait(_RETRY_S)
 
     # in a thread that prints nothing: a call of the driver may never return, printing may block
     venting = threading.Thread(target=attempt, daemon=True)
     venting.start()
-    while not outcome and received.count(signal.SIGINT) <= before:
+    while not outcome and _ends(received) <= before and time.monotonic() - began_s <= longest_s:
         venting.join(_POLL_S)
         if time.monotonic() - printed_s > _MESSAGE_S:
             printed_s = time.monotonic()
-            log.error("%s Still trying; Ctrl-C gives up", NotVentedError(problem))
+            log.error("%s Still trying; %s", NotVentedError(problem), _GIVES_UP)
     given_up.set()
     return outcome[0] if outcome else str(NotVentedError(problem))
 
 
 def _wait(process: _Process, received: Sequence[int]) -> int | None:
     """Wait for the end of a process and return its exit code; None if the user gave up."""
-    before = received.count(signal.SIGINT)
-    while received.count(signal.SIGINT) <= before:
+    before = _ends(received)
+    while _ends(received) <= before:
         with suppress(subprocess.TimeoutExpired):
             code = process.wait(timeout=_MESSAGE_S)
             process.stdin.close()
             process.stdout.close()
             return code
-        log.error("process %d has not ended, Ctrl-C gives up", process.pid)
+        log.error("process %d has not ended; %s", process.pid, _GIVES_UP)
     return None
 
 

@@ -1,19 +1,19 @@
 """The real rig behind the device protocol: valves, pressure sensors, angle sensors, and venting.
 
-``hardware`` is a mapping as in ``fprc.config.hardware.Hardware``. Whoever opens a part holds the
-locks of the boards, see ``fprc.apparatus.contec``.
+``hardware`` is a mapping as in ``fprc.config.hardware.Hardware``. Whoever opens a part of it holds
+the locks of the boards, see ``fprc.apparatus.contec``.
 """
 
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import partial
 from itertools import cycle
 from typing import Any
 
 from fprc.apparatus.bendlabs import BendSensor, open_bus
-from fprc.apparatus.contec import Board
+from fprc.apparatus.contec import Board, locked
 from fprc.channels import Readings
 from fprc.errors import DeviceError
 
@@ -99,12 +99,13 @@ class Pneumatics:
         self,
         sleep: Callable[[float], None] = time.sleep,
         now: Callable[[], float] = time.monotonic,
+        note: Callable[[str], None] = lambda text: None,
     ) -> None:
         """Set both valves to vent, repeatedly, until readings show that both chambers are vented.
 
         A chamber is vented if its sensor has read ``vented_kpa`` or less ten times in a row and has
         changed since the first reading: a frozen one proves nothing. The valves are written again
-        before each reading, because the board may fail for a moment.
+        before each reading, because the board may fail for a moment; ``note`` gets each success.
 
         NotVentedError: ``vent_s`` after the first successful write, no reading shows that both
         chambers are vented. DeviceError: every write has failed for ``vent_s``.
@@ -119,6 +120,7 @@ class Pneumatics:
             try:
                 self.exhaust()
                 written_s = now() if written_s is None else written_s
+                note("the valves took the voltage to vent, but no reading shows it yet")
             except DeviceError as error:
                 failed = f"{error}; "
                 if written_s is None and now() - began_s > longest_s:
@@ -143,11 +145,11 @@ class Pneumatics:
             sleep(_POLL_S)
 
 
-def vent_from_outside(hardware: Mapping[str, Any]) -> None:
-    """Vent both chambers after another process has driven them; errors as of ``vent``."""
+def vent_from_outside(hardware: Mapping[str, Any], note: Callable[[str], None]) -> None:
+    """Vent both chambers after another process has driven them; as ``vent``."""
     pneumatics = Pneumatics(hardware, reset=False)
     try:
-        pneumatics.vent()
+        pneumatics.vent(note=note)
     finally:
         with suppress(DeviceError):
             pneumatics.close()
@@ -160,13 +162,16 @@ class HardwareRig:
     ----------
     elapsed : callable
         Returns the time since the start of the run, s, which becomes the time of a reading.
+    has_lock : bool
+        Whether this process has the locks of the boards already, or takes them until ``close``.
     sleep, now : callable
         Sleep function, and a monotonic clock, s.
 
     Raises
     ------
     DeviceError
-        A part cannot be opened; the others are released, vented.
+        Another process has a board, and nothing was moved; or a part cannot be opened, and the
+        others are released, vented.
     """
 
     def __init__(
@@ -174,6 +179,7 @@ class HardwareRig:
         hardware: Mapping[str, Any],
         elapsed: Callable[[], float],
         *,
+        has_lock: bool = False,
         sleep: Callable[[float], None] = time.sleep,
         now: Callable[[], float] = time.monotonic,
     ):
@@ -181,8 +187,16 @@ class HardwareRig:
         self._buses: dict[int, Any] = {}
         self._sensors: list[BendSensor] = []
         self._angles = [math.nan, math.nan]
-        self._pneumatics = Pneumatics(hardware, reset=True)
+        with ExitStack() as held:
+            if not has_lock:
+                held.enter_context(locked(hardware))
+            self._pneumatics = Pneumatics(hardware, reset=True)
+            self._start(hardware, sleep)
+            self._locks = held.pop_all()
         self.write, self.safe = self._pneumatics.write, self._pneumatics.safe
+
+    def _start(self, hardware: Mapping[str, Any], sleep: Callable[[float], None]) -> None:
+        """Start the angle sensors; without one, vent and release the rest."""
         try:
             for place in filter(None, (hardware["theta"], hardware["phi"])):
                 calibration = dict(place)
@@ -222,7 +236,8 @@ class HardwareRig:
             an error.
         """
         vent = partial(self._pneumatics.vent, sleep=self._sleep, now=self._now)
-        _call_all([vent, *self._releases()])
+        with self._locks:
+            _call_all([vent, *self._releases()])
 
     def _releases(self) -> Iterator[Callable[[], None]]:
         yield self._pneumatics.release

@@ -10,6 +10,7 @@ rejected (after a power cut a disk may return an old page).
 
 import json
 import os
+import re
 import struct
 import threading
 import zlib
@@ -30,6 +31,7 @@ from fprc.logs import write_raw
 _MAGIC = b"\x89FPRCJ2\n"
 #: Marker of the end mark, at the place where a sample has its tick.
 _END = b"\x89FPRCE2\n"
+_NOT_ZERO = re.compile(rb"[^\0]")
 #: Encoding of a sample's CRC-32.
 _UINT32 = struct.Struct("<I")
 #: What header and end mark must hold.
@@ -169,7 +171,7 @@ class Findings(NamedTuple):
     """Which samples of a run can be read, and how the run ended."""
 
     samples: int  #: number of readable samples
-    lost: int  #: number of samples that were written but cannot be read
+    lost: int  #: known number of samples that were written but cannot be read
     closed: bool  #: whether the end mark exists
     reason: str  #: why it is not complete; empty if it is
     statistics: dict[str, Any]  #: statistics from the end mark
@@ -192,19 +194,21 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
         )
     attributes, seed = header
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
-    starts, end, inside, after = _find(data, len(line), record.itemsize, seed)
+    starts, end, cut = _find(data, len(line), record.itemsize, seed)
     records = np.array([data[at : at + record.itemsize] for at in starts], "V").view(record)
     # a disk that returns a page twice, or in another place, loses nothing
     ticks, kept = np.unique(records["tick"].astype(np.int64), return_index=True)
     channels = {name: records["row"][kept, j] for j, name in enumerate(names)}
     if end:
         lost, reasons = max(end["samples"] - kept.size, 0), [end["reason"]]
-    else:  # among foreign bytes, a tick that is missing is a sample that is lost
-        lost = (int(ticks.max(initial=-1)) + 1 - kept.size if inside else 0) + after
+    else:
+        lost, ran = int(cut), int(ticks.max(initial=-1)) + 1
         reasons = [
             "the end mark is missing: the program was killed, or the power failed and up to a "
             "second more is lost"
         ]
+        if kept.size < ran:  # the loop missed them, or the disk lost them
+            reasons.append(f"{ran - kept.size} of {ran} ticks have no sample")
     if lost:
         reasons.append(f"{lost} of {kept.size + lost} samples are lost")
     reason, statistics = "; ".join(filter(None, reasons)), end["statistics"] if end else {}
@@ -213,23 +217,24 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
 
 def _find(
     data: bytes, at: int, size: int, seed: int
-) -> tuple[list[int], dict[str, Any] | None, bool, int]:
-    """Return where samples begin, the end mark, whether other bytes are between, samples after.
+) -> tuple[list[int], dict[str, Any] | None, bool]:
+    """Return where samples begin, the end mark, and whether other bytes follow the last of these.
 
     After bytes that are no sample, the next one is looked for at each byte: another program may
     have written to the file.
     """
-    starts, foreign, inside = list[int](), 0, False
+    starts, foreign = list[int](), False
     while at < len(data):
         sample = data[at : at + size]
         if len(sample) == size and zlib.crc32(sample[:-4], seed) == _UINT32.unpack(sample[-4:])[0]:
             starts.append(at)
-            inside, foreign, at = inside or foreign > 0, 0, at + size
+            foreign, at = False, at + size
         elif sample.startswith(_END) and (end := _content(data[at + len(_END) :], _IN_END, seed)):
-            return starts, end[0], inside, 0
+            return starts, end[0], False
         else:
-            foreign, at = foreign + 1, at + 1
-    return starts, None, inside, -(-foreign // size)
+            other = _NOT_ZERO.search(data, at)  # a disk may return a long hole as zeros
+            foreign, at = True, max((other.start() if other else len(data)) - size + 1, at + 1)
+    return starts, None, foreign
 
 
 def _content(line: bytes, types: Mapping[str, type], seed: int = 0) -> tuple[Any, int] | None:

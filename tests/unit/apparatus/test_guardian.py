@@ -120,15 +120,27 @@ def test_venting_is_given_up_only_by_the_user(alive, settings, quick, caplog, nu
     assert any("failed with code 777" in message for message in caplog.messages)
 
 
+@pytest.mark.parametrize(
+    ("call", "says"), [("exhaust", "the driver has not answered"), ("pressures", "the valves took")]
+)
+@pytest.mark.parametrize("ignored", [False, True])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, None])
 def test_driver_that_never_answers_is_waited_for_until_the_user_gives_up(
-    settings, quick, monkeypatch
+    alive, settings, quick, monkeypatch, call, says, ignored, number
 ):
+    """With Ctrl-C; by another signal where that is ignored; after a time if nobody can."""
     never, heard = threading.Event(), []
-    monkeypatch.setattr(guardian, "vent_from_outside", lambda hardware: never.wait(30.0))
-    threading.Timer(0.1, heard.append, [signal.SIGINT]).start()
-    message = vent_until_shown(settings["hardware"], heard)
+    handler = signal.SIG_IGN if ignored else signal.default_int_handler
+    monkeypatch.setattr(guardian.signal, "getsignal", lambda number: handler)
+    monkeypatch.setattr(Pneumatics, call, lambda self: never.wait(30.0))
+    settings["hardware"]["valves"]["vent_s"] = 0.1
+    signals = [number] if number == signal.SIGINT or ignored else [number, signal.SIGINT]
+    send = threading.Timer(0.1, lambda: [(heard.append(each), time.sleep(0.1)) for each in signals])
+    send.start()
+    message = vent_until_shown(settings["hardware"], heard if number else None)
     never.set()
-    assert message.startswith("THE CHAMBERS MAY BE UNDER PRESSURE: the driver has not answered")
+    send.join()
+    assert message.startswith(f"THE CHAMBERS MAY BE UNDER PRESSURE: {says}")
 
 
 @pytest.mark.parametrize(("end", "times"), [("safe", 0), ("gone", 1), ("silent", 2)])
