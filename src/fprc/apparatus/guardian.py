@@ -146,7 +146,7 @@ def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] | None
     """
     outcome, problem, given_up = list[str](), "the driver has not answered yet", threading.Event()
     longest_s = 2.0 * hardware["valves"]["vent_s"] + _MESSAGE_S if received is None else math.inf
-    received = received or ()
+    received = () if received is None else received  # a list that grows
     before, began_s = _ends(received), (printed_s := time.monotonic())
 
     def note(text: str) -> None:
