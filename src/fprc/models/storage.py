@@ -6,7 +6,8 @@ model and of its parts. Arrays are named by their place in the model, such as ``
 
 A file may come from anybody, and may move a rig. All numbers must lie in the file as they are: a
 link or a chunk could lead to another file, or to more than there is. What a class of this package
-learned must be what it declares, see ``fprc.models.limits``, and the parts must make a step.
+learned must be what it declares, see ``fprc.models.limits``. The parts of a model must be those
+that its parameters make, and make a step.
 """
 
 import hashlib
@@ -23,7 +24,8 @@ from sklearn.utils.validation import check_is_fitted
 
 from fprc.errors import FprcError
 from fprc.given import read_given
-from fprc.models.limits import check_learned, is_built_in
+from fprc.models.compose import SideBySide
+from fprc.models.limits import check_learned, check_limits, is_built_in
 from fprc.models.sequence import SequenceModel
 
 #: Largest file, bytes: an ESN of 4,000 nodes takes 128 MB. Longest text, bytes.
@@ -45,7 +47,8 @@ def save_model(model: SequenceModel, path: Path | str, classes: Collection[type]
     ------
     FprcError
         The model would not be read again: the class of a part is neither of this package nor in
-        ``classes``, or what it holds is neither finite numbers nor text, as its class learns them.
+        ``classes``, or what it holds is neither finite numbers nor text, as its class learns them,
+        or a part is not as the parameters make it.
     """
     check_is_fitted(model)
     arrays = dict[str, np.ndarray]()
@@ -197,10 +200,39 @@ def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, typ
             "--config or in classes"
         )
     model = known[found["class"]](**found["parameters"])
+    if missing := model.get_params(deep=False).keys() - found["parameters"].keys():
+        raise ValueError(f"{found['class']} has no parameter {', '.join(sorted(missing))}")
     for key, value in found["learned"].items():
         if not _is_learned(key):
             raise ValueError(f"{key!r:.60} is no name of something learned")
         setattr(model, key, value)
     if found["learned"] and is_built_in(model):
         check_learned(model, found["learned"].keys())
+    if found["learned"]:
+        fitted, made = _parts(model)
+        for part in made:
+            check_limits(part)
+        if _unseeded(fitted) != _unseeded(made):
+            raise ValueError(f"{found['class']}: its parts are not those that its parameters make")
     return model
+
+
+def _parts(model: Any) -> tuple[list[BaseEstimator], list[BaseEstimator]]:
+    """Return the fitted parts of a model, and the unfitted ones that its parameters make."""
+    if isinstance(model, SequenceModel):
+        return [model.features_, model.readout_], [model.make_features(), model.make_readout()]
+    if isinstance(model, SideBySide):
+        return model.maps_, [part for part, _ in model.maps]
+    return [], []
+
+
+def _unseeded(value: Any) -> str:
+    """Return classes and parameters as text, but for the seeds: a fold of the data has its own."""
+
+    def described(part: Any) -> Any:
+        found = _plain(part)
+        if isinstance(found, dict):
+            found["parameters"].pop("random_state", None)
+        return found
+
+    return json.dumps(value, default=described)

@@ -166,6 +166,17 @@ def features(name, value):
     return put("learned", "features_", "parameters", name, value=value)
 
 
+def fprc_of_other_parts(text):
+    """Call a model of any other parts an FPRC."""
+    text["class"], text["parameters"] = "FPRC", FPRC().get_params()
+
+
+def of_other_maps(text):
+    """Put a map in the place of another one of a SideBySide, which is fitted."""
+    maps = text["learned"]["features_"]["learned"]["maps_"]
+    maps[0] = maps[1]
+
+
 readout = ("learned", "readout_")
 #: Model, change of its text, and what the message names.
 TEXTS = {
@@ -178,7 +189,13 @@ TEXTS = {
     "unknown class": (FUZZY, put("class", value="FPCR"), "class 'FPCR' is unknown"),
     "other class": (FUZZY, put("class", value="FuzzyLinear"), "epsilon"),
     "parameter": (FUZZY, put("parameters", "n_layers", value=3), "n_layers"),
-    "more taps": (FUZZY, features("n_y", 4), "number of features"),
+    "no sigma": (FUZZY, lambda text: text["parameters"].pop("sigma") and None, "no .* sigma"),
+    "sigma of no part": (FUZZY, put("parameters", "sigma", value=-1.0), "sigma = -1"),
+    "seed": (FUZZY, put("parameters", "random_state", value="a"), "random_state = 'a'"),
+    "parts of an ESN": (ESN(r=4, random_state=1), fprc_of_other_parts, "FPRC: its parts"),
+    "several maps": (on(BANK), fprc_of_other_parts, "FPRC: its parts"),
+    "other maps": (on(BANK), of_other_maps, "SideBySide: its parts"),
+    "more taps": (FUZZY, features("n_y", 4), "its parts"),
     "unknown name": (FUZZY, put("learned", "more_", value=["a"]), "more_"),
     "no name": (FUZZY, put("learned", "fit", value=["a"]), "fit"),
     "units": (FUZZY, put("learned", "units_", value={"words": ["kPa", "deg"]}), "units_"),
@@ -194,13 +211,13 @@ TEXTS = {
     },
     "rules": (FUZZY, put(*readout, "parameters", "n_c", value=4), "centers_"),
     "column of a map": (on(BANK), lambda text: first_map(text).__setitem__(1, [7]), "SideBySide"),
-    "columns of a map": (on(BANK), lambda text: first_map(text).__setitem__(1, [0]), "be 2 nu"),
+    "columns of a map": (on(BANK), lambda text: first_map(text).__setitem__(1, [0]), "parts"),
     "no map": (on(BANK), features("maps", [7]), ""),
     "no maps": (on(BANK), features("maps", []), ""),
     "references": (on(TapFeatures()), features("n_references", 7), "n_references"),
     "40 MB": (FUZZY, put("learned", "units_", value=["k" * 40_000_000]), "too long a text"),
     "factors": (on(LowpassBank()), features("epsilons", "0.1"), "epsilons"),
-    "features": (on(TapFeatures()), features("n_y", 10_000), "mismatch"),
+    "features": (on(TapFeatures()), features("n_y", 10_000), "parts"),
 }  # fmt: skip
 
 
