@@ -313,6 +313,50 @@ def test_rig_that_is_in_use_is_left_alone(start, rig):
     program.ended_vented(program.journal()[2].samples)
 
 
+def test_loop_without_a_guardian_keeps_the_boards_until_it_has_vented(start, rig):
+    program = start("run", "sweep", valves={"vent_s": 0.5})
+    program.is_in_mid_run()
+    rig.fail(1 << 40)
+    os.kill(program.process.pid, signal.SIGKILL)
+    # more than while the rig is closed
+    wait_until(lambda: rig.failures > 100, "attempts to vent")
+    code, output = start("check").end()
+    assert (code, "in use" in output) == (1, True)
+    rig.fail_count = 0
+    program.end()
+    assert list(rig.outputs[:2]) == [0.0, 0.0]
+    assert VENTED_AS_SHOWN in program.journal()[2].reason
+
+
+def test_loop_without_a_guardian_does_not_wait_for_a_driver_that_hangs(start, rig):
+    program = start("run", "sweep", valves={"vent_s": 0.5})
+    program.is_in_mid_run()
+    rig.fail(1 << 40)  # so that the rig cannot be closed
+    os.kill(program.process.pid, signal.SIGKILL)
+    wait_until(lambda: rig.failures > 100, "attempts to vent")
+    rig.stall_us, rig.fail_count = HOUR_US, 0
+    program.end()
+    assert "the valves took the voltage to vent" in program.journal()[2].reason
+    (rescued,) = program.raw.parent.glob("*.rescued.h5")
+    log = read_raw(rescued, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.9)
+    program.ended_vented(len(log.channels["time_s"]), lost=1)
+
+
+def test_heartbeat_for_a_watchdog_relay_stands_still_once_both_processes_are_killed(start, rig):
+    program = start("run", "sweep", boards={"heartbeat_output": 5})
+    program.is_in_mid_run()
+    both = [program.loop(), program.process.pid]
+    for number in (signal.SIGSTOP, signal.SIGKILL):
+        for process in both:
+            os.kill(process, number)
+    program.end()
+    calls, beats = rig.calls, [volts for _, channel, volts in rig.logged() if channel == 5]
+    time.sleep(0.3)
+    assert rig.calls == calls
+    assert beats == [5.0, 0.0] * (len(beats) // 2) + [5.0] * (len(beats) % 2)
+    assert len(beats) > 10
+
+
 def test_third_ctrl_c_ends_a_loop_that_hangs_and_the_guardian_vents(start, rig):
     program = start("run", "sweep")
     program.is_in_mid_run()
