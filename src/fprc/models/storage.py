@@ -201,7 +201,7 @@ def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, typ
         )
     model = known[found["class"]](**found["parameters"])
     if missing := model.get_params(deep=False).keys() - found["parameters"].keys():
-        raise ValueError(f"{found['class']} has no parameter {', '.join(sorted(missing))}")
+        raise ValueError(f"{found['class']}: {', '.join(sorted(missing))} is missing")
     for key, value in found["learned"].items():
         if not _is_learned(key):
             raise ValueError(f"{key!r:.60} is no name of something learned")
