@@ -29,8 +29,7 @@ key by key, in this order; a list replaces a list.
 prints a rig of this package; your own are files `config/rigs/NAME.yaml`. What such a file leaves
 out has the defaults below, which are not the values of `{RIG}`.
 
-Files are YAML; a repeated key, or a number such as 0700 or 1:30, is an error. `fprc config check
-FILE ...` only checks.
+Files are YAML; a repeated key is an error. `fprc config check FILE ...` only checks.
 
 A key ends in the unit of its value, as `ki_v_per_kpa_s` in V/(kPa s); otherwise the unit is in
 brackets behind the meaning, where `[-]` is none.
