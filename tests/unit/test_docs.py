@@ -22,7 +22,6 @@ PROGRAMS = "fprc|make|snakemake"
 BLOCKS = {
     "README.md": ["tests/unit/test_datasets.py"],
     "data/raw/README.md": ["tests/unit/logs/test_columns.py"],
-    "docs/benchmark.md": ["tests/unit/test_datasets.py"],
     "docs/extending.md": [
         "tests/workflow/test_extending.py",
         "tests/unit/models/test_compose.py",
