@@ -26,7 +26,6 @@ BLOCKS = {
         "tests/workflow/test_extending.py",
         "tests/unit/models/test_compose.py",
         "tests/unit/models/test_compose.py",
-        "needs ReservoirPy; tests/unit/models/test_compose.py does the same where it is installed",
     ],
     "docs/changing.md": ["a protocol without bodies"],
     "docs/elsewhere.md": ["tests/workflow/test_module.py"],
