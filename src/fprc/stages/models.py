@@ -52,7 +52,7 @@ def grid(
     complex: str,
     cells: str,
     *,
-    values: Mapping[str, Sequence[float]],
+    values: Mapping[str, Sequence[int | float]],
     validation: CrossValidation,
 ) -> None:
     """Cross-validate and test every cell of every grid, on logs that have no further seeds."""

