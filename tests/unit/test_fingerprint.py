@@ -46,7 +46,7 @@ COMPUTING = {"shared", "studies", *MODELS}
      ("models/competitors.py", set()), ("models/features.py", COMPUTING),
      ("rig/friction.py", COMPUTING), ("stages/models.py", COMPUTING), ("stages/draw.py", {"shows"}),
      ("figures/style.py", {"shows"}), ("studies/family.py", {"studies"}),
-     ("studies/beyond.py", {"shows"}), ("commands/logs.py", set())],
+     ("studies/beyond.py", {"shows"}), ("commands/files.py", set())],
 )  # fmt: skip
 def test_edit_of_a_module_changes_what_runs_it(changed, name, expected):
     assert changed(name, "# a comment, and\ndef documented():\n    pass") == expected

@@ -1,25 +1,58 @@
-"""`fprc train` and `fprc predict`: a model from raw logs to predictions, without Snakemake."""
+"""`fprc simulate`, `train`, `predict`, `export`: from nothing to code, without Snakemake."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from fprc import __version__
 from fprc.artifacts import refuse_output, replacing, write_text
 from fprc.config import Settings, from_files, local_files
+from fprc.config.settings import Control
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import learn, refusals_of
 from fprc.experiments.data import Data, join
 from fprc.experiments.settings import CrossValidation
+from fprc.experiments.tracking import Track
 from fprc.experiments.trained import refuse_other_data, trained_on
 from fprc.given import refuse_repeats
 from fprc.models import SequenceModel, load_model, save_model
-from fprc.plan.arguments import validation
+from fprc.models.c_header import c_header
+from fprc.plan.arguments import of_pressures, validation
+from fprc.provenance import sha256
 from fprc.registry import build, entries, entry_of, load_class, outside_classes
 from fprc.stages.preprocess import read_recordings
+from fprc.stages.record import record
+
+
+def simulate(
+    experiment: Literal["sweep", "complex"],
+    *,
+    seed: int | None = None,
+    rig: str | None = None,
+    config: Sequence[str] = (),
+    out: str,
+) -> str:
+    """Simulate an experiment and write its raw log."""
+    refuse_output(out, ".h5")
+    settings = _settings(config, seed=seed, rig=rig)
+    whole, signal = settings.model_dump(mode="json"), dict(settings.experiments)[experiment]
+    record(
+        out,
+        experiment=experiment,
+        signal=signal,
+        control=Control(**of_pressures(whole)),
+        rig=whole["rig"],
+        seed=settings.seed,
+    )
+    return (
+        f"{out}: {experiment}, {signal.duration_s:g} s at {settings.control.sample_rate_hz:g} Hz, "
+        f"on the simulated rig {settings.fitted.name}, seed {settings.seed}\n"
+    )
 
 
 def train(
@@ -29,12 +62,11 @@ def train(
     seed: int | None = None,
     config: Sequence[str] = (),
     out: str,
-) -> None:
+) -> str:
     """Train a model on raw logs."""
     refuse_output(out, ".h5")
     refuse_repeats(logs, "its samples would train and validate at once")
-    chosen = {} if seed is None else {"seed": seed}
-    settings = from_files(config or local_files(), chosen)
+    settings = _settings(config, seed=seed)
     models = settings.models.model_dump()
     if model not in entries(models):
         choice = in_words(entries(models), "or")
@@ -47,18 +79,17 @@ def train(
     with replacing(out) as temporary:
         remembered = trained_on(result.model, data, model, models)
         save_model(remembered, temporary, outside_classes(models))
-    report = (
+    return (
         f"{out}: {model}, trained on {', '.join(logs)}; fold {result.best + 1} of {len(folds)} is "
         f"best: training RMSE {result.train_rmse[result.best]:.2f} {data.unit}, validation "
-        f"{result.validation_rmse[result.best]:.2f} {data.unit}"
+        f"{result.validation_rmse[result.best]:.2f} {data.unit}\n"
     )
-    print(report)
 
 
-def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> None:
+def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> str:
     """Compute the pressure P_ff that a trained model gives for a raw log."""
     refuse_output(out, ".csv")
-    settings = from_files(config or local_files())
+    settings = _settings(config)
     models = settings.models.model_dump()
     fitted = load_model(model, outside_classes(models))
     name = _name_of(fitted, model, models)
@@ -72,12 +103,38 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> No
     names = ("time_s", *inputs, "p_target_kpa")
     columns = {key: data.channels[key] for key in names} | {"p_ff_kpa": output}
     write_text(out, pd.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
-    report = (
+    return (
         f"{out}: {name} on {raw}, {len(y)} samples; RMSE against the "
         f"{'commanded' if data.attributes['target'] == 'command' else 'measured'} P_exp "
-        f"{rmse(y, output):.2f} {data.unit}"
+        f"{rmse(y, output):.2f} {data.unit}\n"
     )
-    print(report)
+
+
+def export(model: str, *, c: str, learn: bool = False, config: Sequence[str] = ()) -> None:
+    """Turn a trained model into C code for a controller."""
+    path, online = Path(c), None
+    refuse_output(path, ".h")
+    settings = _settings(config)
+    fitted = load_model(model, outside_classes(settings.models.model_dump()))
+    if learn:
+        units = getattr(fitted, "units_", ())  # whatever they are, the header names them
+        rate_hz = settings.control.sample_rate_hz
+        refuse_other_data(fitted, f"{model}, the model", rate_hz, units)
+    origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
+    try:
+        if learn:
+            bench = Track(settings.tracking, settings.control, {}, settings.seed)
+            online = bench.online(fitted)
+        text = c_header(fitted, path.stem, origin=origin, online=online)
+    except FprcError as error:
+        raise FprcError(f"{model}: {error}") from error
+    write_text(path, text)
+
+
+def _settings(files: Sequence[str], **chosen: Any) -> Settings:
+    """Return the settings of the files, or of the current folder, with what was chosen beside."""
+    over = {name: value for name, value in chosen.items() if value is not None}
+    return from_files(files or local_files(), over)
 
 
 def _read(logs: Sequence[str], settings: Settings, inputs: tuple[str, ...]) -> Data:

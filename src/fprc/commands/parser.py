@@ -33,8 +33,7 @@ Argument = tuple[str, dict[str, Any]]
 
 
 def _arg(name: str, metavar: str | None, text: str, **settings: Any) -> Argument:
-    named = {} if metavar is None else {"metavar": metavar}
-    return name, {"help": text, **named, **settings}
+    return name, {"help": text, **({"metavar": metavar} if metavar else {}), **settings}
 
 
 # fmt: off
@@ -49,10 +48,9 @@ _SOURCE = _arg("source", "SOURCE", "recording: text, MATLAB, HDF5, Excel or othe
 
 #: Name, function as ``module:function``, help with examples, arguments of each command.
 COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
-    ("simulate", "commands.simulate:simulate", """
+    ("simulate", "commands.models:simulate", """
         Simulate an experiment and write its raw log.
 
-        examples:
           fprc simulate sweep --out sweep.h5
           fprc simulate complex --seed 2 --rig viscous --out complex.h5
     """, [
@@ -70,7 +68,6 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         Keeps the model of the best fold of a cross-validation, as in Table II, and
         prints its training and validation error.
 
-        examples:
           fprc train sweep.h5 --out model.h5
           fprc train monday.h5 tuesday.h5 --model fuzzy_linear --out model.h5
     """, [
@@ -88,7 +85,6 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         Prints the error against the log's P_exp. The table has the time, the inputs of
         the model, P_exp (`p_target_kpa`) and P_ff.
 
-        examples:
           fprc predict model.h5 complex.h5 --out predicted.csv
     """, [
         _MODEL,
@@ -96,13 +92,12 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         _CONFIG,
         _arg("--out", "FILE.csv", "table to write", **_OUT),
     ]),
-    ("export", "commands.export:export_c", """
+    ("export", "commands.models:export", """
         Turn a trained model into C code for a controller.
 
         Writes an FPRC or Fuzzy-linear as one C99 header without memory allocation.
         docs/deploy.md shows its use.
 
-        examples:
           fprc export model.h5 --c fprc_model.h
           fprc export results/models/sweep_fprc.h5 --c fprc_model.h --learn
     """, [
@@ -117,7 +112,6 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
 
         Says what is doubtful in it, and draws it. docs/own-data.md describes the map.
 
-        examples:
           fprc import arm.csv --draft > arm.yaml
           fprc import arm.csv --map arm.yaml --out sweep.h5
     """, [
@@ -127,23 +121,21 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         _arg("--map", "MAP.yaml", "columns, units, clock and sample rate", dest="map_"),
         _arg("--out", "FILE.h5", "raw log to write"),
     ]),
-    ("log check", "commands.logs:check", """
+    ("log check", "commands.files:check_logs", """
         Check raw logs and say what is wrong with them.
 
         The limits are the defaults; the expected sample rate is that of the log's
         attributes. Exit code 1: a log cannot be used, or a check fails.
 
-        examples:
           fprc log check sweep.h5 complex.h5
     """, [_arg("paths", "FILE.h5", "raw log", nargs="+")]),
-    ("log repair", "commands.logs:repair", """
+    ("log repair", "commands.files:repair", """
         Recover a raw log from the journal of a run.
 
         Copies the readable samples to a new raw log and prints what is lost. Exit code
         0: nothing is lost; 3: some is, or may be; 1: nothing is readable. A damaged
         raw log is not repaired: use the journal of its run, which is beside it.
 
-        examples:
           fprc log repair sweep.journal --out sweep.h5
     """, [
         _arg("source", "FILE.journal", "journal; it is not changed"),
@@ -158,7 +150,6 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         answer. Writes `report.md`, `readout/answer.json` (every number) and two logs
         for the workflow.
 
-        examples:
           fprc readout recording.csv --map map.yaml --out results/mine
     """, [
         _SOURCE,
@@ -167,18 +158,16 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         _arg("--out", "FOLDER", "folder to write; by default results/ and SOURCE's name"),
         _arg("--config", "FILE", f"configuration that overrides the defaults; {_LATER}", **_MANY),
     ]),
-    ("config check", "commands.configuration:check", """
+    ("config check", "commands.files:check_config", """
         Check configuration files, merged in this order.
 
-        examples:
           fprc config check config/config.yaml mine.yaml
     """, [_arg("files", "FILE", "configuration, YAML", nargs="+")]),
-    ("config defaults", "commands.configuration:defaults", "Print config/config.yaml.", []),
-    ("config reference", "commands.configuration:reference", "Print docs/configuration.md.", []),
-    ("config rig", "commands.configuration:rig", """
+    ("config defaults", "config.reference:defaults", "Print config/config.yaml.", []),
+    ("config reference", "config.reference:reference", "Print docs/configuration.md.", []),
+    ("config rig", "commands.files:show_rig", """
         Print the parameters of a fitted rig.
 
-        examples:
           fprc config rig viscous
     """, [_arg("name", "NAME", "name of the rig; by default that of the defaults", nargs="?")]),
     ("calibrate", "commands.calibrate:calibrate_from_files", """
@@ -188,20 +177,18 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
         parameter file; docs/rigs.md says how. Takes up to an hour. With
         --ensemble it writes rigs around that of the configuration instead.
 
-        examples:
           fprc calibrate
           fprc calibrate mine.yaml --out config/rigs/mine.yaml
     """, [
         _arg("files", "FILE", f"configuration; {_LOCAL}", nargs="*", default=()),
-        _arg("--out", "FILE.yaml", "parameter file to write, by default config/rigs/fitted.yaml; "
-             "its name becomes that of the rig", default="config/rigs/fitted.yaml"),
+        _arg("--out", "FILE.yaml", "parameter file to write, by default config/rigs/fitted.yaml",
+             default="config/rigs/fitted.yaml"),
         _arg("--ensemble", "FILE.json", "write 40 rigs around that of the configuration that fit "
              "Tables II and III too, instead of a fit"),
     ]),
     ("rig check", "apparatus.command:check", """
         Check valves and sensors one by one.
 
-        examples:
           fprc rig check --config config/config.yaml config/bench.yaml
           fprc rig check --armed --config config/config.yaml config/bench.yaml
     """, [
@@ -213,7 +200,6 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
 
         Unless armed, prints what would be run, and ends with exit code 1.
 
-        examples:
           fprc rig run list
           fprc rig run sweep --armed --config config/config.yaml config/bench.yaml
     """, [
@@ -243,16 +229,20 @@ def parser() -> argparse.ArgumentParser:
         if group not in groups:
             first = groups[""].add_parser(group, help=_GROUPS[group], description=_GROUPS[group])
             groups[group] = first.add_subparsers(title="verbs", required=True)
-        description, *examples = textwrap.dedent(text).strip().partition("examples:\n")
-        about = {"description": description.strip(), "epilog": "".join(examples)}
-        command = groups[group].add_parser(name, help=description.split(".\n")[0], **about, **shown)
+        about = textwrap.dedent(text).strip()
+        summary = about.partition(".\n")[0]
+        command = groups[group].add_parser(name, help=summary, description=about, **shown)
         command.set_defaults(run=partial(_call, run))
         for argument, settings in arguments:
             command.add_argument(argument, **settings)
     return top
 
 
-def _call(run: str, options: argparse.Namespace) -> Any:
+def _call(run: str, options: argparse.Namespace) -> int:
+    """Call a function with the options; print the text, or return the exit code, that it gives."""
     module, _, function = run.partition(":")
     given = {key: value for key, value in vars(options).items() if key != "run"}
-    return getattr(import_module(f"fprc.{module}"), function)(**given)
+    answer = getattr(import_module(f"fprc.{module}"), function)(**given)
+    if isinstance(answer, str):
+        print(answer, end="")
+    return answer if isinstance(answer, int) else 0

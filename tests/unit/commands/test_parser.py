@@ -17,8 +17,8 @@ def test_help_has_examples_that_call_the_function(command, run, capsys):
     assert max(map(len, shown.splitlines())) < 80
     module, function = run.split(":")
     signature = inspect.signature(getattr(import_module(f"fprc.{module}"), function))
-    for line in shown.partition("examples:\n")[2].splitlines() or [f"fprc {command}"]:
-        assert f"fprc {command}" in line
+    for line in re.findall(r"^ +(fprc .*)", shown, flags=re.MULTILINE) or [f"fprc {command}"]:
+        assert line.startswith(f"fprc {command}")
         # without a redirection
         given = vars(parser().parse_args(shlex.split(re.sub(r" > \S+$", "", line))[1:]))
         del given["run"]

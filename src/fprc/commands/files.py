@@ -1,12 +1,15 @@
-"""`fprc log`: check raw logs, and convert journals to raw logs."""
+"""`fprc config` and `fprc log`: check configuration and logs, and convert journals to raw logs."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from fprc.apparatus.journal import recover
+from fprc.config import from_files
+from fprc.config.load import RIG, rig_file
 from fprc.config.settings import Quality
 from fprc.errors import LogError
+from fprc.given import read_given
 from fprc.logs import assess, read_raw
 from fprc.logs.quality import warnings
 from fprc.paper import SOURCES
@@ -15,7 +18,18 @@ from fprc.paper import SOURCES
 COMPLETE, SOME_LOST = 0, 3
 
 
-def check(paths: Sequence[str]) -> int:
+def check_config(files: Sequence[str]) -> str:
+    """Check configuration files, merged in this order."""
+    from_files(files)
+    return "no errors\n"
+
+
+def show_rig(name: str | None = None) -> str:
+    """Return the file with the parameters of a fitted rig."""
+    return read_given(rig_file(name or RIG)).decode(errors="backslashreplace")
+
+
+def check_logs(paths: Sequence[str]) -> int:
     """Check raw logs and say what is wrong with them."""
     limits, failed = Quality(), False
     how: dict[str, Any] = {"sample_rate_hz": None, "rate_tolerance": limits.rate_tolerance}
@@ -27,32 +41,27 @@ def check(paths: Sequence[str]) -> int:
             print(f"error: {error}", file=sys.stderr)
             failed = True
             continue
-        print("\n".join(_page(path, record)))
+        print(*_page(path, record), sep="\n")
         failed = failed or bool(warnings(record))
     return int(failed)
 
 
-def _page(path: str, record: Mapping[str, Any]) -> list[str]:
-    """Return a quality record as lines for people."""
-    checks = record["checks"]
-    failed = sum(not check["passed"] for check in checks.values())
+def _page(path: str, record: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the lines of a quality record."""
+    checks, failed = record["checks"], len(warnings(record))
     verdict = f"{failed} of {len(checks)} checks failed" if failed else "all checks passed"
-    lines = [
+    yield (
         f"{path}: {record['experiment']}, {SOURCES[record['source']]}, {record['samples']} samples "
         f"at {record['sample_rate_hz']:g} Hz; {verdict}"
-    ]
+    )
     for name, check in checks.items():
         result = "ok" if check["passed"] else "FAILED"
-        lines.append(f"  {name:21} {result:6} {check['finding']}".rstrip())
-    for channel, note in record.get("notes", {}).items():
-        lines.append(f"  {channel:28} {note}")
-    if statistics := record.get("loop"):
-        shown = (
-            f"{key} {v:.3g}" if isinstance(v, float) else f"{key} {v}"
-            for key, v in statistics.items()
-        )
-        lines.append(f"  {'loop':28} {', '.join(shown)}")
-    return lines
+        yield f"  {name:21} {result:6} {check['finding']}".rstrip()
+    more = dict(record.get("notes", {}))
+    if loop := record.get("loop"):
+        shown = (f"{key} {f'{v:.3g}' if isinstance(v, float) else v}" for key, v in loop.items())
+        more["loop"] = ", ".join(shown)
+    yield from (f"  {name:28} {text}" for name, text in more.items())
 
 
 def repair(source: str, *, out: str) -> int:
