@@ -20,14 +20,9 @@ from fprc.given import read_given
 def replacing(path: Path | str) -> Iterator[Path]:
     """Yield a temporary path beside ``path``, and rename that file to ``path`` on success.
 
-    On an exception the temporary file is removed and ``path`` is unchanged. The
-    suffix is kept, since some writers choose the format by it. A process that is killed
-    leaves the temporary file, and the next that writes ``path`` replaces it.
-
-    Raises
-    ------
-    OutputError
-        The disk is full, the folder cannot be written to, or ``path`` is a folder.
+    On an exception the temporary file is removed and ``path`` is unchanged. The suffix is kept,
+    since some writers choose the format by it. A process that is killed leaves the temporary file,
+    and the next that writes ``path`` replaces it.
     """
     path = Path(path)
     temporary = path.with_name(f".{path.stem}.part{path.suffix}")
@@ -59,19 +54,10 @@ def explaining(path: Path | str) -> Iterator[None]:
 def refuse_output(
     out: Path | str, suffix: str, *, ours: Callable[[Path], bool] | None = None
 ) -> None:
-    """Check that a file that a user named can be written, before anything is computed.
+    """Raise OutputError if a file that a user named cannot be written, before anything is computed.
 
-    Parameters
-    ----------
-    ours : callable, optional
-        Returns whether an existing file is an earlier output of the same command, which may be
-        overwritten; by default no file may.
-
-    Raises
-    ------
-    OutputError
-        The name has another ending, a file of this name may not be overwritten, or its folder
-        cannot be written to.
+    No existing file is overwritten, but one of which ``ours`` says that it is an earlier output of
+    the same command.
     """
     path = Path(out)
     if path.suffix != suffix:
@@ -100,13 +86,7 @@ def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
 
 
 def read_json(path: Path | str) -> dict[str, Any]:
-    """Read a JSON file that holds an object.
-
-    Raises
-    ------
-    FprcError
-        It cannot be opened, was cut, or holds something else.
-    """
+    """Read a JSON file that holds an object; raise FprcError if it was cut or is something else."""
     try:
         return parse_object(read_given(path, most_bytes=1 << 28).decode("utf-8"))
     except (ValueError, RecursionError) as error:

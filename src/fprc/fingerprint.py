@@ -15,37 +15,34 @@ from typing import Any
 import fprc
 from fprc.registry import COMPETITORS, class_module
 
+
+def _named(names: str) -> tuple[str, ...]:
+    return tuple(f"fprc.{name}" for name in names.split())
+
+
 #: Beginnings of the names of what makes tables, figures, claims and pages of results.
-SHOWS = (
-    "claims", "escape", "figures", "provenance", "stages.draw",
-    "stages.report", "stages.tabulate", "studies.beyond", "studies.online", "studies.pages",
-    "studies.verdicts", "tables",
-)  # fmt: skip
+SHOWS = _named(
+    "claims escape figures provenance stages.draw stages.report stages.tabulate studies.beyond "
+    "studies.online studies.pages studies.verdicts tables"
+)
 #: Those of what no rule of the paper runs, or what only passes on files and settings.
-ELSEWHERE = (
-    "__init__", "__main__", "apparatus", "cli", "commands", "config", "datasets", "errors",
-    "fingerprint", "given", "plan", "recordings", "studies", "yaml_file",
-)  # fmt: skip
+ELSEWHERE = _named(
+    "__init__ __main__ apparatus cli commands config datasets errors fingerprint given plan "
+    "recordings studies yaml_file"
+)
 
 
 def code_that_computes(
     *models: str, settings: Mapping[str, Any] | None = None, also: tuple[str, ...] = ()
 ) -> str:
-    """Return a digest of the code that computes.
+    """Return a digest of the code that computes, with these models and not with others.
 
-    Parameters
-    ----------
-    *models : str
-        Models that run. The module of each other model's class does not count.
-    settings : Mapping, optional
-        Section ``models`` of the configuration. Of a model from outside the file of its class
-        counts.
-    also : tuple of str
-        Beginnings of the names of further modules, as ``studies``.
+    Of a model from outside, which ``settings``, the section ``models``, names, the file of its
+    class counts. ``also`` are beginnings of the names of further modules, as ``fprc.studies``.
     """
     own = {class_module(name) for name in COMPETITORS}
     shared = {
-        f"fprc.{name}"
+        name
         for name in modules()
         if not name.startswith(SHOWS) and (name.startswith(also) or not name.startswith(ELSEWHERE))
     }
@@ -58,21 +55,19 @@ def code_that_shows() -> str:
     patterns = ("config/published.yaml", "claims/*.*", "figures/drawings/*", "stages/*.*")
     files = sorted(path for pattern in patterns for path in folder.glob(pattern))
     data = (path.read_bytes() for path in files if path.suffix != ".py")
-    code = _digest(f"fprc.{name}" for name in modules() if name.startswith(SHOWS))
+    code = _digest(name for name in modules() if name.startswith(SHOWS))
     return hashlib.sha256(b"".join([code.encode(), *data])).hexdigest()[:16]
 
 
 def modules() -> dict[str, Path]:
-    """Return the files of this package by their modules, without ``fprc.``."""
+    """Return the files of this package by their modules."""
     folder = Path(fprc.__path__[0])
-    return {
-        ".".join(path.relative_to(folder).with_suffix("").parts): path
-        for path in folder.rglob("*.py")
-    }
+    found = {path: path.relative_to(folder).with_suffix("").parts for path in folder.rglob("*.py")}
+    return {".".join(("fprc", *parts)): path for path, parts in found.items()}
 
 
 def _digest(names: Iterable[str]) -> str:
-    ours = {f"fprc.{name}": path for name, path in modules().items()}
+    ours = modules()
     files = {name: ours.get(name) or Path(sys.modules[name].__file__ or "") for name in names}
     lines = (f"{name} {_code_of(path.read_bytes())}" for name, path in sorted(files.items()))
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]

@@ -7,20 +7,11 @@ from typing import BinaryIO
 
 from fprc.errors import ConfigError, FprcError
 
-#: Largest file, bytes, unless the caller says otherwise.
-MOST_BYTES = 4 << 30
-
 
 def open_given(
-    path: Path | str, *, error: type[FprcError] = FprcError, most_bytes: int = MOST_BYTES
+    path: Path | str, *, error: type[FprcError] = FprcError, most_bytes: int = 4 << 30
 ) -> BinaryIO:
-    """Open a file that a user named, for reading.
-
-    Raises
-    ------
-    error
-        There is no such regular file, it cannot be read, or it has more than ``most_bytes``.
-    """
+    """Open a regular file that a user named, for reading; raise ``error`` if that cannot be."""
     try:
         # a pipe would block, and a device can be endless
         if os.path.exists(path) and not os.path.isfile(path):
@@ -37,9 +28,9 @@ def open_given(
 
 
 def read_given(
-    path: Path | str, *, error: type[FprcError] = FprcError, most_bytes: int = MOST_BYTES
+    path: Path | str, *, error: type[FprcError] = FprcError, most_bytes: int = 4 << 30
 ) -> bytes:
-    """Return the content of a file that a user named; see ``open_given``."""
+    """Return the content of a file that a user named; raise ``error`` if it cannot be read."""
     with open_given(path, error=error, most_bytes=most_bytes) as file:
         return file.read()
 

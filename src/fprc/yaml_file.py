@@ -13,11 +13,8 @@ from fprc.given import read_given
 def read_yaml(path: Path | str) -> dict[Any, Any]:
     """Read a file of keys and values; an empty file gives an empty dict.
 
-    Raises
-    ------
-    ConfigError
-        The file cannot be read, is not YAML, repeats a key, has a number such as 0700 or 1:30,
-        which is another one in YAML 1.1 than in 1.2, or has no keys and values; names the line.
+    ConfigError names the line of what is no YAML, of a repeated key, and of a number such as 0700
+    or 1:30, which is another one in YAML 1.1 than in 1.2.
     """
     content = read_given(path, error=ConfigError, most_bytes=1_000_000)
     try:

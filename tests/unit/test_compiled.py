@@ -37,23 +37,25 @@ def kernel_of(package):
     return build
 
 
+def hits(function):
+    """Return how many kernels came from the cache."""
+    function(1.0)
+    return sum(function.stats.cache_hits.values())
+
+
 @pytest.mark.parametrize("source", ["friction", "control_laws", "compiled"])
 def test_cache_goes_with_any_source_of_the_package_the_laws_or_how_it_is_compiled(
     package, kernel_of, tmp_path, monkeypatch, source
 ):
-    chosen = tmp_path / "chosen"
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(chosen))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "chosen"))
     for ours in (compiled, control_laws):
         shutil.copy(ours.__file__, tmp_path)
     monkeypatch.setattr(compiled, "__file__", str(tmp_path / "compiled.py"))
-    kernel_of()(1.0)
-    kernel_of()(1.0)
-    assert len(set(chosen.rglob("*.nbi"))) == 1
+    assert [hits(kernel_of()), hits(kernel_of())] == [0, 1]
     folder = package if source == "friction" else tmp_path
     with open(folder / f"{source}.py", "a", encoding="utf-8") as file:
         file.write("# changed\n")
-    kernel_of()(1.0)
-    assert len(set(chosen.rglob("*.nbi"))) == 2
+    assert [hits(kernel_of()), hits(kernel_of())] == [0, 1]
 
 
 @pytest.mark.parametrize("kind", ["*.nbi", "*.nbc"])
@@ -63,9 +65,7 @@ def test_damaged_cache_is_compiled_again(package, kernel_of, kind, left):
     (file,) = package.rglob(kind)
     file.write_bytes(file.read_bytes()[:left])
     assert kernel_of()(3.0) == 6.0
-    whole = kernel_of()
-    assert whole(4.0) == 8.0
-    assert sum(whole.stats.cache_hits.values()) == 1
+    assert hits(kernel_of()) == 1
 
 
 def test_package_that_cannot_be_written_is_cached_in_the_users_folder_or_not_at_all(
@@ -74,7 +74,7 @@ def test_package_that_cannot_be_written_is_cached_in_the_users_folder_or_not_at_
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "users"))
     (package / "__pycache__").write_text("", encoding="utf-8")  # there can be no folder
     assert kernel_of()(3.0) == 6.0
-    assert list((tmp_path / "users/fprc/rig").rglob("*.nbi")) == list(tmp_path.rglob("*.nbi")) != []
+    assert list((tmp_path / "users").rglob("*.nbi")) == list(tmp_path.rglob("*.nbi")) != []
     shutil.rmtree(tmp_path / "users")
     (tmp_path / "users").write_text("", encoding="utf-8")
     assert kernel_of()(3.0) == 6.0

@@ -22,7 +22,7 @@ def changed(tmp_path, monkeypatch):
     def digests():
         return {
             "shows": code_that_shows(),
-            "studies": code_that_computes(also=("studies",)),
+            "studies": code_that_computes(also=("fprc.studies",)),
             "shared": code_that_computes(),
             **{name: code_that_computes(name) for name in MODELS},
         }

@@ -4,6 +4,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +28,7 @@ _LOCAL = Path("config/config.yaml")
 
 
 def rig_files() -> dict[str, Path]:
-    """Return the file of each rig that ``rig`` can name.
-
-    A file in ``config/rigs`` of the current folder replaces this package's rig of the same name.
-    """
+    """Return the file of each rig that ``rig`` can name; one of the user replaces ours."""
     files = {path.stem: path for folder in _RIGS for path in folder.glob("*.yaml")}
     return dict(sorted(files.items()))
 
@@ -50,17 +48,8 @@ def local_files() -> list[Path]:
 
 
 def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = None) -> Settings:
-    """Merge YAML files, later ones over earlier ones and ``over`` over all, and check the result.
-
-    Raises
-    ------
-    ConfigError
-        A file cannot be read; or as ``check``.
-    """
-    merged: dict[str, Any] = {}
-    for layer in (*map(read_yaml, paths), over or {}):
-        merged = _merged(merged, layer)
-    return check(merged)
+    """Merge YAML files, later ones over earlier ones and ``over`` over all, and ``check`` them."""
+    return check(reduce(_merged, [*map(read_yaml, paths), over or {}]))
 
 
 def check(config: Mapping[str, Any]) -> Settings:
@@ -112,43 +101,34 @@ def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any
 
 
 def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> str:
-    """Return what is wrong, one error of pydantic, in a line.
-
-    Parameters
-    ----------
-    section : type
-        The section that was read.
-    page : str
-        The page that describes its keys.
-    """
-    *above, last = map(str, item["loc"] or [""])
-    key = ".".join([*above, last])
-    defaults = {name: default for name, default, *_ in fields(section)}
-    kind, value = item["type"], item["input"]
+    """Return in a line what is wrong, an error of pydantic on a section that ``page`` describes."""
+    key = ".".join(map(str, item["loc"]))
+    known = {name: default for name, default, *_ in fields(section)}
+    kind = item["type"]
     if kind == "missing":
         return f"{key}: missing; see {page}"
     if kind == "extra_forbidden":
-        return f"{key}: unknown key; {_nearest(above, last, defaults, page)}"
+        return f"{key}: unknown key; {_nearest(key, known, page)}"
     message = item["msg"].removeprefix("Value error, ").replace("a valid tuple", "a list")
     message = re.sub("^(Input|String|Keys|Tuple) should", "must", message)
     if kind == "model_type":
         message = "must hold keys and values"
     # the messages of our checks name the value where that helps
-    shown = "" if kind == "value_error" else f" = {value}"
-    default = defaults.get(key, PydanticUndefined)
+    shown = "" if kind == "value_error" else f" = {item['input']}"
     # a default that is no value says nothing, and of the rig it is not what the chosen one has
-    is_shown = default not in (PydanticUndefined, None, {}) and not key.startswith("rig.")
-    remedy = f" (default: {default!r})" if is_shown else ""
+    default = None if key.startswith("rig.") else known.get(key)
+    remedy = "" if default in (None, {}, PydanticUndefined) else f" (default: {default!r})"
     return f"{key}{shown}: {message}{remedy}" if key else message
 
 
-def _nearest(above: list[str], last: str, known: Iterable[str], page: str) -> str:
+def _nearest(key: str, known: Iterable[str], page: str) -> str:
     """Return the key that was probably meant, here or elsewhere, or those that there are."""
-    ways = [key.split(".") for key in known]
+    *above, last = key.split(".")
+    ways = [name.split(".") for name in known]
     depth = len(above)
-    here = list(dict.fromkeys(way[depth] for way in ways if way[:depth] == above != way))
+    here = dict.fromkeys(way[depth] for way in ways if way[:depth] == above != way)
     near = get_close_matches(last, here, n=1) + [name for name in here if name.startswith(last)]
     likely = [way for way in ways if way[-1] == last] or [[*above, name] for name in near]
-    if not likely:
-        return f"the keys are {in_words(here)}" if here else f"see {page}"
-    return f"did you mean {'.'.join(likely[0])}?"
+    if likely:
+        return f"did you mean {'.'.join(likely[0])}?"
+    return f"the keys are {in_words(here)}" if here else f"see {page}"

@@ -16,13 +16,10 @@ def _elements(*pairs: tuple[str, str]) -> Any:
     """Return the check that lists of elements match in length, and that their weights sum to 1."""
 
     def match(section: Any) -> Any:
-        for first, second in pairs:
-            sizes = len(getattr(section, first)), len(getattr(section, second))
-            if sizes[0] != sizes[1]:
-                raise ValueError(
-                    f"{first} has {sizes[0]} and {second} {sizes[1]} numbers; give both the same "
-                    "length"
-                )
+        for pair in pairs:
+            sizes = {len(getattr(section, name)) for name in pair}
+            if len(sizes) > 1:
+                raise ValueError(f"{' and '.join(pair)} differ in length; give each element both")
         if abs(sum(section.slip_weight) - 1.0) > 1e-9:
             raise ValueError(f"slip_weight sums to {sum(section.slip_weight):.6g}; must be 1")
         return section
@@ -79,22 +76,19 @@ class Valve(Section):
 
 
 class Chamber(Section):
-    """A chamber behind a valve."""
+    """A chamber behind a valve; PAM A grows by the volume that it squeezes out of PAM B."""
 
     volume_ml: float = quantity(20, (11, 40), "volume at rest, tube included",
         "size of the muscle; fitted")
+    polytropic_index: float = quantity(1.1, (1.0, 1.4),
+        "polytropic exponent: 1 isothermal, 1.4 adiabatic", "between the two at 1 Hz")
+
+
+class BendingChamber(Chamber):
+    """The chamber of the actuator."""
+
     volume_ml_per_deg: float = quantity(0.3, (0, 0.6),
         "growth of the volume with the bending angle", "size of the muscle")
-    polytropic_index: float = quantity(1.1, (1.0, 1.4),
-        "polytropic exponent: 1 isothermal, 1.4 adiabatic", "between the two at 1 Hz")
-
-
-class ReservoirChamber(Section):
-    """PAM A, the active chamber of the reservoir; it grows by the volume squeezed out of PAM B."""
-
-    volume_ml: float = quantity(20, (11, 40), "volume at rest, tube included", "size of the muscle")
-    polytropic_index: float = quantity(1.1, (1.0, 1.4),
-        "polytropic exponent: 1 isothermal, 1.4 adiabatic", "between the two at 1 Hz")
 
 
 class Bending(Section):
@@ -227,8 +221,8 @@ class Rig(Section):
         json_schema_extra={"source": "minor loops close under Maxwell slip"},
     )
     valve: Valve = Valve()
-    main_chamber: Chamber = Chamber()
-    reservoir_chamber: ReservoirChamber = ReservoirChamber()
+    main_chamber: BendingChamber = BendingChamber()
+    reservoir_chamber: Chamber = Chamber()
     bending: Bending = Bending()
     drift: Drift = Drift()
     reservoir: Reservoir = Reservoir()
@@ -237,20 +231,16 @@ class Rig(Section):
     converter: Converter = Converter()
 
     @model_validator(mode="after")
-    def _squeeze_is_resolved(self) -> "Rig":
-        stiffness = stiffest_squeeze(self.model_dump())
-        share = self.step_s * stiffness / self.reservoir.squeeze_damping_kpa_s_per_ml
+    def _squeeze_is_resolved_and_has_no_lag(self) -> "Rig":
+        rig = self.model_dump()
+        share = self.step_s * stiffest_squeeze(rig) / self.reservoir.squeeze_damping_kpa_s_per_ml
         if share > 0.5:
             raise ValueError(
                 f"the reservoir's squeeze covers {share:.2g} of the distance to equilibrium in one "
                 "integration step, must be at most 0.5; reduce step_s, or raise "
                 "slip_distance_ml or squeeze_damping_kpa_s_per_ml"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _squeeze_has_no_lag(self) -> "Rig":
-        if (lag := squeeze_lag(self.model_dump())) > LONGEST_LAG_S:
+        if (lag := squeeze_lag(rig)) > LONGEST_LAG_S:
             raise ValueError(
                 f"the reservoir's squeeze lags by {lag:.2g} s, must be at most {LONGEST_LAG_S} s, "
                 "since its loops do not depend on frequency; reduce squeeze_damping_kpa_s_per_ml "
@@ -264,11 +254,8 @@ def free_ranges(
 ) -> dict[str, tuple[float, float]]:
     """Return the range of each free parameter, physical unless a narrower one is given.
 
-    Raises
-    ------
-    ValueError
-        Lists every path that is not a number of the rig, and every range that is empty or exceeds
-        the physical one.
+    ValueError lists every path that is not a number of the rig, and every range that is empty or
+    exceeds the physical one.
     """
     physical: dict[str, tuple[float, float]] = {}
     for key, default, field, _ in fields(Rig):
@@ -277,19 +264,17 @@ def free_ranges(
             count = len(default) - key.endswith(".slip_weight") if isinstance(default, tuple) else 0
             for path in [f"{key}.{index}" for index in range(count)] or [key]:
                 physical[path] = limit.low, limit.high
-    problems = [
-        f"calibration.free: {path} is not a number of the rig that can be free; remove it"
-        for path in paths
-        if path not in physical
-    ]
-    known = [path for path in paths if path in physical]
-    ranges = {path: (*map(float, narrower.get(path, physical[path])),) for path in known}
-    problems += [
-        f"calibration.ranges: {path} is {list(ranges[path])}; must rise and lie within "
-        f"{list(physical[path])}"
-        for path in known
-        if not physical[path][0] <= ranges[path][0] < ranges[path][1] <= physical[path][1]
-    ]
+    ranges, problems = {}, []
+    for path in paths:
+        if path not in physical:
+            problems.append(f"calibration.free: {path} is no number of the rig that can be free")
+            continue
+        lowest, highest = physical[path]
+        low, high = map(float, narrower.get(path, (lowest, highest)))
+        if not lowest <= low < high <= highest:
+            within = f"must rise and lie within {lowest:g} to {highest:g}"
+            problems.append(f"calibration.ranges: {path} {within}")
+        ranges[path] = low, high
     if problems:
         raise ValueError("\n  ".join(problems))
-    return {path: (low, high) for path, (low, high) in ranges.items()}
+    return ranges
