@@ -10,12 +10,12 @@ from pydantic import validate_call
 
 from fprc.artifacts import write_csv
 from fprc.config import Settings
+from fprc.experiments.data import preprocess
 from fprc.experiments.hysteresis import acquire
 from fprc.figures import style
 from fprc.logs import write_raw
 from fprc.models import FPRC, save_model
 from fprc.plan.arguments import of_pressures
-from fprc.stages.preprocess import preprocess
 from fprc.stages.record import record
 
 # `make quick` asks for fewer examples, .ci/weekly for more
@@ -89,7 +89,7 @@ def make_data():
         rig = {"control": of_pressures(settings), "rig": settings["rig"]}
         validate_call(record)(raw, experiment=name, signal=signal, seed=seed, **rig)
         validate_call(preprocess)(
-            raw, data, quality, experiment=name, target="command", sample_rate_hz=200.0,
+            [raw], data, quality, experiment=name, target="command", sample_rate_hz=200.0,
             limits=settings["quality"],
         )  # fmt: skip
         return raw, data

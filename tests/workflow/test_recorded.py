@@ -97,7 +97,9 @@ def test_logs_without_p_o_give_two_models_and_a_page_that_says_so(recording):
     assert "Fig. 5" in page
     assert "MEASURED DATA" in page
     trained = read_columns(results / "data/sweep.h5", ("time_s",))
-    assert trained.attributes["recordings"] == {"sweep.h5": 2000, "sweep_2.h5": 2000}
+    assert trained.attributes["recordings"] == {
+        "mylogs/sweep.h5": 2000, "mylogs/sweep_2.h5": 2000
+    }  # fmt: skip
 
 
 @pytest.mark.slow

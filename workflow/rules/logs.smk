@@ -89,7 +89,7 @@ rule preprocess:
     log:
         f"{RESULTS}/logs/preprocess_{{experiment}}.log",
     params:
-        stage="stages.preprocess.preprocess",
+        stage="experiments.data.preprocess",
         code=computes(),
         experiment="{experiment}",
         target=SETTINGS["evaluation"]["target"],

@@ -34,7 +34,7 @@ rule replicate:
         f"{RESULTS}/logs/replicate_{{seed}}.log",
     priority: LONG
     params:
-        stage="stages.replicate.replicate",
+        stage="stages.models.replicate",
         code=computes(*PLAN.models),
         on_rig=on_rig(SETTINGS),
         validation=lambda wildcards: validation(SETTINGS, seed=int(wildcards.seed)),

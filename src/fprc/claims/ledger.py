@@ -167,7 +167,7 @@ def _basis(claim: Claim, results: Results) -> str:
     if claim.over == "one run":
         return "main run"
     seeds = len(results.grids if "grids" in claim.over else results.replicates or results.controls)
-    # see fprc.experiments.grids.evaluate_grids
+    # see fprc.experiments.comparison.evaluate_grids
     folds = ", the first fold of each" if "grids" in claim.over else ""
     if seeds == 1:
         return f"one seed{folds}"

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import refuse_output, write_json, write_text
 from fprc.config import PUBLISHED, from_files, local_files
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.hysteresis import RigSettings
 from fprc.plan.arguments import on_rig, validation
 from fprc.studies.calibration.ensemble import ensemble_around
 from fprc.studies.calibration.fit import fit_rig

@@ -15,8 +15,8 @@ from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import learn, refusals_of
-from fprc.experiments.data import Data, join
-from fprc.experiments.settings import CrossValidation
+from fprc.experiments.comparison import CrossValidation
+from fprc.experiments.data import Data, read_recordings
 from fprc.experiments.tracking import Track
 from fprc.experiments.trained import refuse_other_data, trained_on
 from fprc.given import refuse_repeats
@@ -25,7 +25,6 @@ from fprc.models.c_header import c_header
 from fprc.plan.arguments import of_pressures, validation
 from fprc.provenance import sha256
 from fprc.registry import build, entries, entry_of, load_class, outside_classes
-from fprc.stages.preprocess import read_recordings
 from fprc.stages.record import record
 
 
@@ -139,18 +138,15 @@ def _settings(files: Sequence[str], **chosen: Any) -> Settings:
 
 def _read(logs: Sequence[str], settings: Settings, inputs: tuple[str, ...]) -> Data:
     """Read raw logs as the workflow's preprocessing does; several become one."""
-    rate_hz = settings.control.sample_rate_hz
-    recordings, _ = read_recordings(
+    data, _ = read_recordings(
         logs,
         experiment=None,
         target=settings.evaluation.target,
-        sample_rate_hz=rate_hz,
+        sample_rate_hz=settings.control.sample_rate_hz,
         limits=settings.quality,
         inputs=inputs,
     )
-    if len(recordings) == 1:
-        return recordings[0]
-    return join(dict(zip(logs, recordings, strict=True)), 1.0 / rate_hz)
+    return data
 
 
 def _name_of(fitted: SequenceModel, path: str, models: Mapping[str, Any]) -> str:

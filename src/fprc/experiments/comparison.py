@@ -1,25 +1,42 @@
-"""Tables II and III: cross-validation and test of the models (Sec. III-D)."""
+"""Models on logs: Tables II and III, the grids of Figs. 10 and 11, and the weights of Fig. 9."""
 
 import logging
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from sklearn.base import clone
+from sklearn.model_selection import ParameterGrid
 
-from fprc.evaluation import CrossValidated, rmse
-from fprc.evaluation.crossval import prepare
-from fprc.experiments.data import Data, refuse_mixture
-from fprc.experiments.grids import weight_shares
-from fprc.experiments.settings import CrossValidation
+from fprc.config.section import Section
+from fprc.errors import EvaluationError
+from fprc.evaluation import CrossValidated, Prepared, evaluate, prepare, rmse, split_rows
+from fprc.evaluation.folds import Fold
+from fprc.experiments.data import Data, models_for, refuse_mixture
 from fprc.experiments.trained import trained_on
 from fprc.models import SequenceModel
-from fprc.paper import DIRECTIONS, EXPERIMENTS
+from fprc.paper import DIRECTIONS, EXPERIMENTS, GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build, entries
 
 log = logging.getLogger(__name__)
 
 #: A model cross-validated on one log, its errors, and its output for the test log.
 Validated = tuple[CrossValidated, dict[str, Any], np.ndarray]
+
+
+class CrossValidation(Section):
+    """How models are cross-validated (Sec. III-D)."""
+
+    models: dict[str, Any]  #: section ``models`` of the configuration, or the part that is read
+    folds: int  #: number of folds of the cross-validation
+    split: Literal["shuffled", "blocked"]  #: rows of a fold
+    seed: int  #: seed of folds and models
+    purge_s: float = 2.0  #: time on each side of a contiguous block that does not train
+
+    def split_rows(self, data: Data) -> list[Fold]:
+        """Return (training rows, validation rows) of each fold of a log."""
+        samples, purge = len(data.channels["time_s"]), round(self.purge_s / data.period_s)
+        return split_rows(samples, self.folds, self.split, self.seed, purge)
 
 
 def compare_models(
@@ -29,13 +46,14 @@ def compare_models(
 
     The results are the errors of Tables II and III, and the weights of Fig. 9.
     """
-    names = list(entries(validation.models))
-    both = [cross_validate_both(name, validation, data) for name in names]
+    both = {
+        name: cross_validate_both(name, validation, data) for name in entries(validation.models)
+    }
     compared = {
-        "models": [report for direction in zip(*both, strict=True) for _, report, _ in direction],
+        "models": [report for way in zip(*both.values(), strict=True) for _, report, _ in way],
         "weights": weight_shares(data["sweep"], validation),
     }
-    return compared, {name: of[0][0].model for name, of in zip(names, both, strict=True)}
+    return compared, {name: of[0][0].model for name, of in both.items()}
 
 
 def cross_validate_both(
@@ -102,15 +120,79 @@ def errors_over_starts(
     samples = {key: data.samples("fprc", validation.models) for key, data in logs.items()}
     prepared = prepare(build("fprc", validation.models, validation.seed), samples)
     seeds = np.random.SeedSequence(validation.seed).generate_state(starts).tolist()
-    errors, models = {}, []
+    errors, readouts = {}, {}
     for train, test in DIRECTIONS:
         part, _ = validation.split_rows(logs[train])[0]
-        readouts = [prepared.readout(train, part, random_state=seed, restarts=1) for seed in seeds]
+        readouts[train] = [
+            prepared.readout(train, part, random_state=seed, restarts=1) for seed in seeds
+        ]
         errors[train] = {
-            "train": [prepared.error(readout, train, part) for readout in readouts],
-            "test": [prepared.error(readout, test) for readout in readouts],
+            "train": [prepared.error(readout, train, part) for readout in readouts[train]],
+            "test": [prepared.error(readout, test) for readout in readouts[train]],
         }
-        if train == "sweep":
-            fitted = map(prepared.fitted, readouts)
-            models = [trained_on(model, logs[train], "fprc", validation.models) for model in fitted]
-    return errors, models
+    models = map(prepared.fitted, readouts["sweep"])
+    return errors, [trained_on(m, logs["sweep"], "fprc", validation.models) for m in models]
+
+
+def evaluate_grids(
+    data: Mapping[str, Data], values: Mapping[str, Any], validation: CrossValidation,
+    folds: int | None = None,
+) -> dict[str, list[dict[str, Any]]]:  # fmt: skip
+    """Cross-validate and test each cell of each grid, for the models whose inputs are in the data.
+
+    Of the folds the first ``folds``, by default all; one is enough for a mean over seeds.
+    """
+    train, test = data["sweep"], data["complex"]
+    models = models_for(validation.models, train, test)
+    rows = validation.split_rows(train)[:folds]
+    found: dict[str, list[dict[str, Any]]] = {}
+    for grid, names in GRID_MODELS.items():
+        found[grid] = []
+        for name in filter(models.__contains__, names):
+            samples = train.samples(name), test.samples(name)
+            for cell in ParameterGrid({key: values[key] for key in GRID_SETTINGS[grid]}):
+                model = build(name, validation.models, validation.seed, **cell)
+                found[grid].append({"model": name, **cell, **evaluate(model, rows, *samples)})
+        log.info("evaluated grid %s: %d cells", grid, len(found[grid]))
+    return found
+
+
+def weight_shares(train: Data, validation: CrossValidation) -> dict[str, Any]:
+    """Return the share of each feature in the weights, per rule and on average (Fig. 9).
+
+    The FPRC is cross-validated as usual on features as ``normalised`` returns them, and the weights
+    are those of the best fold (Eqs. 13, 14).
+    """
+    model = build("fprc", validation.models, validation.seed)
+    prepared = normalised(prepare(model, {"train": train.samples("fprc")}), "train")
+    validated = prepared.cross_validated("train", validation.split_rows(train))
+    parts = np.split(shares_of(validated.model.readout_.W_out_), [1, 1 + model.n_y], axis=1)
+    shares = dict(zip(("bias", "theta_d", "p_o"), parts, strict=True))
+    return {
+        "mean_share": {name: float(part.sum(axis=1).mean()) for name, part in shares.items()},
+        "shares": {name: part.tolist() for name, part in shares.items()},
+    }
+
+
+def normalised(prepared: Prepared, log: str) -> Prepared:
+    """Return a prepared FPRC with features of one log scaled to [0, 1] (Eq. 13).
+
+    theta and the filtered P_o are each scaled by their minimum and maximum. The ridge parameter is
+    that of features in deg and kPa. It is divided by the product of both ranges, so that it counts
+    as much as on them (docs/decisions.md).
+    """
+    # taps of one signal share its range
+    taps = np.split(prepared.rows[log], [prepared.model.n_y], axis=1)
+    ranges = [float(np.ptp(of_signal)) for of_signal in taps]
+    if 0.0 in ranges:
+        raise EvaluationError("FPRC: a signal is constant throughout and cannot be normalised")
+    scaled = [(t - t.min()) / width for t, width in zip(taps, ranges, strict=True)]
+    weaker = clone(prepared.model)
+    weaker.set_params(alpha=prepared.model.alpha / np.prod(ranges))
+    return prepared._replace(model=weaker, rows={log: np.hstack(scaled)})
+
+
+def shares_of(W_out: np.ndarray) -> np.ndarray:
+    """Return the absolute weights as shares of their rule."""
+    weights = np.abs(W_out)
+    return weights / weights.sum(axis=1, keepdims=True)

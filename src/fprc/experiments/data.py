@@ -6,13 +6,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc.artifacts import write_json
 from fprc.channels import TARGETS, unit_of
+from fprc.config.settings import Quality
 from fprc.errors import LogError
-from fprc.logs import Columns, read_columns
-from fprc.logs.quality import noted_unit, substitute
+from fprc.logs import Columns, assess, read_columns, read_raw, write_columns
+from fprc.logs.columns import read_each
+from fprc.logs.quality import noted_unit, substitute, warnings
 from fprc.registry import entries, entry_of
 
 log = logging.getLogger(__name__)
+
+#: Channels of a raw log that are kept, beside P_exp.
+_TAKEN = ("time_s", "theta_deg", "p_o_kpa")
 
 
 class Data(NamedTuple):
@@ -69,6 +75,50 @@ def read_data(path: str) -> Data:
     return Data(file.channels, file.attributes, path)
 
 
+def preprocess(raw: Sequence[str], data: str, quality: str, *, limits: Quality, **how: Any) -> None:
+    """Write the models' channels of raw logs and the quality records, see ``read_recordings``.
+
+    Nothing is filtered here: filter and taps are parts of the models, since the control loop
+    needs the same ones.
+    """
+    read, reports = read_recordings(raw, limits=limits, **how)
+    write_json(quality, {"recordings": reports})
+    write_columns(data, read.channels, read.attributes)
+
+
+def read_recordings(
+    paths: Sequence[str],
+    *,
+    experiment: str | None,
+    target: str,
+    sample_rate_hz: float,
+    limits: Quality,
+    inputs: Sequence[str] = ("theta_deg", "p_o_kpa"),
+) -> tuple[Data, list[dict[str, Any]]]:
+    """Return the models' channels of raw logs, which become one log, and their quality records.
+
+    ``experiment`` is that which is expected, or None; ``target`` and ``inputs`` are as
+    ``select_channels`` takes them.
+
+    Raises
+    ------
+    LogError
+        Lists every log that cannot be read; or they differ in source, target, units or channels.
+    """
+    asked = {"sample_rate_hz": sample_rate_hz, "rate_tolerance": limits.rate_tolerance}
+    recordings, reports = [], []
+    for source in read_each(read_raw, paths, experiment=experiment, **asked):
+        report = assess(source, limits, sample_rate_hz)
+        for warning in warnings(report):
+            log.warning("warning: %s", warning)
+        passed = sum(check["passed"] for check in report["checks"].values())
+        log.info("%d of %d quality checks passed", passed, len(report["checks"]))
+        recordings.append(select_channels(source, target, inputs))
+        reports.append(report)
+    several = len(recordings) > 1
+    return join(recordings, 1.0 / sample_rate_hz) if several else recordings[0], reports
+
+
 def select_channels(
     source: Columns, target: str, inputs: Sequence[str] = ("theta_deg", "p_o_kpa")
 ) -> Data:
@@ -83,41 +133,42 @@ def select_channels(
     for name in (TARGETS[target], *inputs):
         if (other := substitute(name, source.attributes)) is not None:
             log.warning("warning: %s: not in %s: %s", name, unit_of(name), other)
-    kept = ("experiment", "source", "sample_rate_hz", "seed", "notes")
-    attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
+    channels = {"p_target_kpa": source.channels[TARGETS[target]]}
+    channels |= {k: source.channels[k] for k in _TAKEN if k in source.channels}
     of = {"p_target": TARGETS[target], "theta": "theta_deg", "p_o": "p_o_kpa"}
     units = {f"{name}_unit": noted_unit(of[name], source.attributes) for name in of}
-    channels = {
-        "time_s": source.channels["time_s"],
-        "p_target_kpa": source.channels[of["p_target"]],
-    }
-    channels |= {k: source.channels[k] for k in ("theta_deg", "p_o_kpa") if k in source.channels}
+    kept = ("experiment", "source", "sample_rate_hz", "seed", "notes")
+    attributes = {name: source.attributes[name] for name in kept if name in source.attributes}
     return Data(channels, {**attributes, "target": target, **units}, str(source.path))
 
 
-def join(logs: Mapping[str, Data], period_s: float) -> Data:
+def join(logs: Sequence[Data], period_s: float) -> Data:
     """Return several recordings as one log; its attribute ``recordings`` has their lengths.
 
     Each begins one period after the end of the one before it. They must agree in source, target,
     units and channels.
     """
-    (first, one), *others = logs.items()
+    first = logs[0]
     problems = [
-        f"{name}: {what} is {_kind(other)[what]}, in {first} {ours}; training logs must agree"
-        for name, other in others
-        for what, ours in _kind(one).items()
-        if ours != _kind(other)[what]
+        f"{data.name}: {what} is {theirs}, in {first.name} {ours}; training logs must agree"
+        for data in logs[1:]
+        for (what, ours), theirs in zip(_kind(first).items(), _kind(data).values(), strict=True)
+        if ours != theirs
     ]
     if problems:
         raise LogError("\n".join(problems))
-    begin, parts = 0.0, []
-    for data in logs.values():
+    begin, times = 0.0, []
+    for data in logs:
         time_s = data.channels["time_s"]
-        parts.append({**data.channels, "time_s": time_s - time_s[0] + begin})
-        begin = float(parts[-1]["time_s"][-1]) + period_s
-    channels = {name: np.concatenate([part[name] for part in parts]) for name in one.channels}
-    lengths = {name: len(data.channels["time_s"]) for name, data in logs.items()}
-    return Data(channels, {**one.attributes, "recordings": lengths}, ", ".join(logs))
+        times.append(time_s - time_s[0] + begin)
+        begin = float(times[-1][-1]) + period_s
+    channels = {
+        name: np.concatenate([data.channels[name] for data in logs]) for name in first.channels
+    }
+    channels["time_s"] = np.concatenate(times)
+    lengths = {data.name: len(data.channels["time_s"]) for data in logs}
+    names = ", ".join(lengths)
+    return Data(channels, {**first.attributes, "recordings": lengths}, names)
 
 
 def _kind(data: Data) -> dict[str, Any]:

@@ -1,19 +1,28 @@
 """The hysteresis experiments on the simulated rig (Sec. II-B)."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from fprc.channels import TARGETS
+from fprc.config.section import Section
 from fprc.config.settings import Control, Signal
 from fprc.devices.sim import SimulatedRig
 from fprc.experiments.data import Data
-from fprc.experiments.settings import RigSettings
 from fprc.signals import pressure_command
 
 #: Run number of each experiment; with the seed it sets the noise of the run.
 RUNS = {"sweep": 0, "complex": 1}
+
+
+class RigSettings(Section):
+    """Settings for the simulation of the hysteresis experiments."""
+
+    rig: dict[str, Any]  #: section of the configuration, or a rig of a search
+    control: Control
+    signals: dict[str, Signal]  #: pressure signal of each experiment
+    target: Literal["command", "measured"]  #: P_exp that the models learn
 
 
 def simulate(settings: RigSettings, seed: int) -> dict[str, Data]:

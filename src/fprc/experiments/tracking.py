@@ -15,13 +15,8 @@ from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.escape import visible
 from fprc.evaluation import rmse
+from fprc.experiments import measures
 from fprc.experiments.data import Data
-from fprc.experiments.measures import (
-    measure_hysteresis,
-    measure_pressure_error,
-    measure_range,
-    measure_runs,
-)
 from fprc.models import Learning, Online, SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256
@@ -33,7 +28,6 @@ log = logging.getLogger(__name__)
 #: Run numbers; with the seed they set the noise. On one reference all controllers get the same
 #: noise and drift, so that only the controllers differ.
 TRACKING_RUNS = {"sine_0p2": 10, "sine_0p5": 20, "sweep": 30, "complex": 40, "disturbance": 50}
-
 
 #: The feedforward of a whole reference: ``p_ff_kpa`` as the model was trained; if it learns as the
 #: run goes on, ``online``, which is changed, and its ``regressors``, see ``SimulatedRig.follow``.
@@ -73,18 +67,18 @@ class Track(NamedTuple):
 
     def pushes(self, samples: int) -> np.ndarray:
         """Return the pushes of the disturbance test, kPa."""
-        rng = np.random.default_rng([self.seed, 4711])
-        shape = dict(self.tracking.pushes)
+        rng, shape = np.random.default_rng([self.seed, 4711]), dict(self.tracking.pushes)
         return random_pushes(samples, self.control.sample_rate_hz, rng=rng, **shape)
 
     def law(self, theta_d: np.ndarray, controller: str, model: SequenceModel | None) -> Law:
         """Return the law of a controller; its model, which it may need, is reset."""
-        used, online = None, None
-        if driver := feedforward_of(controller):
-            if (used := model) is None:
-                raise ControlError(f"{controller} needs a fitted {driver}; give --model its file")
+        driver = feedforward_of(controller)
+        used = model if driver else None
+        if used:
             used.reset()
-            online = self.online(used) if self.control.feedforward.adapt else None
+        elif driver:
+            raise ControlError(f"{controller} needs a fitted {driver}; give --model its file")
+        online = self.online(used) if used and self.control.feedforward.adapt else None
         limit_kpa, feedback = self.tracking.pressure_limit_kpa, has_feedback(controller)
         return tracking_law(
             theta_d, self.control, limit_kpa, model=used, online=online, feedback=feedback
@@ -143,18 +137,16 @@ class Track(NamedTuple):
         They are those of ``law`` in the loop that runs the real rig, on a ``SimulatedRig``; without
         a precomputed feedforward P_ff = 0. In the disturbance test the reservoir is pushed.
         """
-        theta_d = self.reference(reference)
+        theta_d, rate_hz = self.reference(reference), self.control.sample_rate_hz
         given = precomputed or {"p_ff_kpa": np.zeros(len(theta_d))}
-        rate_hz, number = self.control.sample_rate_hz, TRACKING_RUNS[reference]
+        number = TRACKING_RUNS[reference]
         device = SimulatedRig(self.rig, seed=self.seed, run=number, sample_rate_hz=rate_hz)
+        pushes = self.pushes(len(theta_d)) if reference == DISTURBANCE else None
+        limit_kpa = self.tracking.pressure_limit_kpa
         return device.follow(
-            self.control,
-            theta_d_deg=theta_d,
-            pressure_limit_kpa=self.tracking.pressure_limit_kpa,
-            feedback=feedback,
-            push_kpa=self.pushes(len(theta_d)) if reference == DISTURBANCE else None,
-            **given,
-        )
+            self.control, theta_d_deg=theta_d, pressure_limit_kpa=limit_kpa, feedback=feedback,
+            push_kpa=pushes, **given,
+        )  # fmt: skip
 
 
 def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
@@ -176,23 +168,21 @@ def measure_control(
     sweep: Data, bench: Track, models: Mapping[str, SequenceModel], controllers: Sequence[str]
 ) -> dict[str, Any]:
     """Follow every reference with every controller; return what the claims measure."""
-
-    def followed(bench: Track, reference: str, names: Sequence[str]) -> dict[str, Any]:
-        settle_s = bench.tracking.reference(reference).settle_s
-        runs = bench.follow(reference, names, models)
-        return {f"{reference}/{name}": settled(run, settle_s) for name, run in runs.items()}
-
-    runs: dict[str, Any] = {}
-    for reference, _ in bench.tracking.references:
-        runs |= followed(bench, reference, controllers)
     still = bench.tracking.pushes.changed(sigma_kpa=0.0)
     quiet = bench._replace(tracking=bench.tracking.changed(pushes=still))
-    (unpushed,) = followed(quiet, DISTURBANCE, ["fprc_pd"]).values()
+    settle_s = {name: reference.settle_s for name, reference in bench.tracking.references}
+    runs = {
+        f"{reference}/{name}": settled(run, settle_s[reference])
+        for reference in settle_s
+        for name, run in bench.follow(reference, controllers, models).items()
+    }
+    unpushed = quiet.follow(DISTURBANCE, ["fprc_pd"], models)["fprc_pd"]
+    unpushed, quiet_s = settled(unpushed, settle_s[DISTURBANCE]), bench.tracking.pushes.quiet_s
     return {
-        "hysteresis": measure_hysteresis(sweep.channels),
-        "range": measure_range(sweep.channels),
-        "pressure_error": measure_pressure_error(sweep.channels),
-        **measure_runs(runs, unpushed, bench.tracking.pushes.quiet_s),
+        "hysteresis": measures.measure_hysteresis(sweep.channels),
+        "range": measures.measure_range(sweep.channels),
+        "pressure_error": measures.measure_pressure_error(sweep.channels),
+        **measures.measure_runs(runs, unpushed, quiet_s),
     }
 
 

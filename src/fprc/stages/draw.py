@@ -3,14 +3,12 @@
 The files of a figure are its PDF and PNG, and the CSV with the statistics that it shows, if any.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from fprc.config.settings import Quality
 from fprc.errors import LogError
+from fprc.experiments.comparison import CrossValidation, weight_shares
 from fprc.experiments.data import read_data
-from fprc.experiments.grids import weight_shares
-from fprc.experiments.settings import CrossValidation
 from fprc.figures import loops, style, weights
 from fprc.logs import read_run
 from fprc.logs.columns import read_each
@@ -64,30 +62,24 @@ def draw_loops(
         note += failed([line for run in logs for line in warnings_of_run(run, limits)])
         table = tracking.tracking(logs, read_yaml(PUBLISHED))
         write_table(table, tracking.tracking_page(table), note, *table4, title=tracking.TITLE)
-    _draw({(run.attributes["reference"], run.attributes["controller"]): run for run in logs},
-          quiet_s, figures)  # fmt: skip
-
-
-def _draw(
-    logs: Mapping[tuple[str, str], Any], quiet_s: float, figures: Mapping[str, Sequence[str]]
-) -> None:
+    by_run = {(run.attributes["reference"], run.attributes["controller"]): run for run in logs}
     pairs = {
-        f"fig{number}": [logs[reference, "fprc"], logs[reference, "fprc_pd"]]
+        f"fig{number}": [by_run[reference, "fprc"], by_run[reference, "fprc_pd"]]
         for number, reference in enumerate(REFERENCES, start=12)
         if f"fig{number}" in figures
     }
-    shown = [run for pair in pairs.values() for run in pair]
+    shown = sum(pairs.values(), [])
     for name, pair in pairs.items():
         table = tracking.error_summary(pair)
         limit = 1.05 * tracking.error_summary(shown)["max_abs_error_deg"].max()
         fig = loops.draw_following(pair, shown, table["rmse_deg"], limit)
         style.save(fig, pair[1].attributes, *figures[name], table=table)
     if "fig16" in figures:
-        both = {name: [logs[name, loop] for loop in ("pd", "fprc_pd")] for name in LOOPS}
-        attributes = both[LOOPS[0]][0].attributes
-        style.save(loops.draw_reference_loops(both), attributes, *figures["fig16"])
+        both = {name: [by_run[name, loop] for loop in ("pd", "fprc_pd")] for name in LOOPS}
+        fig = loops.draw_reference_loops(both)
+        style.save(fig, both[LOOPS[0]][0].attributes, *figures["fig16"])
     if "fig17" in figures:
-        log = logs[DISTURBANCE, "fprc_pd"]
+        log = by_run[DISTURBANCE, "fprc_pd"]
         table = tracking.error_summary([log])
         fig = loops.draw_disturbance(log, quiet_s, next(table.itertuples()))
         style.save(fig, log.attributes, *figures["fig17"], table=table)

@@ -1,19 +1,30 @@
-"""Cross-validation, test, grids and execution times of the models, Secs. III-D and III-E."""
+"""Cross-validation, test, grids and execution times of the models; all of it with further seeds."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fprc.artifacts import replacing, write_json
+from fprc.config.tracking import Tracking
 from fprc.evaluation import time_models
 from fprc.evaluation.timing import machine
-from fprc.experiments.comparison import cross_validate_both
+from fprc.experiments.comparison import (
+    CrossValidation,
+    compare_models,
+    cross_validate_both,
+    errors_over_starts,
+    evaluate_grids,
+)
 from fprc.experiments.data import models_for, read_data, refuse_mixture
-from fprc.experiments.grids import evaluate_grids
-from fprc.experiments.settings import CrossValidation
+from fprc.experiments.hysteresis import RigSettings, simulate
+from fprc.experiments.tracking import Track, measure_control, tracking_errors
 from fprc.logs import write_columns
 from fprc.models import save_model
-from fprc.paper import DIRECTIONS, GRID_MODELS
-from fprc.registry import build, outside_classes
+from fprc.paper import DIRECTIONS, GRID_MODELS, REFERENCES
+from fprc.registry import build, controllers, outside_classes
+
+#: Places where the fuzzy c-means of FPRC begins, to see how much its errors depend on them; and how
+#: many of these also track the references of Table IV: a loop costs more than an error.
+_STARTS, _TRACKED = 10, 5
 
 
 def judge(
@@ -35,16 +46,15 @@ def judge(
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
     outside = outside_classes(validation.models)
     judged = cross_validate_both(name, validation, logs)
-    for k, (train, test) in enumerate(DIRECTIONS):
-        validated, report, tested = judged[k]
+    for k, (validated, report, tested) in enumerate(judged):
         write_json(errors[k], report)
         with replacing(fitted[k]) as temporary:
             save_model(validated.model, temporary, outside)
-        for path, log, output in ((fits[k], train, validated.fit), (predictions[k], test, tested)):
-            data = logs[log]
-            channels = {key: data.channels[key] for key in ("time_s", "p_target_kpa")}
+        files, outputs = (fits[k], predictions[k]), (validated.fit, tested)
+        for path, log, output in zip(files, DIRECTIONS[k], outputs, strict=True):
+            channels = {key: logs[log].channels[key] for key in ("time_s", "p_target_kpa")}
             channels["p_ff_kpa"] = output
-            write_columns(path, channels, dict(data.attributes) | {"model": name})
+            write_columns(path, channels, {**logs[log].attributes, "model": name})
 
 
 def grid(
@@ -57,11 +67,8 @@ def grid(
 ) -> None:
     """Cross-validate and test every cell of every grid, on logs that have no further seeds."""
     data = {"sweep": read_data(sweep), "complex": read_data(complex)}
-    described = {
-        "source": data["sweep"].attributes["source"],
-        "seed": validation.seed,
-        "unit": data["sweep"].unit,
-    }
+    source, unit = data["sweep"].attributes["source"], data["sweep"].unit
+    described = {"source": source, "seed": validation.seed, "unit": unit}
     write_json(cells, described | evaluate_grids(data, values, validation))
 
 
@@ -80,26 +87,57 @@ def measure_times(
 
     FPRC and Fuzzy-linear also over the number of rules (Fig. 10c).
     """
-    train_data, test_data = read_data(sweep), read_data(complex)
-    refuse_mixture(train_data, test_data)
+    train, test = read_data(sweep), read_data(complex)
+    refuse_mixture(train, test)
     logs = {
-        name: (train_data.samples(name, models)[:2], test_data.samples(name, models)[:2])
-        for name in models_for(models, train_data, test_data)
+        name: [log.samples(name, models)[:2] for log in (train, test)]
+        for name in models_for(models, train, test)
     }
-    work = {
-        name: (build(name, models, seed).fit(*pairs[0]), *pairs) for name, pairs in logs.items()
-    }
-    timed = time_models(work, repeats)
-    described = {"source": train_data.attributes["source"], **machine()}
+
+    def work(name: str, **changed: int) -> Any:
+        return build(name, models, seed, **changed).fit(*logs[name][0]), *logs[name]
+
+    timed = time_models({name: work(name) for name in logs}, repeats)
+    with_rules = [(name, rules) for name in GRID_MODELS["n_c"] if name in logs for rules in n_c]
+    over_n_c = {(name, rules): work(name, n_c=rules) for name, rules in with_rules}
+    timed_over_n_c = time_models(over_n_c, repeats, sequential=False)
+    described = {"source": train.attributes["source"], **machine()}
     found = [{"model": name, **entry} for name, entries in timed.items() for entry in entries]
     write_json(times, described | {"times": found})
-    with_rules = {
-        (name, rules): (build(name, models, seed, n_c=rules).fit(*logs[name][0]), *logs[name])
-        for name in GRID_MODELS["n_c"]
-        if name in logs
-        for rules in n_c
-    }
-    of_rules = time_models(with_rules, repeats, sequential=False)
     found = [{"model": name, "n_c": rules, **entry}
-             for (name, rules), entries in of_rules.items() for entry in entries]  # fmt: skip
+             for (name, rules), entries in timed_over_n_c.items() for entry in entries]  # fmt: skip
     write_json(times_over_n_c, described | {"times": found})
+
+
+def replicate(
+    compared: str,
+    cells: str,
+    measures: str,
+    *,
+    on_rig: RigSettings,
+    validation: CrossValidation,
+    values: Mapping[str, Any],
+    tracking: Tracking,
+) -> None:
+    """Repeat everything but the execution times with another seed, that of ``validation``.
+
+    Sensors, noise, drift and models are others. Writes Tables II and III and the weights of Fig. 9
+    (``compared``), the grids of Figs. 10 and 11 (``cells``), and the closed loops of Sec. IV
+    (``measures``).
+    """
+    how, data = validation, simulate(on_rig, validation.seed)
+    comparison, models = compare_models(data, how)
+    described = {"seed": how.seed, "source": "sim"}
+    starts, started = errors_over_starts(data, how, _STARTS)
+    write_json(compared, described | comparison | {"fprc_rmse_over_starts": starts})
+    write_json(cells, described | evaluate_grids(data, values, how, folds=1))
+    bench = Track(tracking, on_rig.control, on_rig.rig, how.seed)
+    measured = measure_control(data["sweep"], bench, models, controllers(how.models))
+    loops = {"fprc": 0.0, "fprc_pd": 1.0}
+    tracked = [tracking_errors(bench, model, loops) for model in started[:_TRACKED]]
+    over_starts = {
+        f"{reference}/{name}": [errors[name][reference] for errors in tracked]
+        for reference in REFERENCES
+        for name in loops
+    }
+    write_json(measures, described | measured | {"fprc_rmse_over_starts": over_starts})

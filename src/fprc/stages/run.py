@@ -54,16 +54,14 @@ def stage_of(name: str) -> Callable[..., Any]:
 
 
 def _log_to(path: str, label: str) -> None:
-    line = logging.Formatter(f"[{label}] %(message)s")
     log.setLevel(logging.DEBUG)
     terminal = logging.StreamHandler()
-    everything = os.environ.get("FPRC_MESSAGES") == "all"
-    terminal.setLevel(logging.INFO if everything else logging.WARNING)
+    terminal.setLevel("INFO" if os.environ.get("FPRC_MESSAGES") == "all" else "WARNING")
     with explaining(path):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         file = logging.FileHandler(path, mode="w")
     # ignore a full disk: the message is on the terminal too
     file.handleError = lambda record: None  # type: ignore[method-assign]
     for handler in (terminal, file):
-        handler.setFormatter(line)
+        handler.setFormatter(logging.Formatter(f"[{label}] %(message)s"))
         log.addHandler(handler)

@@ -50,6 +50,8 @@ def tabulate_models(
     Below them stand the failed checks of the logs' ``quality`` records, and the models that are
     ``left_out``, with reasons.
     """
+    records = [record for path in quality for record in read_json(path)["recordings"]]
+    checks = failed([line for record in records for line in warnings(record)])
     for errors, files in ((sweep, table2), (complex, table3)):
         reports = [read_json(path) for path in errors]
         table = tables.comparison(reports, read_yaml(PUBLISHED))
@@ -58,17 +60,10 @@ def tabulate_models(
             "mean ± standard deviation over "
             f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
             f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
-            f"{_without(left_out)}{failed(failed_checks(quality))}"
+            f"{_without(left_out)}{checks}"
         )
         title = tables.TITLES[first["trained_on"]]
         write_table(table, tables.comparison_page(table), note, *files, title=title)
-
-
-def failed_checks(quality: Sequence[str]) -> list[str]:
-    """Return a line on each log with failed checks, from files of quality records."""
-    checked = [read_json(path) for path in quality]
-    records = [record for content in checked for record in content.get("recordings", [content])]
-    return sum(map(warnings, records), [])
 
 
 def _without(left_out: Mapping[str, str]) -> str:

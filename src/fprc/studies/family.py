@@ -15,9 +15,8 @@ from fprc.claims.paper import CLAIMS
 from fprc.config.rig import Rig
 from fprc.config.tracking import Tracking
 from fprc.errors import FprcError, in_one_line
-from fprc.experiments.comparison import compare_models
-from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import CrossValidation, RigSettings
+from fprc.experiments.comparison import CrossValidation, compare_models
+from fprc.experiments.hysteresis import RigSettings, simulate
 from fprc.experiments.tracking import Track, measure_control
 from fprc.registry import controllers
 from fprc.stages.run import stage_of

@@ -5,10 +5,13 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.evaluation import evaluate
-from fprc.experiments.comparison import compare_models, errors_over_starts
+from fprc.experiments.comparison import (
+    CrossValidation,
+    compare_models,
+    errors_over_starts,
+    evaluate_grids,
+)
 from fprc.experiments.data import Data, join, read_data, select_channels
-from fprc.experiments.grids import evaluate_grids
-from fprc.experiments.settings import CrossValidation
 from fprc.logs import Columns, write_columns
 from fprc.logs.quality import other_quantity
 from fprc.models import Learning, Online
@@ -22,7 +25,7 @@ MODELS = {
 VALIDATION = CrossValidation(models=MODELS, folds=3, split="blocked", seed=1, purge_s=0.0)
 
 
-def recording(samples=100, begin=5.0, without=(), **attributes):
+def recording(samples=100, begin=5.0, without=(), name="a.h5", **attributes):
     rng = np.random.default_rng(samples)
     theta = begin + np.cumsum(rng.normal(size=samples))
     channels = {
@@ -32,12 +35,12 @@ def recording(samples=100, begin=5.0, without=(), **attributes):
         "p_target_kpa": 3.0 * theta + rng.normal(size=samples),
     }
     described = {"experiment": "sweep", "source": "import", "target": "measured"} | attributes
-    return Data({key: channels[key] for key in channels if key not in without}, described)
+    return Data({key: channels[key] for key in channels if key not in without}, described, name)
 
 
 @pytest.fixture
 def joined():
-    return join({"a.h5": recording(60), "b.h5": recording(90, 30.0)}, 1.0 / 200.0)
+    return join([recording(60), recording(90, 30.0, name="b.h5")], 1.0 / 200.0)
 
 
 def test_joined_log_has_every_sample_and_an_even_clock_also_from_its_file(joined, tmp_path):
@@ -53,11 +56,11 @@ def test_joined_log_has_every_sample_and_an_even_clock_also_from_its_file(joined
 
 
 def test_logs_that_do_not_go_together_are_refused_with_every_reason():
-    logs = {
-        "a.h5": recording(60),
-        "b.h5": recording(70, source="recorded", target="command"),
-        "c.h5": recording(80, without=["p_o_kpa"]),
-    }
+    logs = [
+        recording(60),
+        recording(70, name="b.h5", source="recorded", target="command"),
+        recording(80, name="c.h5", without=["p_o_kpa"]),
+    ]
     with pytest.raises(LogError) as caught:
         join(logs, 0.005)
     lines = str(caught.value).splitlines()

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fprc.evaluation import prepare, rmse, split_rows
-from fprc.experiments.grids import normalised, shares_of
+from fprc.experiments.comparison import normalised, shares_of
 from fprc.models import FPRC
 
 SETTINGS = {"epsilon": 0.1, "n_c": 3, "n_u": 2, "n_y": 3, "sigma": 2.0, "alpha": 1e-3}

@@ -7,7 +7,7 @@ from fprc.config.tracking import Pushes
 from fprc.control import run
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
-from fprc.experiments import tracking
+from fprc.experiments import measures
 from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.measures import measure_hysteresis, measure_pressure_error
@@ -148,7 +148,7 @@ def test_model_that_remembers_no_training_is_refused_by_its_setting(bench, recor
 
 def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, monkeypatch):
     given = []
-    monkeypatch.setattr(tracking, "measure_runs", lambda *arguments: given.extend(arguments) or {})
+    monkeypatch.setattr(measures, "measure_runs", lambda *arguments: given.extend(arguments) or {})
     log = recorded["sweep"]
     sweep = Data({**log, "p_target_kpa": log["p_exp_command_kpa"]}, {})
     measured = measure_control(sweep, bench, models, CONTROLLERS)

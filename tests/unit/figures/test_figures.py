@@ -10,7 +10,7 @@ import pytest
 from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.escape import figure
-from fprc.experiments.settings import CrossValidation
+from fprc.experiments.comparison import CrossValidation
 from fprc.figures import grids, hysteresis, loops, style
 from fprc.logs import Columns, write_columns
 from fprc.paper import LOOPS, REFERENCES

@@ -1,7 +1,8 @@
 """Settings that the rules pass to their stages."""
 
 from fprc.config import Settings
-from fprc.experiments.settings import CrossValidation, RigSettings
+from fprc.experiments.comparison import CrossValidation
+from fprc.experiments.hysteresis import RigSettings
 from fprc.plan.arguments import feedback_in_words, of_pressures, on_rig, paper_models, validation
 
 SETTINGS = Settings().model_dump(mode="json")

@@ -8,9 +8,9 @@ from fprc.artifacts import read_json
 from fprc.config import Settings
 from fprc.config.settings import Control
 from fprc.config.tracking import Tracking
+from fprc.experiments.comparison import CrossValidation
 from fprc.experiments.data import read_data
-from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import CrossValidation, RigSettings
+from fprc.experiments.hysteresis import RigSettings, simulate
 from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.logs import read_columns
 from fprc.models import load_model
@@ -18,8 +18,7 @@ from fprc.paper import REFERENCES
 from fprc.plan import arguments
 from fprc.registry import build
 from fprc.stages.draw import draw_weights
-from fprc.stages.models import judge
-from fprc.stages.replicate import replicate
+from fprc.stages.models import judge, replicate
 
 pytestmark = pytest.mark.slow
 

@@ -6,8 +6,7 @@ import pytest
 from fprc.config import Settings
 from fprc.config.tracking import Tracking
 from fprc.evaluation import rmse
-from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.hysteresis import RigSettings, simulate
 from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import FPRC
 from fprc.registry import COMPETITORS

@@ -4,8 +4,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.errors import FprcError, SimulationError
-from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.hysteresis import RigSettings, simulate
 from fprc.studies import family as families
 from fprc.studies.family import count_members, judge_family, judge_tables, unit_of
 

@@ -212,8 +212,9 @@ def test_tables_name_their_data_failed_checks_and_the_spread_over_starts(tmp_pat
     cut = {"passed": False, "finding": "the computer went off"}
     whole = {"log": "monday.h5", "checks": {"complete": cut | {"passed": True}}}
     half = {"log": "tuesday.h5", "checks": {"complete": cut}}
+    checked = [{"recordings": [whole]}, {"recordings": [whole, half]}]
     *forward, backward, one, two = stored(
-        *REPORTS, report("esn", 16.0, trained_on="complex"), whole, {"recordings": [whole, half]}
+        *REPORTS, report("esn", 16.0, trained_on="complex"), *checked
     )
     files = [[str(tmp_path / f"{k}.{kind}") for kind in ("csv", "md")] for k in range(5)]
     tabulate.tabulate_models(forward, [backward], [one, two], *files[:2], left_out={})

@@ -22,8 +22,7 @@ from fprc import __version__
 from fprc.config.calibration import FIRST_SEED, SEEDS_PER_FIT
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, FprcError
-from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.hysteresis import RigSettings, simulate
 from fprc.studies.calibration.objective import (
     Target,
     misses,

@@ -14,11 +14,15 @@ from sklearn.base import RegressorMixin
 
 from fprc.config.tracking import Tracking
 from fprc.evaluation.crossval import Prepared, prepare
-from fprc.experiments.comparison import cross_validate_both
+from fprc.experiments.comparison import (
+    CrossValidation,
+    cross_validate_both,
+    normalised,
+    shares_of,
+    weight_shares,
+)
 from fprc.experiments.data import Data
-from fprc.experiments.grids import normalised, shares_of, weight_shares
-from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import CrossValidation, RigSettings
+from fprc.experiments.hysteresis import RigSettings, simulate
 from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import SequenceModel, TakagiSugenoReadout
 from fprc.paper import DIRECTIONS, MODELS

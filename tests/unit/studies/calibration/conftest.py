@@ -1,7 +1,7 @@
 import pytest
 
 from fprc.config import Settings
-from fprc.experiments.settings import RigSettings
+from fprc.experiments.hysteresis import RigSettings
 
 
 @pytest.fixture(scope="session")

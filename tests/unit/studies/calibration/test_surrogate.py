@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
-from fprc.experiments.comparison import compare_models
+from fprc.experiments.comparison import CrossValidation, compare_models
 from fprc.experiments.hysteresis import simulate
-from fprc.experiments.settings import CrossValidation
 from fprc.models import ESN, FPRC, FuzzyLinear
 from fprc.studies.calibration import surrogate
 from fprc.studies.calibration.objective import EPSILONS
