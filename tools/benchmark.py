@@ -1,21 +1,21 @@
 """Compare speed with other libraries: `tools/benchmark.sh`, which installs them.
 
-It writes the tables to docs/repeat.md, and prints them.
+It writes this processor's rows of the tables in docs/repeat.md, and prints the tables.
 
 Everything runs on one core; times are those of the processor. What is compared takes turns, so that
-a disturbance of the machine slows all of it. States are compared first: if they differ, no times
-are given.
+a disturbance of the machine slows all of it. States are compared first: if they differ, it stops.
 """
 
 import os
-import statistics
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from datetime import date
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
+from io import StringIO
 from pathlib import Path
 from time import process_time
+from timeit import timeit
 
 import numpy as np
 import pandas as pd
@@ -33,9 +33,9 @@ from fprc.studies.pages import replace_block
 from fprc.tables.text import three_digits, within
 
 PAGE = Path(__file__).parents[1] / "docs/repeat.md"
-#: States that differ by less are the same; what is compared takes so many turns.
+#: By how much states may differ; what is compared takes so many turns.
 SAME, ROUNDS = 1e-12, 5
-OURS, LIMIT, PROCESSOR = "fprc", "W_r x alone, by BLAS", "Processor"
+OURS, PROCESSOR = "fprc", "Processor"
 
 #: From a log to x(k+1) of each sample k, and from one more sample to x after it, if it can. All
 #: networks have the same weights and begin at state 0.
@@ -59,7 +59,7 @@ def reservoirpy(features: EchoStates) -> Peer:
         network.reset()
         return np.asarray(network.run(X))
 
-    return states, lambda theta: np.asarray(network.step(theta))
+    return states, network.step
 
 
 def jax_scan(features: EchoStates) -> Peer:
@@ -88,15 +88,11 @@ def jax_scan(features: EchoStates) -> Peer:
 def esnfed(features: EchoStates) -> Peer:
     """Return esnfed's network, which has no single step; its leak is 1 - gamma."""
     inputs = features.w_in_.shape[1]
+    radius = float(np.abs(np.linalg.eigvals(features.W_r_)).max())  # it scales W_r to this
     network = import_module("esnfed").EchoStateNetwork(
-        inputs,
-        1,
-        features.W_r_,
-        # it scales W_r to this radius: leave it as it is
-        spectral_radius=float(np.abs(np.linalg.eigvals(features.W_r_)).max()),
-        leaking_rate=1.0 - features.gamma,
+        inputs, 1, features.W_r_, spectral_radius=radius, leaking_rate=1.0 - features.gamma,
         input_weights=np.hstack([np.zeros((features.r, 1)), features.w_in_]),
-    )
+    )  # fmt: skip
     return lambda X: network.harvest(X)[:, 1 + inputs :], None
 
 
@@ -120,45 +116,31 @@ def limit(features: EchoStates) -> Peer:
 
 def timed(work: Mapping[str, Callable[[], object]], samples: int, what: str) -> pd.DataFrame:
     """Return the processor time of each piece of work, which take turns, and its ratio to ours."""
-    seconds: dict[str, list[float]] = {name: [] for name in work}
-    for _ in range(ROUNDS):
-        for name, run in work.items():
-            begin = process_time()
-            run()
-            seconds[name].append(process_time() - begin)
-    found = pd.DataFrame(index=pd.Index(seconds, name="Library"))
-    found[f"{what}, us a sample"] = [
-        three_digits(1e6 * statistics.median(taken) / samples) for taken in seconds.values()
-    ]
-    ratios = [np.divide(taken, seconds[OURS]) for taken in seconds.values()]
-    found[f"{what}, times ours"] = [within(np.median(r), r.min(), r.max()) for r in ratios]
-    return found
+    taken = pd.DataFrame(
+        {name: timeit(run, timer=process_time, number=1) for name, run in work.items()}
+        for _ in range(ROUNDS)
+    )
+    ratios = taken.div(taken[OURS], axis="index").agg(["median", "min", "max"])
+    each = (1e6 * taken.median() / samples).map(three_digits)
+    times = ratios.apply(lambda ratio: within(*ratio))
+    return pd.DataFrame({f"{what}, us a sample": each, f"{what}, times ours": times})
 
 
 def networks(features: EchoStates, X: np.ndarray) -> pd.DataFrame:
-    """Compare the states of a log and single steps, as in a control loop, of a fitted network."""
-    sides = {OURS: ours(features)}
-    sides |= {
-        f"{name} {version(package)}": make(features) for name, (package, make) in PEERS.items()
-    }
+    """Compare the times of a log and of single steps, as in a control loop, of a fitted network."""
+    sides, few = {OURS: ours(features)}, X[:1000]
+    for name, (package, make) in PEERS.items():
+        sides[f"{name} {version(package)}"] = make(features)
     expected = sides[OURS][0](X)
-    off = {name: float(np.abs(states(X) - expected).max()) for name, (states, _) in sides.items()}
-    sides = {name: peer for name, peer in sides.items() if off[name] <= SAME}
-    sides[LIMIT] = limit(features)
-    few = X[:1000]
-
-    def stepped(step: Callable[[np.ndarray], np.ndarray]) -> None:
-        for theta in few:
-            step(theta)
-
+    for states, _ in sides.values():
+        np.testing.assert_allclose(states(X), expected, rtol=0.0, atol=SAME)
+    sides["W_r x alone, by BLAS"] = limit(features)
     features.reset(few[0])
-    steps = {name: partial(stepped, step) for name, (_, step) in sides.items() if step}
+    steps = {name: lambda step=step: [*map(step, few)] for name, (_, step) in sides.items() if step}
     for run in steps.values():  # they compile
         run()
     logs = {name: partial(states, X) for name, (states, _) in sides.items()}
-    differ = {name: f"{by:.0e}" for name, by in off.items() if by}
-    parts = [timed(logs, len(X), "log"), timed(steps, len(few), "step")]
-    parts.append(pd.DataFrame({"States differ by": differ}))
+    parts = timed(logs, len(X), "log"), timed(steps, len(few), "step")
     return pd.concat(parts, axis=1).fillna("").rename_axis("Library").reset_index()
 
 
@@ -179,59 +161,45 @@ def clusterings(rows: np.ndarray, clusters: int) -> pd.DataFrame:
     Both begin at the same k-means++ centres; ours first converges on every tenth row.
     """
     fuzzy_c_means(rows, clusters, random_state=0)  # compiles
-    table = []
+    table, names = [], (OURS, "scikit-fuzzy")
     for start in range(5):
-        row = {"Start": str(start)}
         centers, _ = kmeans_plusplus(rows[::10], clusters, random_state=start)
-        for name in (OURS, "scikit-fuzzy"):
-            begin = process_time()
-            if name == OURS:
-                objective = fuzzy_c_means(rows, clusters, random_state=start).objective
-            else:
-                objective = scikit_fuzzy(rows, centers)
-            row[f"{name}: objective"] = f"{objective:.8g}"
-            row[f"{name} [s]"] = three_digits(process_time() - begin)
+        begin = process_time()
+        reached = fuzzy_c_means(rows, clusters, random_state=start).objective
+        between = process_time()
+        other = scikit_fuzzy(rows, centers)
+        seconds = between - begin, process_time() - between
+        row: dict[str, str] = {"Start": str(start)}
+        for name, objective, taken in zip(names, (reached, other), seconds, strict=True):
+            row |= {f"{name}: objective": f"{objective:.8g}", f"{name} [s]": three_digits(taken)}
         table.append(row)
     return pd.DataFrame(table)
 
 
-def with_others(table: pd.DataFrame, lines: Sequence[str]) -> pd.DataFrame:
-    """Return a table of this processor, and below it the rows of others that a page has."""
-    here, kept, ours = table[PROCESSOR][0].split(",")[:2], [], False
-    for row in ([cell.strip() for cell in line.split("|")[1:-1]] for line in lines if "|" in line):
-        if row[0] == PROCESSOR:
-            ours = row == list(table)
-        elif ours and row[0].split(",")[:2] != here and row[0][:1].isalpha():
-            kept.append(dict(zip(table, row, strict=True)))
-    return pd.concat([table, pd.DataFrame(kept)])
-
-
-def report(block: str) -> str:
-    """Measure everything; return it in Markdown, with what ``block`` has of other processors."""
-    X, fuzzy = load_hysteresis("sweep").data, FPRC(random_state=1)
-    features = EchoStates(washout=0, random_state=1).fit(X[:, :1])
-    rows = fuzzy.make_features().fit(X).transform(X)
-    found, load = machine(), os.getloadavg()[0]  # this process keeps one core busy itself
-    busy = f", load {load:.0f}" if load > 1.5 else ""
-    tables = []
-    for table in (networks(features, X[:, :1]), clusterings(rows, fuzzy.n_c)):
-        here = f"{found['cpu']}, {found['blas']}, {date.today().isoformat()}{busy}"
-        table.insert(0, PROCESSOR, here)
-        whole = with_others(table, block.splitlines())
-        tables.append(whole.to_markdown(index=False, disable_numparse=True))
-    return (
-        f"ESN with {features.r} states, float64, {len(X)} samples, medians of {ROUNDS} rounds "
-        f"in turn; in brackets the smallest and largest ratio of a round:\n\n{tables[0]}\n\n"
-        f"Fuzzy c-means of {len(rows)} rows of {rows.shape[1]} features, {fuzzy.n_c} clusters:"
-        f"\n\n{tables[1]}"
-    )
+def with_rows(text: str, name: str, table: pd.DataFrame, processor: str) -> str:
+    """Return a page with a table between its markers, which keeps the rows of other processors."""
+    found, load = f"{processor}, {date.today().isoformat()}", os.getloadavg()[0]
+    # this process keeps one core busy itself
+    table.insert(0, PROCESSOR, found + (f", load {load:.0f}" if load > 1.5 else ""))
+    block = text.partition(f"<!-- {name}: generated -->")[2].partition("<!--")[0].strip()
+    bars = {"sep": r"\s*\|\s*", "engine": "python", "dtype": str, "keep_default_na": False}
+    old = pd.read_csv(StringIO(block), **bars).iloc[1:, 1:-1]
+    whole = pd.concat([table, old[~old[PROCESSOR].str.startswith(f"{processor},")]])
+    shown = whole.to_markdown(index=False, disable_numparse=True)
+    print(f"{shown}\n")
+    return replace_block(text, name, shown, str(PAGE))
 
 
 if __name__ == "__main__":
     if hasattr(os, "sched_setaffinity"):  # before JAX counts the cores
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    X, fuzzy = load_hysteresis("sweep").data, FPRC(random_state=1)
     text = PAGE.read_text(encoding="utf-8")
     with threadpool_limits(1):
-        new = report(text.partition("<!-- benchmark: generated")[2].partition("<!-- ")[0])
-    print(new)
-    write_text(PAGE, replace_block(text, "benchmark", new, str(PAGE)))
+        features = EchoStates(washout=0, random_state=1).fit(X[:, :1])
+        rows = fuzzy.make_features().fit(X).transform(X)
+        tables = {"esn": networks(features, X[:, :1]), "fcm": clusterings(rows, fuzzy.n_c)}
+        processor = "{cpu}, {blas}".format(**machine())
+    for name, table in tables.items():
+        text = with_rows(text, name, table, processor)
+    write_text(PAGE, text)

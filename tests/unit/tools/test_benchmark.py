@@ -28,10 +28,12 @@ def test_states_and_steps_of_other_libraries_are_ours(network, package, make):
 
 
 def test_rows_of_other_processors_stay_and_those_of_this_one_are_replaced():
-    old, other = "EPYC, Zen, 2026-01-01", "Xeon, SkylakeX, 2026-01-02"
-    first = pd.DataFrame({benchmark.PROCESSOR: [old, other, other], "s": ["1", "2", ""]})
-    second = pd.DataFrame({benchmark.PROCESSOR: [other], "objective": ["4"]})
-    plain = {"index": False, "disable_numparse": True}
-    block = f"\n{first.to_markdown(**plain)}\n\nwords\n\n{second.to_markdown(**plain)}\n"
-    new = pd.DataFrame({benchmark.PROCESSOR: ["EPYC, Zen, 2026-02-02"], "s": ["5"]})
-    assert benchmark.with_others(new, block.splitlines())["s"].tolist() == ["5", "2", ""]
+    old = pd.DataFrame({benchmark.PROCESSOR: ["EPYC, Zen, 2026-01-01", "Xeon, Zen, load 2"],
+                        "s [1]": ["1", "2 (1 to 3)"], "empty": ["", ""]})  # fmt: skip
+    block = old.to_markdown(index=False, disable_numparse=True)
+    page = f"so\n<!-- a: generated -->\n{block}\n<!-- a: end -->\nit is"
+    new = pd.DataFrame({"s [1]": ["5"], "empty": [""]})
+    found = benchmark.with_rows(page, "a", new, "EPYC, Zen")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in found.splitlines()[4:-2]]
+    assert [row[1:] for row in rows] == [["5", ""], ["2 (1 to 3)", ""]]
+    assert [row[0][:4] for row in rows] == ["EPYC", "Xeon"]
