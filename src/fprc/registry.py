@@ -109,20 +109,21 @@ SIDES = {
 }
 
 
-def entry_of(name: str, models: Settings | None = None) -> Entry:
-    """Return the entry of any model; raise ConfigError, which lists ours, if there is none."""
-    known = COMPETITORS | entries(models)
-    if name not in known:
-        raise ConfigError(f"{name!r} is no model; choose from {', '.join(COMPETITORS)}")
-    return known[name]
-
-
 def entries(models: Settings | None = None) -> dict[str, Entry]:
     """Return every model by name: the paper's, and those of ``models.others``."""
     return MODELS | {
         name: Entry(other["estimator"], tuple(other["inputs"]), (f"others.{name}",), title_of(name))
         for name, other in (models or {}).get("others", {}).items()
     }
+
+
+def entry_of(name: str, models: Settings | None = None) -> Entry:
+    """Return the entry of any model; raise ConfigError, which lists ours, if there is none."""
+    try:
+        return (COMPETITORS | entries(models))[name]
+    except KeyError:
+        choice = ", ".join(COMPETITORS)
+        raise ConfigError(f"{name!r} is no model; choose from {choice}") from None
 
 
 def title_of(name: str) -> str:
@@ -145,27 +146,20 @@ def settings_of(name: str, models: Settings) -> dict[str, Any]:
 
 
 def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceModel":
-    """Return the unfitted model of that name with its settings.
+    """Return the unfitted model of that name with its settings, but for those that are changed.
 
-    Parameters
-    ----------
-    **changed
-        Parameters that differ from the settings.
-
-    Raises
-    ------
-    ConfigError
-        There is no such model, its class cannot be imported, or it does not take the settings.
+    Raise ConfigError if its class cannot be imported, or does not take the settings.
     """
     parameters = dict(entry_of(name, models).fixed)
     for key, value in settings_of(name, models).items():
         parameters |= value if isinstance(value, Mapping) else {key: value}
     if other := parameters.pop(name, None):  # of models.others
-        parameters = other["settings"]
+        parameters = dict(other["settings"])
+    parameters |= changed
     try:
-        model = load_class(name, models)(**parameters | changed)
+        model = load_class(name, models)(**parameters)
     except (TypeError, ValueError) as error:
-        raise ConfigError(f"{name} with {parameters | changed}: {error}") from error
+        raise ConfigError(f"{name} with {parameters}: {error}") from error
     if "random_state" in model.get_params():
         model.set_params(random_state=seed)
     return model
@@ -174,10 +168,7 @@ def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceMo
 def load_class(name: str, models: Settings) -> Any:
     """Import the class of a model, or the class or function that makes a competitor.
 
-    Raises
-    ------
-    ConfigError
-        A class of ``models.others`` cannot be imported, or is no model; names the key.
+    ConfigError names the key of a class of ``models.others`` that is no model.
     """
     path = entry_of(name, models).cls
     module, _, cls = path.rpartition(".")
@@ -209,10 +200,7 @@ def outside_classes(models: Settings) -> list[type]:
 
 
 def controllers(models: Settings) -> list[str]:
-    """Return the controllers of the closed-loop runs.
-
-    They are the paper's, and each further model, alone and with PD.
-    """
+    """Return the controllers: the paper's, and each further model, alone and with PD."""
     others = models.get("others", {})
     return [*CONTROLLERS, *(f"{name}{pd}" for name in others for pd in ("", "_pd"))]
 
@@ -237,6 +225,4 @@ def model_of_run(log: str) -> str:
 def controller_title(controller: str) -> str:
     """Return a controller's name for tables and figures."""
     model = feedforward_of(controller)
-    if model is None:
-        return "PD"
-    return f"{title_of(model)}+PD" if controller.endswith("_pd") else title_of(model)
+    return f"{title_of(model)}{'+PD' * has_feedback(controller)}" if model else "PD"

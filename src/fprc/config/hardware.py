@@ -30,12 +30,10 @@ class Boards(Section):
 
     @model_validator(mode="after")
     def _each_has_its_own(self) -> "Boards":
-        inputs = [self.p_exp_input, self.p_i_input, self.p_o_input]
-        outputs = [self.main_output, self.reservoir_output, self.heartbeat_output]
-        boards = [self.input_device, self.output_device]
-        for kind, names in (("input", inputs), ("output", outputs), ("device name", boards)):
-            if len(set(names)) < len(names):
-                raise ValueError(f"{kind}s {names} are not different; give each its own")
+        for kind in ("input", "output", "device"):
+            given = [value for name, value in self if name.endswith(f"_{kind}")]
+            if len(set(given)) < len(given):
+                raise ValueError(f"{kind}s {given} are not different; give each its own")
         return self
 
 

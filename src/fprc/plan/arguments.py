@@ -23,15 +23,10 @@ def validation(
 ) -> dict[str, Any]:
     """Return the arguments of ``CrossValidation`` for one model, or for all of them.
 
-    Parameters
-    ----------
-    without : str
-        An argument that the stage adds itself.
-    **changed
-        Arguments with other values than the configuration's.
+    ``without`` is an argument that the stage adds itself; ``changed`` differ from the settings.
     """
     models = settings_of(model, settings["models"]) if model else settings["models"]
-    how = pick(settings["evaluation"], "folds", "split", "purge_s") | {"seed": settings["seed"]}
+    how = pick(settings["evaluation"], "folds", "split", "purge_s") | pick(settings, "seed")
     arguments = {"models": models, **how, **changed}
     return {name: value for name, value in arguments.items() if name != without}
 
@@ -48,10 +43,8 @@ def feedback_in_words(settings: Settings) -> str:
         return "The controllers are those of the logs."
     control = settings["control"]
     kp, kd = control["pd"].values()
-    gains = f"{kp:g} kPa/deg and {kd:g} kPa s/deg"
-    if control["feedback"] == "positional":
-        return f"PD: P_fb = kp e + kd de/dt, with {gains}."
-    return f"PD: P_fb is the running sum of kp e + kd de/dt, with {gains}."
+    law = {"positional": "=", "incremental": "is the running sum of"}[control["feedback"]]
+    return f"PD: P_fb {law} kp e + kd de/dt, with {kp:g} kPa/deg and {kd:g} kPa s/deg."
 
 
 def on_rig(settings: Settings) -> dict[str, Any]:
