@@ -74,8 +74,3 @@ MODEL = {
     "rho": Limit(0, 1e6, default=0.4),
     "washout": Whole(0, 10_000, 100),
 }
-
-
-def limits_of(*names: str) -> dict[str, Limit]:
-    """Return the limits of some parameters of the models."""
-    return {name: MODEL[name] for name in names}

@@ -49,11 +49,12 @@ _BANK = {"epsilons": [0.03, 0.01, 0.003]}
 _BANK_P_O = {"epsilons_p_o": [1.0, *_BANK["epsilons"]]}
 _OF_P_O = {**_BANK, **_BANK_P_O}
 _PLAYS = {"n_plays": 10}
+_ALL_TAPS = {"n_references": None}
 # quick, and remembers a quarter of a second
 _SMALL = {"r": 100, "f_input": 0.02, "gamma": 0.98, "rho": 0.8, "washout": 100}
 _PRODUCTS = {"n_taps": 5, "spacing": 25, "degree": 2, "alpha": 0.1}
 _TREES = {"max_iter": 100, "max_leaf_nodes": 31, "learning_rate": 0.1}
-_MLP = {"hidden": [32], "tolerance": 1e-3}
+_MLP = {"hidden_layer_sizes": [32], "tol": 1e-3}
 
 
 def _competitor(
@@ -78,10 +79,10 @@ COMPETITORS = MODELS | {
         inputs=(ANGLE, ANGLE), title="FPRC on low-passed theta_d"
     ),
     "ridge_p_o": _competitor(
-        "ridge_p_o", _BOTH, (*_RIDGE, "fprc.n_u", "fprc.epsilon"), "Ridge on FPRC's features"
+        "on_taps", _BOTH, (*_RIDGE, "fprc.n_u", "fprc.epsilon"), "Ridge on FPRC's features"
     ),
-    "linear": _competitor("on_taps", (ANGLE,), _RIDGE, "Ridge on taps"),
-    "linear_p_o": _competitor("on_taps", _BOTH, _RIDGE, "Ridge on taps + P_o"),
+    "linear": _competitor("on_taps", (ANGLE,), _RIDGE, "Ridge on taps", **_ALL_TAPS),
+    "linear_p_o": _competitor("on_taps", _BOTH, _RIDGE, "Ridge on taps + P_o", **_ALL_TAPS),
     "bank": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on low-passes", **_BANK),
     "bank_p_o": _competitor("on_bank", _BOTH, _RIDGE, "Ridge on low-passes + P_o", **_OF_P_O),
     "bank_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on low-passes", **_BANK),

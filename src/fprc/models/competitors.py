@@ -17,14 +17,9 @@ from fprc.models.ridge import RidgeReadout
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
 
-def ridge_p_o(n_y: int, n_u: int, epsilon: float, alpha: float) -> FeatureModel:
-    """Return a ridge on FPRC's features."""
-    return FeatureModel(TapFeatures(n_y=n_y, n_u=n_u, epsilon=epsilon), RidgeReadout(alpha))
-
-
-def on_taps(n_y: int, alpha: float) -> FeatureModel:
-    """Return a ridge on taps of every column."""
-    return FeatureModel(TapFeatures(n_y, n_references=None), RidgeReadout(alpha))
+def on_taps(alpha: float, **taps: Any) -> FeatureModel:
+    """Return a ridge on taps: of every column as it is, or on FPRC's features."""
+    return FeatureModel(TapFeatures(**taps), RidgeReadout(alpha))
 
 
 def on_bank(
@@ -48,9 +43,9 @@ def on_bank(
     return FeatureModel(SideBySide(maps), regressor(**readout))
 
 
-def nvar(n_taps: int, spacing: int, degree: int, alpha: float) -> FeatureModel:
+def nvar(alpha: float, **taps: Any) -> FeatureModel:
     """Return a ridge on products of delayed inputs."""
-    return FeatureModel(NVAR(n_taps, spacing, degree), RidgeReadout(alpha))
+    return FeatureModel(NVAR(**taps), RidgeReadout(alpha))
 
 
 def echo_p_o(
@@ -58,9 +53,8 @@ def echo_p_o(
 ) -> FeatureModel:
     """Return a ridge on the states of an ESN of theta_d, column 0, and on low-passes of P_o."""
     echo = EchoStates(**network, random_state=random_state)
-    return FeatureModel(
-        SideBySide([(echo, [0]), (LowpassBank(epsilons_p_o), [1])]), RidgeReadout(alpha)
-    )
+    maps = [(echo, [0]), (LowpassBank(epsilons_p_o), [1])]
+    return FeatureModel(SideBySide(maps), RidgeReadout(alpha))
 
 
 def trees(n_y: int, epsilons: Sequence[float], **settings: Any) -> FeatureModel:
@@ -69,20 +63,11 @@ def trees(n_y: int, epsilons: Sequence[float], **settings: Any) -> FeatureModel:
     return FeatureModel(SideBySide(_bank(n_y, epsilons)), regressor)
 
 
-def mlp(
-    n_y: int, epsilons: Sequence[float], hidden: Sequence[int], tolerance: float
-) -> FeatureModel:
+def mlp(n_y: int, epsilons: Sequence[float], **settings: Any) -> FeatureModel:
     """Return a small neural network on taps and low-passes of theta_d."""
-    network = MLPRegressor(
-        hidden_layer_sizes=tuple(hidden),
-        early_stopping=True,
-        tol=tolerance,
-        n_iter_no_change=5,
-        max_iter=1000,
-    )
-    regressor = TransformedTargetRegressor(
-        make_pipeline(StandardScaler(), network), transformer=StandardScaler()
-    )
+    network = MLPRegressor(early_stopping=True, n_iter_no_change=5, max_iter=1000, **settings)
+    scaled = make_pipeline(StandardScaler(), network)
+    regressor = TransformedTargetRegressor(scaled, transformer=StandardScaler())
     return FeatureModel(SideBySide(_bank(n_y, epsilons)), regressor)
 
 

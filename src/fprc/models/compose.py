@@ -87,21 +87,20 @@ class SideBySide(FeatureMap):
     def _check_columns(self) -> None:
         allowed = Whole(0, self.n_features_in_ - 1)
         for part, columns in self.maps:
-            wrong = [column for column in columns if not allowed.allows(column)]
-            if not isinstance(part, FeatureMap) or wrong or not len(columns):
+            right = len(columns) and all(map(allowed.allows, columns))
+            if not isinstance(part, FeatureMap) or not right:
                 raise ValueError(
                     f"SideBySide: {(part, columns)!r:.60}: must be a FeatureMap and its columns, "
                     f"each {allowed}"
                 )
 
     def rows(self) -> list[Row] | None:
-        found = list[Row]()
-        for part, columns in self._parts():
-            rows = rows_of(part)
-            if rows is None:
-                return None
-            found += [(columns[i], kind, number) for i, kind, number in rows]
-        return found
+        found = [(rows_of(part), columns) for part, columns in self._parts()]
+        if any(rows is None for rows, _ in found):
+            return None
+        return [
+            (columns[i], kind, number) for rows, columns in found for i, kind, number in rows or ()
+        ]
 
     def _parts(self) -> list[tuple[FeatureMap, list[int]]]:
         """Return each fitted map and the numbers of its columns."""

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from sklearn.utils import check_random_state
 
-from fprc.limits import MODEL, limits_of
+from fprc.limits import MODEL
 from fprc.models.features import FeatureMap, refuse_shorter, table, tap_rows
 from fprc.models.kernels import LANES, advance, advance_log, excite, excite_lanes
-from fprc.models.limits import SEED, Array
+from fprc.models.limits import Array
 
 #: Shortest segment, samples: almost three times what the paper's network needs to forget its
 #: initial state.
@@ -18,6 +18,9 @@ SHORTEST = 600
 
 #: States, in [-1, 1], that differ by less than this count as equal.
 EQUAL = 64 * np.finfo(float).eps
+
+#: W_r, w_in and gamma of Eq. (3).
+Network = tuple[np.ndarray, np.ndarray, float]
 
 
 @dataclass(eq=False, repr=False)
@@ -60,8 +63,6 @@ class EchoStates(FeatureMap):
     washout: int = MODEL["washout"].default
     random_state: int | None = None
 
-    LIMITS = {**limits_of("r", "f_input", "gamma", "rho", "n_y", "washout"), "random_state": SEED}
-
     def prepare(self, X: np.ndarray) -> None:
         rng = check_random_state(self.random_state)
         self.w_in_ = self.f_input * rng.standard_normal((self.r, X.shape[1]))
@@ -85,44 +86,42 @@ class EchoStates(FeatureMap):
         X = np.array(X, order="C")  # a copy, as in FeatureMap
         references = advance_log(X, *self._taps())
         free = references.shape[1]
-        state, W_r = self._settled(X[0])
+        state, network = self._settled(X[0])
         rows = np.empty((min(most, len(X)), free + self.r))
         for start in range(0, len(X), most):
             inputs = X[start : start + most]
             block = rows[: len(inputs)]
-            echo_states(inputs, state, self.w_in_, W_r, self.gamma, block[:, free:])
+            echo_states(inputs, state, network, block[:, free:])
             block[:, :free] = references[start : start + most]
             yield block
 
     def _taps(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return table([row for i in range(self.n_features_in_) for row in tap_rows(i, self.n_y)])
 
-    def _settled(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the state after the washout, see ``echo_states``, and W_r in a narrower type."""
+    def _settled(self, x: np.ndarray) -> tuple[np.ndarray, Network]:
+        """Return the state after the washout, see ``echo_states``, and what moves it on."""
         # a step reads all of W_r: float32, if that changes no number, has half the bytes
         state, single = np.zeros((2, self.r)), self.W_r_.astype(np.float32)
         W_r = single if np.array_equal(single, self.W_r_) else self.W_r_
+        network = W_r, self.w_in_, float(self.gamma)
         for _ in range(self.washout):
-            update(state[0], state[1], x, self.w_in_, W_r, self.gamma)
-        return state, W_r
+            update(state, x, network)
+        return state, network
 
     def begin(self, x: np.ndarray) -> None:
-        (self._state, self._target), self._W_r = self._settled(x)
-        self._row = np.concatenate([np.repeat(x, self.n_y), self._state])
+        self._state, self._network = self._settled(x)
+        self._row = np.concatenate([np.repeat(x, self.n_y), self._state[0]])
         self._table = self._taps()
 
     def map_sample(self, x: np.ndarray) -> np.ndarray:
-        free = len(self._row) - len(self._state)
+        free = len(self._row) - self.r
         advance(self._row[:free], x, *self._table)
-        update(self._state, self._target, x, self.w_in_, self._W_r, self.gamma)
-        self._row[free:] = self._state
+        update(self._state, x, self._network)
+        self._row[free:] = self._state[0]
         return self._row
 
 
-def echo_states(
-    X: np.ndarray, state: np.ndarray, w_in: np.ndarray, W_r: np.ndarray, gamma: float,
-    states: np.ndarray,
-) -> None:  # fmt: skip
+def echo_states(X: np.ndarray, state: np.ndarray, network: Network, states: np.ndarray) -> None:
     """Compute x(k) of Eq. (3) for each sample of a log, into the rows of ``states``.
 
     A step reads all of W_r and is limited by memory bandwidth. The log is therefore cut into
@@ -134,51 +133,38 @@ def echo_states(
     ``state``, of shape (2, r), has x and tanh(w_in theta + W_r x) of the sample before, zeros
     before the first one; it is moved on, in place, to those of the last sample.
     """
-    length = len(X) // LANES
-    done = LANES * length
-    if length < SHORTEST or not _side_by_side(
-        X[:done].reshape(LANES, length, -1), state, w_in, W_r, gamma,
-        states[:done].reshape(LANES, length, -1),
-    ):  # fmt: skip
+    done = len(X) // LANES * LANES
+    if done < SHORTEST * LANES or not _side_by_side(X[:done], state, network, states[:done]):
         done = 0
-    x, target = state
     for u, row in zip(X[done:], states[done:], strict=True):
-        update(x, target, u, w_in, W_r, gamma)
-        row[:] = x
+        update(state, u, network)
+        row[:] = state[0]
 
 
-def update(
-    x: np.ndarray, target: np.ndarray, u: np.ndarray, w_in: np.ndarray, W_r: np.ndarray,
-    gamma: float,
-) -> None:  # fmt: skip
-    """Advance the state ``x`` by one sample with input ``u``, in place (Eq. 3).
-
-    ``target`` is tanh(w_in theta + W_r x) of the previous sample; overwritten with this sample's.
-    At the first sample it equals ``x``, so that ``x`` does not change.
-    """
-    excite(W_r, x, w_in, u, target, float(gamma))
+def update(state: np.ndarray, u: np.ndarray, network: Network) -> None:
+    """Advance a state, see ``echo_states``, by one sample with input ``u``, in place (Eq. 3)."""
+    x, target = state
+    excite(x, target, u, *network)
     np.tanh(target, out=target)
 
 
-def _side_by_side(
-    inputs: np.ndarray, state: np.ndarray, w_in: np.ndarray, W_r: np.ndarray, gamma: float,
-    states: np.ndarray,
-) -> bool:  # fmt: skip
+def _side_by_side(X: np.ndarray, state: np.ndarray, network: Network, states: np.ndarray) -> bool:
     """Run all segments, and again until their states are the same; return whether they became so.
 
     If not, ``state`` is as before.
     """
-    lanes = np.zeros((2, LANES, len(W_r)))
+    inputs, rows = (part.reshape(LANES, len(X) // LANES, -1) for part in (X, states))
+    lanes = np.zeros((2, LANES, state.shape[1]))
     lanes[:, 0] = end = state
     for again in (False, True):
         x, target = lanes
         for k in range(inputs.shape[1]):
-            excite_lanes(W_r, x, w_in, inputs[:, k], target, float(gamma))
+            excite_lanes(x, target, inputs[:, k], *network)
             np.tanh(target, out=target)
-            if again and np.abs(states[:, k] - x).max() < EQUAL:
+            if again and np.abs(rows[:, k] - x).max() < EQUAL:
                 state[:] = end
                 return True
-            states[:, k] = x
+            rows[:, k] = x
         end = lanes[:, -1].copy()
         lanes[:, 1:] = lanes[:, :-1].copy()
         lanes[:, 0] = state

@@ -51,24 +51,17 @@ def fuzzy_c_means(
     max_iterations: int = 1000,
     coarse: int = 10,
 ) -> Clusters:
-    """Cluster the rows of ``X`` by alternating memberships and centres.
+    """Cluster the rows of ``X``, finite numbers, by alternating memberships and centres.
 
     The centres start at k-means++ samples and first converge on every
     ``coarse``-th row, so that few iterations on all rows remain. Each iteration
     extrapolates the earlier ones (Anderson 1965), which converges in tens of
     iterations where plain alternation takes hundreds. If an extrapolation raises
-    the objective, a longer step and then the plain step replace it.
+    the objective, a longer step and then the plain step replace it. The iterations
+    end when no membership changes by more than ``tolerance``.
 
-    Parameters
-    ----------
-    X : ndarray of shape (n_samples, n_features)
-        Finite numbers.
-    restarts : int
-        Number of starts; the one with the lowest objective is kept.
-    init : ndarray of shape (n_clusters, n_features), optional
-        The only start, instead of the random ones; it converges on all rows at once.
-    tolerance : float
-        Stop when no membership changes by more than this.
+    Of ``restarts`` starts the one with the lowest objective is kept; ``init``, of shape
+    (n_clusters, n_features), is the only start instead, and converges on all rows at once.
     """
     if not 1 <= n_clusters <= len(X):
         raise ValueError(
@@ -80,11 +73,11 @@ def fuzzy_c_means(
             f"X has numbers up to {largest:g}; must be within {LARGEST:g}, or distances overflow: "
             "scale it"
         )
+    if init is not None:
+        return _converge(X, init, tolerance, max_iterations)
     thinned = X[::coarse]
     if len(thinned) < 10 * n_clusters:
         thinned = X
-    if init is not None:
-        return _converge(X, init, tolerance, max_iterations)
     rng = check_random_state(random_state)
     starts = [kmeans_plusplus(thinned, n_clusters, random_state=rng)[0] for _ in range(restarts)]
     found = [_converge(thinned, centers, tolerance, max_iterations) for centers in starts]

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, ClassNamePrefixFeaturesOutMixin, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.limits import LARGEST, MODEL, Limit, Whole, limits_of
+from fprc.limits import LARGEST, MODEL, Limit, Whole
 from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
 from fprc.models.limits import MOST_FEATURES, Array, check_limits, is_built_in
 
@@ -78,14 +78,10 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         return self.map_log(X, lengths)
 
     def map_log(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> np.ndarray:
-        """Return the features of every sample of a log.
+        """Return the features of every sample of a log, of shape (n_samples, n_features).
 
-        Parameters
-        ----------
-        X : array-like of shape (n_samples, n_inputs)
-        lengths : sequence of int, optional
-            Samples of each recording, if the log holds several: features restart at each. None may
-            be shorter than the taps.
+        ``lengths`` are the samples of each recording, if the log holds several: features restart at
+        each. None may be shorter than the taps.
         """
         rows = list(self.blocks(X, lengths, most=None))
         return rows[0] if len(rows) == 1 else np.concatenate(rows)
@@ -239,7 +235,7 @@ class TapFeatures(FeatureMap):
     n_u: int = MODEL["n_u"].default
     epsilon: float = MODEL["epsilon"].default
 
-    LIMITS = {**limits_of("n_y", "n_u", "epsilon"), "n_references": Whole(0, 1000, or_none=True)}
+    LIMITS = {"n_references": Whole(0, 1000, or_none=True)}
 
     def _check_columns(self) -> None:
         n_inputs = self.n_features_in_
@@ -276,9 +272,9 @@ class TapFeatures(FeatureMap):
 
 @dataclass(eq=False, repr=False)
 class LowpassBank(FeatureMap):
-    """Every column, low-passed with several filter factors.
+    """Every column, low-passed with several filter factors (Eq. 6, which has one).
 
-    x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0)      (6)
+    x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0)
 
     The time constant is about 1 / epsilon samples.
 
@@ -286,10 +282,6 @@ class LowpassBank(FeatureMap):
     ----------
     epsilons : sequence of float, default=(0.03, 0.01, 0.003)
         Filter factors, in (0, 1]; 1 is the column itself.
-
-    References
-    ----------
-    Paper, Sec. III-B, Eq. (6), which has one factor.
     """
 
     epsilons: Sequence[float] = (0.03, 0.01, 0.003)

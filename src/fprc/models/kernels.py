@@ -55,12 +55,14 @@ def blend(x, centers, W_out, sigma):
     """
     if x.size != centers.shape[1] or W_out.shape != (len(centers), 1 + x.size):
         raise ValueError("the readout was trained on another number of features")
-    nearest = math.inf
+    distance2 = np.zeros(len(centers))
     for i in range(len(centers)):
-        nearest = min(nearest, _distance2(x, centers[i]))
-    blended = total = 0.0
+        for j in range(x.size):
+            away = x[j] - centers[i, j]
+            distance2[i] += away * away
+    nearest, blended, total = distance2.min(), 0.0, 0.0
     for i in range(len(centers)):
-        beta = math.exp((nearest - _distance2(x, centers[i])) / (2.0 * sigma * sigma))
+        beta = math.exp((nearest - distance2[i]) / (2.0 * sigma * sigma))
         rule = W_out[i, 0]
         for j in range(x.size):
             rule += W_out[i, j + 1] * x[j]
@@ -69,17 +71,8 @@ def blend(x, centers, W_out, sigma):
     return blended / total
 
 
-@kernel
-def _distance2(x, center):
-    distance2 = 0.0
-    for j in range(x.size):
-        away = x[j] - center[j]
-        distance2 += away * away
-    return distance2
-
-
 @summing_kernel
-def excite(W_r, x, w_in, u, target, gamma):
+def excite(x, target, u, W_r, w_in, gamma):
     """Move ``x`` towards ``target`` in place, then set ``target`` to w_in u + W_r x.
 
     Four rows of W_r at a time share each read of x. ``W_r`` may be float32; the arithmetic is
@@ -104,8 +97,8 @@ LANES = 4
 
 
 @summing_kernel
-def excite_lanes(W_r, x, w_in, u, target, gamma):
-    """Apply ``excite`` to four lanes, each a row of ``x``, ``u`` and ``target``.
+def excite_lanes(x, target, u, W_r, w_in, gamma):
+    """Apply ``excite`` to four lanes, each a row of ``x``, ``target`` and ``u``.
 
     Three rows of W_r times four lanes are twelve sums. With the four numbers read for them they
     fill the sixteen vector registers of AVX2, and keep the multipliers of AVX-512 busy too.

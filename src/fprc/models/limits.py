@@ -1,8 +1,8 @@
 """Limits of the models' parameters and learned numbers, declared as data.
 
-``fit`` checks the parameters; both are checked of a model from a file. Each class declares its
-``LIMITS`` of parameters and, by a method ``learned``, what it learns: the name of each attribute,
-and its ``Array`` or its type.
+``fit`` checks the parameters; both are checked of a model from a file. Parameters of this package's
+classes have the limits of ``fprc.limits.MODEL``, or of the ``LIMITS`` of their class. A method
+``learned`` declares what a class learns: the name of each attribute, and its ``Array`` or its type.
 """
 
 from collections.abc import Set
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import validate_data
 
-from fprc.limits import Limit, Whole
+from fprc.limits import MODEL, Limit, Whole
 
 #: Smallest number by which samples are divided. The tenth power of the largest quotient, times the
 #: largest weight and summed over all features, is within the range of double.
@@ -45,13 +45,15 @@ class Array(NamedTuple):
         return f"{within}, of shape {self.shape}"
 
 
-#: What ``random_state`` may be.
-SEED = Whole(0, 2**32 - 1, or_none=True)
+def is_built_in(model: Any) -> bool:
+    """Return whether the class of a model is of this package."""
+    return type(model).__module__.startswith(f"{__package__}.")
 
 
 def check_limits(estimator: Any) -> None:
-    """Raise ValueError, with values and limits, if parameters are not within ``LIMITS``."""
-    limits = getattr(estimator, "LIMITS", {})
+    """Raise ValueError, with values and limits, if parameters are not within their limits."""
+    shared = MODEL | {"random_state": Whole(0, 2**32 - 1, or_none=True)}
+    limits = (shared if is_built_in(estimator) else {}) | getattr(estimator, "LIMITS", {})
     problems = [
         f"{type(estimator).__name__}: {name} = {value!r:.60}; must be {limits[name]}"
         for name, value in estimator.get_params(deep=False).items()
@@ -63,11 +65,6 @@ def check_limits(estimator: Any) -> None:
 
 #: What a model may know, or not.
 _OPTIONAL = {"feature_names_in_", "information_", "sample_rate_hz_", "units_"}
-
-
-def is_built_in(model: BaseEstimator) -> bool:
-    """Return whether the class of a model is of this package."""
-    return type(model).__module__.startswith(f"{__package__}.")
 
 
 def check_learned(model: Any, learned: Set[str]) -> None:

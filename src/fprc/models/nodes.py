@@ -1,6 +1,7 @@
 """Reservoirs of another library as features."""
 
 from copy import deepcopy
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from fprc.models.features import FeatureMap
 
 
+@dataclass(eq=False, repr=False)
 class NodeFeatures(FeatureMap):
     """States of a node or a model of ReservoirPy, or of anything with its ``run`` and ``reset``.
 
@@ -23,9 +25,8 @@ class NodeFeatures(FeatureMap):
         begins.
     """
 
-    def __init__(self, node: Any, washout: int = 100):
-        self.node = node
-        self.washout = washout
+    node: Any
+    washout: int = 100
 
     def prepare(self, X: np.ndarray) -> None:
         self.node_ = deepcopy(self.node)

@@ -19,10 +19,8 @@ class NVAR(FeatureMap):
     z(k) = [x(k), x(k-s), ..., x(k-(n_taps-1) s)], of every column, standardised
     features(k) = [z(k), every product of ``degree`` elements of z(k)]
 
-    The columns are first standardised by the training log's mean and standard deviation. In deg,
-    the squares of a signal of 60 deg would be 3,600, and a ridge with one alpha for all weights
-    would penalise the taps far more than the products. Standardised, all features are of order 1,
-    and over n samples a ridge with alpha << n affects only features that are nearly collinear.
+    The columns are standardised by the training log's mean and standard deviation: a ridge with
+    one alpha would penalise the taps of a signal of 60 deg far more than its squares of 3,600.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """Ridge regression that penalises every weight, including the bias, and the ESN's readout."""
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +12,7 @@ from scipy.linalg import LinAlgError, LinAlgWarning, solve
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.limits import MODEL, Limit, limits_of
+from fprc.limits import MODEL
 from fprc.models.limits import Array, check_limits, training_data
 
 #: Rows whose products are summed at once: with 800 features their copy takes 13 MB.
@@ -67,8 +67,6 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     """
 
     alpha: float = MODEL["alpha"].default
-
-    LIMITS: ClassVar[Mapping[str, Limit]] = limits_of("alpha")
 
     def learned(self) -> dict[str, Array]:
         """Return the shape of the weights, see ``fprc.models.limits``."""

@@ -54,15 +54,12 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         """
         rows, targets = training_data(self, X, y)
         self.features_ = self.make_features().fit(rows)
-        self.readout_ = self.fit_readout(rows, targets)
-        return self
-
-    def fit_readout(self, X: np.ndarray, y: np.ndarray) -> BaseEstimator:
-        """Return a new readout, fitted to a log with the features that the model has."""
         readout = self.make_readout()
         if hasattr(readout, "fit_blocks"):
-            return readout.fit_blocks(self.features_.blocks(X), y)
-        return readout.fit(self.features_.map_log(X), y)
+            self.readout_ = readout.fit_blocks(self.features_.blocks(rows), targets)
+        else:
+            self.readout_ = readout.fit(self.features_.map_log(rows), targets)
+        return self
 
     def predict(self, X: ArrayLike) -> np.ndarray:
         """Return P_ff of every sample of a log, kPa."""
@@ -100,8 +97,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         """Return a fitted copy of this model made of fitted parts, with a separate stream."""
         model = clone(self)
         model.n_features_in_ = features.n_features_in_
-        model.features_ = deepcopy(features)
-        model.readout_ = readout
+        model.features_, model.readout_ = deepcopy(features), readout
         return model
 
     def learned(self) -> dict[str, Any]:

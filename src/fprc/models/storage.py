@@ -53,7 +53,7 @@ def save_model(model: SequenceModel, path: Path | str, classes: Collection[type]
     check_is_fitted(model)
     arrays = dict[str, np.ndarray]()
     try:
-        text = json.dumps(_described(model, "", arrays), default=_plain, allow_nan=False)
+        text = json.dumps(_kept(model, "", arrays), default=_plain, allow_nan=False)
         content = packed(text, arrays)
         _restored(content, classes)
     except Exception as error:  # of a class from outside, any
@@ -62,12 +62,7 @@ def save_model(model: SequenceModel, path: Path | str, classes: Collection[type]
 
 
 def load_model(path: Path | str, classes: Collection[type] = ()) -> SequenceModel:
-    """Read a model that ``save_model`` wrote.
-
-    Parameters
-    ----------
-    classes : collection of type
-        As ``save_model`` takes them.
+    """Read a model that ``save_model``, with the same ``classes``, wrote.
 
     Raises
     ------
@@ -155,27 +150,24 @@ def _is_learned(key: str) -> bool:
     return key.isidentifier() and key.endswith("_") and not key.startswith("_")
 
 
-def _described(part: BaseEstimator, place: str, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
-    """Return an estimator as JSON has it; add its arrays, named by their place."""
-    learned = {
-        key: _kept(value, place + key, arrays)
-        for key, value in vars(part).items()
-        if _is_learned(key)
-    }
-    return _plain(part) | {"learned": learned}
-
-
 def _kept(value: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
+    """Return what was learned as JSON has it; add its arrays, named by their place."""
     if isinstance(value, BaseEstimator):
-        return _described(value, f"{place}.", arrays)
+        inside = f"{place}." if place else ""
+        learned = {
+            key: _kept(found, inside + key, arrays)
+            for key, found in vars(value).items()
+            if _is_learned(key)
+        }
+        return _plain(value) | {"learned": learned}
     if isinstance(value, list):
         return [_kept(item, f"{place}.{i}", arrays) for i, item in enumerate(value)]
-    if isinstance(value, np.ndarray):
-        if value.dtype.kind not in "biuf":
-            return {"words": value.tolist()}
-        arrays[place] = value
-        return {"array": place}
-    return value
+    if not isinstance(value, np.ndarray):
+        return value
+    if value.dtype.kind not in "biuf":
+        return {"words": value.tolist()}
+    arrays[place] = value
+    return {"array": place}
 
 
 def _plain(value: Any) -> Any:
@@ -194,26 +186,28 @@ def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, typ
         return np.array([str(word) for word in found["words"]], dtype=object)
     if found.keys() != {"class", "parameters", "learned"}:
         return found
-    if found["class"] not in known:
+    name, parameters, learned = found["class"], found["parameters"], found["learned"]
+    if name not in known:
         raise ValueError(
-            f"class {found['class']!r:.60} is unknown; a class of your own must be given, by "
+            f"class {name!r:.60} is unknown; a class of your own must be given, by "
             "--config or in classes"
         )
-    model = known[found["class"]](**found["parameters"])
-    if missing := model.get_params(deep=False).keys() - found["parameters"].keys():
-        raise ValueError(f"{found['class']}: {', '.join(sorted(missing))} is missing")
-    for key, value in found["learned"].items():
+    model = known[name](**parameters)
+    if missing := model.get_params(deep=False).keys() - parameters.keys():
+        raise ValueError(f"{name}: {', '.join(sorted(missing))} is missing")
+    for key, value in learned.items():
         if not _is_learned(key):
             raise ValueError(f"{key!r:.60} is no name of something learned")
         setattr(model, key, value)
-    if found["learned"] and is_built_in(model):
-        check_learned(model, found["learned"].keys())
-    if found["learned"]:
-        fitted, made = _parts(model)
-        for part in made:
-            check_limits(part)
-        if _unseeded(fitted) != _unseeded(made):
-            raise ValueError(f"{found['class']}: its parts are not those that its parameters make")
+    if not learned:
+        return model
+    if is_built_in(model):
+        check_learned(model, learned.keys())
+    fitted, made = _parts(model)
+    for part in made:
+        check_limits(part)
+    if _unseeded(fitted) != _unseeded(made):
+        raise ValueError(f"{name}: its parts are not those that its parameters make")
     return model
 
 

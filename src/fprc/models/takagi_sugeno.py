@@ -1,8 +1,7 @@
 """Takagi-Sugeno fuzzy readout."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,10 +9,10 @@ from scipy.spatial.distance import cdist
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.limits import LARGEST, MODEL, Limit, limits_of
+from fprc.limits import LARGEST, MODEL, Limit
 from fprc.models.fcm import fuzzy_c_means
 from fprc.models.kernels import blend
-from fprc.models.limits import SEED, Array, check_limits, training_data
+from fprc.models.limits import Array, check_limits, training_data
 from fprc.models.ridge import solve_ridge, with_bias
 
 
@@ -57,11 +56,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     alpha: float = MODEL["alpha"].default
     random_state: int | None = None
     restarts: int = MODEL["restarts"].default
-
-    LIMITS: ClassVar[Mapping[str, Limit]] = {
-        **limits_of("n_c", "sigma", "alpha", "restarts"),
-        "random_state": SEED,
-    }
 
     def learned(self) -> dict[str, Array | Limit]:
         """Return the shapes of centres and weights, see ``fprc.models.limits``."""

@@ -28,7 +28,8 @@ def by_step(X, w_in, W_r, gamma):
 
 def by_log(X, w_in, W_r, gamma, state=None):
     states = np.empty((len(X), len(W_r)))
-    echo_states(X, np.zeros((2, len(W_r))) if state is None else state, w_in, W_r, gamma, states)
+    state = np.zeros((2, len(W_r))) if state is None else state
+    echo_states(X, state, (W_r, w_in, gamma), states)
     return states
 
 
@@ -58,9 +59,9 @@ def test_network_that_does_not_forget_runs_sample_by_sample():
     w_in, W_r = network(r=100, rho=3.0)
     X, w_in = angles(3000), 0.01 * w_in
     states = by_log(X, w_in, W_r, 0.5)
-    x, target = np.zeros((2, len(W_r)))
+    state = np.zeros((2, len(W_r)))
     for u, row in zip(X, states, strict=True):
-        echo.update(x, target, u, w_in, W_r, 0.5)
-        assert np.array_equal(row, x)
+        echo.update(state, u, (W_r, w_in, 0.5))
+        assert np.array_equal(row, state[0])
     # chaos: no two ways of rounding agree for long
     assert_allclose(states[:10], by_step(X[:10], w_in, W_r, 0.5), atol=1e-9)

@@ -130,7 +130,7 @@ def test_steps_of_a_network_of_any_size_give_its_states(r, halves):
         features.W_r_ = features.W_r_ * (1.0 + 1e-12)
         features.reset()
     steps = [features.step(x) for x in X]
-    assert features._W_r.dtype == (np.float32 if halves else np.float64)
+    assert features._network[0].dtype == (np.float32 if halves else np.float64)
     assert_allclose(steps, features.transform(X), rtol=1e-11, atol=1e-14)
 
 
