@@ -60,22 +60,16 @@ def _sines(
 
 
 def random_pushes(
-    samples: int,
-    sample_rate_hz: float,
-    *,
-    quiet_s: float,
-    every_s: float,
-    sigma_kpa: float,
+    samples: int, sample_rate_hz: float, *, quiet_s: float, every_s: float, sigma_kpa: float,
     rng: np.random.Generator,
-) -> np.ndarray:
+) -> np.ndarray:  # fmt: skip
     """Return pushes like those of a hand, kPa: half sines of random size, duration and time.
 
     The first push begins at ``quiet_s``, further ones every ``every_s`` on average; each
     lasts 0.2 to 1 s.
     """
     t_s = np.arange(samples) / sample_rate_hz
-    force = np.zeros(samples)
-    begin = quiet_s
+    force, begin = np.zeros(samples), quiet_s
     while begin < t_s[-1]:
         length = rng.uniform(0.2, 1.0)
         phase = (t_s - begin) / length
@@ -89,9 +83,7 @@ def turning_points(x: np.ndarray) -> np.ndarray:
     """Return the indices at which ``x`` turns by more than 5 % of its range."""
     from scipy.signal import find_peaks  # takes half a second to import; only figures need it
 
-    prominence = 0.05 * np.ptp(x)
-    if not prominence:
-        return np.array([], dtype=int)
+    prominence = 0.05 * np.ptp(x) or np.inf
     return np.sort(np.concatenate([find_peaks(side, prominence=prominence)[0] for side in (x, -x)]))
 
 
@@ -136,13 +128,10 @@ def loop_changes(
 ) -> dict[str, float]:
     """Return how the loop of ``y`` over ``x`` changes over a sweep: last / first quarter.
 
-    Returns
-    -------
-    dict
-        ``swing``, that of ``response``; the widths of the loop over the swing of ``y``, at
-        quarters of the range of ``x``; and ``slope``, that of the regression of ``y`` on ``x``. A
-        swing is the range of the middle four fifths of the samples: a start from rest and noise
-        hardly change it.
+    Of ``swing``, that of ``response``; of the widths of the loop over the swing of ``y``, at
+    quarters of the range of ``x``; and of ``slope``, that of the regression of ``y`` on ``x``. A
+    swing is the range of the middle four fifths of the samples: a start from rest and noise
+    hardly change it.
     """
     shares = {"width_quarter": 0.25, "width_half": 0.5, "width_three_quarters": 0.75}
     shapes = []

@@ -70,22 +70,14 @@ def capacity(
         Its input.
     rate_hz : float, default=1.0
         Samples a second.
-    lags : int, default=50
-        Number of lags, from 0 on.
-    spacing : int, default=1
-        Samples from one lag to the next.
-    degree : int, default=3
-        Highest degree.
-    most : int, default=150
-        Most targets of each degree from 2 on: products of the first lags.
+    lags, spacing : int, default=50, 1
+        Number of lags, from 0 on, and samples from one to the next.
+    degree, most : int, default=3, 150
+        Highest degree; most targets of each degree from 2 on: products of the first lags.
     taps : int, default=1
         Newest inputs, one sample apart, beyond which the memory curve counts.
     shifts : int, default=19
         Shifted states, each by another time; 19 make thresholds of 5 %.
-
-    Returns
-    -------
-    Capacity
 
     Raises
     ------
@@ -170,11 +162,10 @@ def _memory(basis: np.ndarray, own: np.ndarray, past: np.ndarray) -> np.ndarray:
     """Return the share of each lagged input that states add to the own taps, on unseen blocks."""
     both = np.column_stack([np.ones(len(own)), own, basis * np.sqrt(len(own))])
     blocks = np.array_split(np.arange(len(own)), _BLOCKS)
-    moments = [(both[block].T @ both[block], both[block].T @ past[block]) for block in blocks]
+    moments = np.array([both[block].T @ np.hstack([both, past])[block] for block in blocks])
     left = np.zeros((2, past.shape[1]))
-    for block, (gram, target) in zip(blocks, moments, strict=True):
-        grams = sum(one for one, _ in moments) - gram
-        targets = sum(one for _, one in moments) - target
+    for block, of_block in zip(blocks, moments, strict=True):
+        grams, targets = np.split(moments.sum(axis=0) - of_block, [both.shape[1]], axis=1)
         for row, size in enumerate((1 + own.shape[1], both.shape[1])):
             penalised = grams[:size, :size] + _ALPHA * len(own) * np.eye(size)
             weights = np.linalg.solve(penalised, targets[:size])

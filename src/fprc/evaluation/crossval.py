@@ -13,6 +13,10 @@ from fprc.evaluation.folds import Fold
 from fprc.models import RidgeReadout, SequenceModel
 from fprc.signals import rms
 
+#: What a model learns from a log or is tested on: inputs of shape (n_samples, n_inputs), P_exp in
+#: kPa, and the samples of each recording if there are several.
+Samples = tuple[np.ndarray, np.ndarray] | tuple[np.ndarray, np.ndarray, Sequence[int] | None]
+
 
 def rmse(truth: np.ndarray, prediction: np.ndarray) -> float:
     """Return the root mean square of the difference, in the unit of both.
@@ -49,11 +53,6 @@ class CrossValidated(NamedTuple):
     model: SequenceModel  #: trained on the best fold
 
 
-#: What a model learns from a log or is tested on: inputs of shape (n_samples, n_inputs), P_exp in
-#: kPa, and the samples of each recording if there are several.
-Samples = tuple[np.ndarray, np.ndarray] | tuple[np.ndarray, np.ndarray, Sequence[int] | None]
-
-
 class Prepared(NamedTuple):
     """Features of a model over some logs; readouts are fitted to rows of them and tested."""
 
@@ -88,12 +87,7 @@ class Prepared(NamedTuple):
 def prepare(model: SequenceModel, logs: Mapping[str, Samples]) -> Prepared:
     """Compute the features of some logs, once per log and in the order of time.
 
-    The features are fitted to the first log.
-
-    Raises
-    ------
-    EvaluationError
-        A log does not suit the model: it is too short for its taps.
+    The features are fitted to the first log. EvaluationError: a log is too short for the taps.
     """
     first, *_ = next(iter(logs.values()))
     with refusals_of(model):
@@ -117,11 +111,8 @@ def evaluate(
 ) -> dict[str, Any]:
     """Return the errors of all folds of a log, and that of the best fold's model on a test log.
 
-    Raises
-    ------
-    EvaluationError
-        A log does not suit the model (too short for its taps, fewer samples than rules), or an
-        error is not finite.
+    EvaluationError: a log does not suit the model (too short for its taps, fewer samples than
+    rules), or an error is not finite.
     """
     prepared = prepare(model, {"train": train, "test": test})
     validated = prepared.cross_validated("train", folds)

@@ -8,6 +8,7 @@ from sklearn.base import BaseEstimator
 from sklearn.model_selection import KFold
 
 from fprc.errors import EvaluationError
+from fprc.signals import rms
 
 Fold = tuple[np.ndarray, np.ndarray]
 
@@ -49,8 +50,7 @@ def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int)
     folds = []
     for rows in np.split(np.arange(total), np.cumsum(lengths)[:-1]):
         wanted = 1 if len(lengths) >= blocks else -(-blocks * len(rows) // total)
-        count = max(fewest, min(wanted, len(rows) // shortest))
-        for block in np.array_split(rows, count):
+        for block in np.array_split(rows, max(fewest, min(wanted, len(rows) // shortest))):
             first, last = max(rows[0], block[0] - purge), min(rows[-1], block[-1] + purge)
             train = np.concatenate([np.arange(first), np.arange(last + 1, total)])
             if not train.size:
@@ -63,14 +63,13 @@ def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int)
 
 
 def settled_rmse(settle: int) -> Callable[[BaseEstimator, ArrayLike, ArrayLike], float]:
-    """Return a scorer: minus the RMSE, kPa, without the first samples of a test.
+    """Return a scorer: minus the RMSE, kPa, without the first ``settle`` samples of a test.
 
-    Before the first sample of a test, a model takes its inputs as constant; the ``settle`` samples
-    in which its filters and states are still affected do not count.
+    Before the first sample of a test, a model takes its inputs as constant; in the first samples
+    its filters and states are still affected.
     """
 
     def score(model: BaseEstimator, X: ArrayLike, y: ArrayLike) -> float:
-        errors = model.predict(X)[settle:] - np.asarray(y, dtype=float)[settle:]
-        return -float(np.sqrt(np.mean(errors**2)))
+        return -rms(model.predict(X)[settle:] - np.asarray(y, dtype=float)[settle:])
 
     return score

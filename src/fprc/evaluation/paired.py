@@ -68,9 +68,8 @@ class Part(NamedTuple):
         mean, error = float(values.mean()), max(error, 1e-12)  # also if all units agree exactly
         margin = math.log(EQUIVALENT_WITHIN) if self.limit == 1.0 else -math.inf
         ends = {EQUIVALENT: abs(mean) - margin, SUPERIOR: mean, INFERIOR: -mean}
-        return {
-            name: 2.0 * float(stdtr(values.size - 1, end / error)) for name, end in ends.items()
-        }
+        levels = 2.0 * stdtr(values.size - 1, np.array([*ends.values()]) / error)
+        return dict(zip(ends, levels.tolist(), strict=True))
 
     def verdict(self, level: float, units: Sequence[int] | None = None) -> str:
         """Return the verdict from the interval that errs with probability ``level``."""
@@ -131,15 +130,9 @@ def decide_together(
     rows = []
     for k, (name, (text, parts)) in enumerate(claims.items()):
         level, stable, verdict = float(levels[k]), None, NOT_JUDGED
-        shown: list[dict[str, Any]] = [dict.fromkeys(("part", "mean", "low", "high"))]
         if k in judged:
             level /= len(parts)
             verdict = _weakest(parts, level) if units[k] >= LEAST_UNITS else UNDECIDED
-            shown = []
-            for part in parts:
-                ends = part.limit * np.exp(part.interval(level))
-                ratios = dict(zip(("mean", "low", "high"), ends.tolist(), strict=True))
-                shown.append({"part": part.text, **ratios})
         words = verdict if parts[0].limit == 1.0 else _ON_A_LIMIT.get(verdict, verdict)
         if verdict not in (NOT_JUDGED, UNDECIDED):
             stable = _share_of_subsets(parts, level, verdict, left_out)
@@ -155,8 +148,13 @@ def decide_together(
             "words": words,
             "units": units[k],
             "dropped": max(part.dropped for part in parts),
+            **dict.fromkeys(("part", "mean", "low", "high")),
         }
-        rows += [of_claim | part for part in shown]
+        for part in parts if k in judged else ():
+            ends = (part.limit * np.exp(part.interval(level))).tolist()
+            ratios = dict(zip(("mean", "low", "high"), ends, strict=True))
+            rows.append(of_claim | {"part": part.text} | ratios)
+        rows += [] if k in judged else [of_claim]
     return rows
 
 

@@ -66,10 +66,7 @@ class BlockReadouts:
         self._ends = np.array([[y[cell].min(), y[cell].max()] for cell in cells])
         both = np.column_stack([self._rows, y])
         self._moments = np.array(
-            [
-                [(self._rows[cell] * weight[cell, None]).T @ both[cell] for weight in fit.T]
-                for cell in cells
-            ]
+            [[(self._rows[k] * u[k, None]).T @ both[k] for u in fit.T] for k in cells]
         )
         self._all = self._moments.sum(axis=0)
 

@@ -129,9 +129,7 @@ def best_of_side(
         equal = tried <= tried.min(axis=1, keepdims=True) + math.log(EQUAL)
         settings[family] = [int(np.flatnonzero(of_block)[-1]) for of_block in equal]
         inside[family] = tried[blocks, settings[family]]
-        each[family] = np.array(
-            [fits.errors(k)[setting] for k, setting in enumerate(settings[family])]
-        )
+        each[family] = np.array([fits.errors(k)[at] for k, at in enumerate(settings[family])])
     lowest = np.min([*inside.values()], axis=0) + math.log(EQUAL)
     families = [next(name for name in SIDES if inside[name][k] <= lowest[k]) for k in blocks]
     errors = np.array([each[name][k] for k, name in enumerate(families)])
@@ -152,8 +150,7 @@ def block_errors(recordings: Recordings, models: Mapping[str, Any], seed: int) -
     errors = {}
     for name in chain(*SIDES.values()):
         fits = readouts_of(recordings, name, models, seed)
-        of_each = [fits.errors(block) for block in range(len(fits.blocks))]
-        errors[name] = float(gmean(of_each).min())
+        errors[name] = float(gmean([fits.errors(k) for k in range(len(fits.blocks))]).min())
     return errors
 
 

@@ -33,7 +33,7 @@ Log = tuple[np.ndarray, np.ndarray]
 def time_models(
     fitted: Mapping[Name, tuple[SequenceModel, Log, Log]], repeats: int, *, sequential: bool = True
 ) -> dict[Name, list[dict[str, Any]]]:
-    """Time fitted models in turns, each time after a short untimed run.
+    """Time fitted models in ``repeats`` turns, each time after a short untimed run.
 
     Batch mode computes whole logs at once, in every second turn. Sequential mode is the cost in a
     controller: the features sample by sample, of an excerpt and in proportion to the whole log,
@@ -41,20 +41,9 @@ def time_models(
     The models take turns, so that a slow phase of the machine affects all of them. The weights of
     the models do not change, but their states do: reset a model before another use of ``step``.
 
-    Parameters
-    ----------
-    fitted : Mapping
-        By name: the model, its training log and its test log.
-    repeats : int
-        Number of turns.
-    sequential : bool, default=True
-        Whether sequential mode is timed too.
-
-    Returns
-    -------
-    dict of list of dict
-        By the same names: ``phase`` (train or test), ``mode`` (sequential or batch),
-        ``samples``, ``multiplications`` of the equations, ``seconds`` (one per repeat).
+    ``fitted`` has by name a model, its training log and its test log. By the same names, the result
+    has of each ``phase`` (train or test) and ``mode`` (sequential or batch) its ``samples``,
+    ``multiplications`` of the equations, and ``seconds``, one per repeat.
     """
     taken: dict[Name, dict[tuple[str, str], list[float]]] = {name: {} for name in fitted}
     for turn in range(repeats):
@@ -140,7 +129,6 @@ def multiplications(model: SequenceModel, phase: str, samples: int) -> int | Non
 def machine() -> dict[str, Any]:
     """Return the CPU, the most threads of any numerical library, and the kernels of BLAS."""
     pools, info = threadpool_info(), Path("/proc/cpuinfo")
-    threads = max((pool["num_threads"] for pool in pools), default=1)
     blas = {
         f"{pool['internal_api']} {pool.get('architecture', '')}".strip()
         for pool in pools
@@ -149,4 +137,5 @@ def machine() -> dict[str, Any]:
     text = info.read_text(encoding="utf-8") if info.exists() else ""
     found = re.search(r"model name\s*:\s*(.+)", text)
     cpu = found[1] if found else platform.processor() or platform.machine()
+    threads = max((pool["num_threads"] for pool in pools), default=1)
     return {"cpu": cpu, "threads": threads, "blas": ", ".join(sorted(blas))}

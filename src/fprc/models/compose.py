@@ -1,6 +1,7 @@
-"""Models made of parts: any feature map, or several side by side, with any readout."""
+"""Models made of parts: any feature maps, also of another library, with any readout."""
 
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
@@ -117,3 +118,36 @@ class SideBySide(FeatureMap):
 
     def map_sample(self, x: np.ndarray) -> np.ndarray:
         return np.concatenate([part.advance(x[columns]) for part, columns in self._each])
+
+
+@dataclass(eq=False, repr=False)
+class NodeFeatures(FeatureMap):
+    """States of a node or a model of ReservoirPy, or of anything with its ``run`` and ``reset``.
+
+    The taps of the input, which an ESN's readout gets too, come from ``TapFeatures`` in a
+    ``SideBySide``. A model with such features is not saved: files hold numbers and text only.
+
+    Parameters
+    ----------
+    node : object
+        Node before its first run; each ``fit`` takes a copy. Give it a seed.
+    washout : int, default=100
+        Steps with the first sample as constant input, in which its state settles before a log
+        begins.
+    """
+
+    node: Any
+    washout: int = 100
+
+    def prepare(self, X: np.ndarray) -> None:
+        self.node_ = deepcopy(self.node)
+        self.node_.run(X[:1])
+        self.node_.reset()
+
+    def begin(self, x: np.ndarray) -> None:
+        self._stream = deepcopy(self.node_)
+        for _ in range(self.washout):
+            self.map_sample(x)
+
+    def map_sample(self, x: np.ndarray) -> np.ndarray:
+        return np.asarray(self._stream.run(x[None]))[0]

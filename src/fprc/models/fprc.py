@@ -15,9 +15,8 @@ class FPRC(SequenceModel):
     x(k) = [theta(k), ..., theta(k-n_y+1), P~_o(k), ..., P~_o(k-n_u+1)]
     P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
 
-    ``X`` has two columns, theta_d in deg and P_o in kPa; further columns are
-    further readouts of the reservoir. Its rows are samples in time: see ``SequenceModel`` for
-    cross-validation.
+    ``X`` has two columns, theta_d in deg and P_o in kPa; further columns are further readouts of
+    the reservoir. Its rows are samples in time: see ``SequenceModel`` for cross-validation.
 
     Parameters
     ----------

@@ -74,12 +74,9 @@ class Online:
     """
 
     def __init__(
-        self,
-        model: SequenceModel,
-        learning: Learning,
-        period_s: float,
+        self, model: SequenceModel, learning: Learning, period_s: float,
         pressure_limit_kpa: float = math.inf,
-    ):
+    ):  # fmt: skip
         check_is_fitted(model)
         if not hasattr(model, "information_"):
             raise ValueError(
@@ -119,12 +116,12 @@ class Online:
     def step(self, x: ArrayLike) -> float:
         """Return P_ff of the next sample, kPa; see ``SequenceModel.step``."""
         row = self._features.advance(x)
-        phi = self._phi[self._k % self.delay]
+        now, limit = self._k % self.delay, self.settings.limit_kpa
+        phi = self._phi[now]
         phi[:] = self._readout.regressors(row[None])[0]
-        limit = self.settings.limit_kpa
         self.p_learned_kpa = control_laws.clamp(float(self.learned @ phi), -limit, limit)
         p_ff = float(self._readout.weights @ phi) + self.p_learned_kpa
-        self._sent[self._k % self.delay] = p_ff, 0.0
+        self._sent[now] = p_ff, 0.0
         self._k += 1
         return p_ff
 
