@@ -89,8 +89,8 @@ COMPETITORS = MODELS | {
     "plays": _competitor("on_bank", (ANGLE,), _RIDGE, "Ridge on plays", **_PLAYS, **_BANK),
     "plays_p_o": _competitor("on_bank", _BOTH, _RIDGE, "Ridge on plays + P_o", **_PLAYS, **_OF_P_O),
     "plays_fuzzy": _competitor("on_bank", (ANGLE,), _FUZZY, "Fuzzy on plays", **_PLAYS, **_BANK),
-    "nvar": _competitor("nvar", (ANGLE,), (), "NVAR", **_PRODUCTS),
-    "nvar_p_o": _competitor("nvar", _BOTH, (), "NVAR + P_o", **_PRODUCTS),
+    "nvar": _competitor("on_taps", (ANGLE,), (), "NVAR", **_PRODUCTS),
+    "nvar_p_o": _competitor("on_taps", _BOTH, (), "NVAR + P_o", **_PRODUCTS),
     "echo": MODELS["esn"]._replace(settings=_RIDGE, title="Small ESN", fixed=_SMALL),
     # the same network of theta_d
     "echo_p_o": _competitor("echo_p_o", _BOTH, _RIDGE, "Small ESN + P_o", **_SMALL, **_BANK_P_O),

@@ -4,9 +4,9 @@ import logging
 import platform
 import re
 import time
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_info
@@ -24,15 +24,13 @@ EXCERPT = 3000
 #: Whole logs, which take most of the time and spread little, are timed in every second turn.
 WHOLE_EVERY = 2
 
-Name = TypeVar("Name", bound=Hashable)
-Result = TypeVar("Result")
 #: A log: inputs and P_exp.
 Log = tuple[np.ndarray, np.ndarray]
 
 
 def time_models(
-    fitted: Mapping[Name, tuple[SequenceModel, Log, Log]], repeats: int, *, sequential: bool = True
-) -> dict[Name, list[dict[str, Any]]]:
+    fitted: Mapping[Any, tuple[SequenceModel, Log, Log]], repeats: int, *, sequential: bool = True
+) -> dict[Any, list[dict[str, Any]]]:
     """Time fitted models in ``repeats`` turns, each time after a short untimed run.
 
     Batch mode computes whole logs at once, in every second turn. Sequential mode is the cost in a
@@ -45,13 +43,13 @@ def time_models(
     has of each ``phase`` (train or test) and ``mode`` (sequential or batch) its ``samples``,
     ``multiplications`` of the equations, and ``seconds``, one per repeat.
     """
-    taken: dict[Name, dict[tuple[str, str], list[float]]] = {name: {} for name in fitted}
+    taken: dict[Any, dict[tuple[str, str], list[float]]] = {name: {} for name in fitted}
     for turn in range(repeats):
         log.info("repeat %d of %d, all models in turn", turn + 1, repeats)
         for name, (model, train, test) in fitted.items():
             for phase, mode, seconds in _turn(model, train, test, turn, sequential):
                 taken[name].setdefault((phase, mode), []).append(seconds)
-    found: dict[Name, list[dict[str, Any]]] = {name: [] for name in fitted}
+    found: dict[Any, list[dict[str, Any]]] = {name: [] for name in fitted}
     for name, (model, *logs) in fitted.items():
         for (phase, mode), times in taken[name].items():
             samples = len(logs[phase == "test"][0])
@@ -78,7 +76,7 @@ def _turn(
         yield "test", "batch", _timed(model.predict, test[0])[1]
 
 
-def _timed(work: Callable[..., Result], *log: np.ndarray) -> tuple[Result, float]:
+def _timed(work: Callable[..., Any], *log: np.ndarray) -> tuple[Any, float]:
     work(*(part[:WARM_UP] for part in log))
     begin = time.perf_counter()
     result = work(*log)

@@ -18,8 +18,9 @@ from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
 
 def on_taps(alpha: float, **taps: Any) -> FeatureModel:
-    """Return a ridge on taps: of every column as it is, or on FPRC's features."""
-    return FeatureModel(TapFeatures(**taps), RidgeReadout(alpha))
+    """Return a ridge on taps: of every column, as FPRC's, or with a degree on their products."""
+    features = NVAR(**taps) if "degree" in taps else TapFeatures(**taps)
+    return FeatureModel(features, RidgeReadout(alpha))
 
 
 def on_bank(
@@ -41,11 +42,6 @@ def on_bank(
         maps.append((LowpassBank(epsilons_p_o), [1]))
     regressor = TakagiSugenoReadout if "n_c" in readout else RidgeReadout
     return FeatureModel(SideBySide(maps), regressor(**readout))
-
-
-def nvar(alpha: float, **taps: Any) -> FeatureModel:
-    """Return a ridge on products of delayed inputs."""
-    return FeatureModel(NVAR(**taps), RidgeReadout(alpha))
 
 
 def echo_p_o(

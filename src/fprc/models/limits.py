@@ -1,10 +1,11 @@
 """Limits of the models' parameters and learned numbers, declared as data.
 
 ``fit`` checks the parameters; both are checked of a model from a file. Parameters of this package's
-classes have the limits of ``fprc.limits.MODEL``, or of the ``LIMITS`` of their class. A method
+classes have the limits of ``fprc.limits.MODEL``, or those in ``LIMITS`` of their class. A method
 ``learned`` declares what a class learns: the name of each attribute, and its ``Array`` or its type.
 """
 
+import inspect
 from collections.abc import Set
 from typing import Any, NamedTuple
 
@@ -51,9 +52,14 @@ def is_built_in(model: Any) -> bool:
 
 
 def check_limits(estimator: Any) -> None:
-    """Raise ValueError, with values and limits, if parameters are not within their limits."""
+    """Raise ValueError, with values and limits, if parameters are not within their limits.
+
+    A class from outside that derives from one of this package has the limits of that one.
+    """
+    bases = (cls for cls in type(estimator).__mro__ if cls.__module__.startswith(__package__))
     shared = MODEL | {"random_state": Whole(0, 2**32 - 1, or_none=True)}
-    limits = (shared if is_built_in(estimator) else {}) | getattr(estimator, "LIMITS", {})
+    names = inspect.signature(next(bases, object)).parameters.keys() & shared.keys()
+    limits = {name: shared[name] for name in names} | getattr(estimator, "LIMITS", {})
     problems = [
         f"{type(estimator).__name__}: {name} = {value!r:.60}; must be {limits[name]}"
         for name, value in estimator.get_params(deep=False).items()
