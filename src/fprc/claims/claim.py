@@ -1,13 +1,13 @@
 """A claim of the paper, the statements about numbers that test it, and their verdicts."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import getitem
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import rankdata
+import pandas as pd
 
 from fprc.intervals import LEVEL, interval_of_mean
 
@@ -16,10 +16,6 @@ NOT_REPRODUCED = "not reproduced"
 UNDECIDED = "undecided"
 #: Of a claim that holds for almost any numbers, and does here.
 NOT_INFORMATIVE = "not informative"
-
-#: Kinds of claims that no fit decides: multiplications, and what the simulated rig assumes. It
-#: assumes, as the paper does, that the reservoir's bending hardly changes P_o.
-COUNTED, ASSUMED = "counted", "assumed"
 
 #: Phases as readers see them, and their errors in reports.
 PHASES = {
@@ -34,7 +30,8 @@ _FEW = 0.3
 class Results(NamedTuple):
     """Numbers that the claims are judged on, from result files.
 
-    Sequences have one entry per seed, and so have the arrays that the methods return.
+    Sequences have one entry per seed, and so have the arrays, and the rows of the tables, that the
+    methods return.
     """
 
     replicates: Sequence[Mapping[str, Any]]  #: errors of the models, and weights
@@ -56,18 +53,9 @@ class Results(NamedTuple):
         """Return a model's error, kPa, averaged over the folds."""
         return self.of_model(trained_on, model, PHASES[phase])
 
-    def ratio(self, trained_on: str, model: str, other: str, phase: str) -> np.ndarray:
-        """Return a model's error over another one's."""
-        return self.error(trained_on, model, phase) / self.error(trained_on, other, phase)
-
     def share(self, feature: str) -> np.ndarray:
         """Return a feature's share of FPRC's weights, averaged over the rules."""
         return np.array([report["weights"]["mean_share"][feature] for report in self.replicates])
-
-    def variation_among_rules(self, feature: str) -> np.ndarray:
-        """Return the standard deviation of a feature's share over the rules over their mean."""
-        shares = [np.sum(r["weights"]["shares"][feature], axis=1) for r in self.replicates]
-        return np.array([np.std(share, ddof=1) / np.mean(share) for share in shares])
 
     def measured(self, *keys: str) -> np.ndarray:
         """Return a number of ``fprc.experiments.measures``."""
@@ -77,56 +65,45 @@ class Results(NamedTuple):
         """Return a controller's error on a reference, deg."""
         return self.measured("rmse_deg", f"{reference}/{controller}")
 
-    def multiplications(self, model: str, phase: str, **n_c: int) -> np.ndarray:
-        """Return how many multiplications the training or test of a model takes, one value."""
-        times = (self.times_over_n_c if n_c else self.times)["times"]
-        short = {"training": "train"}.get(phase, phase)
-        wanted = {"model": model, "phase": short, "mode": "batch", **n_c}
-        (found,) = [entry for entry in times if wanted.items() <= entry.items()]
-        return np.array([found["multiplications"]])
+    def multiplications(self, model: str, phase: str, *, over_n_c: bool = False) -> pd.Series:
+        """Return how many a model's training or test takes: one value, or one per n_c, rising."""
+        wanted = {"model": model, "phase": phase.removesuffix("ing"), "mode": "batch"}
+        times = (self.times_over_n_c if over_n_c else self.times)["times"]
+        found = [entry for entry in times if wanted.items() <= entry.items()]
+        return pd.Series({e.get("n_c", 0): e["multiplications"] for e in found}).sort_index()
 
-    def rule_counts(self) -> list[int]:
-        """Return the numbers of rules with which models were trained."""
-        return sorted({entry["n_c"] for entry in self.times_over_n_c["times"]})
+    def grid(self, setting: str, model: str, phase: str) -> pd.DataFrame:
+        """Return errors, averaged over the folds, by the values of a setting, rising."""
+        rows = [
+            {
+                cell[setting]: np.mean(cell[PHASES[phase]])
+                for cell in report[setting]
+                if cell["model"] == model
+            }
+            for report in self.grids
+        ]
+        return pd.DataFrame(rows).sort_index(axis=1)
 
-    def grid(self, setting: str, model: str, phase: str) -> np.ndarray:
-        """Return errors over a rising setting, one row per seed; folds are averaged."""
-        rows = []
+    def _taps(self, tap: str, phase: str) -> Iterator[pd.DataFrame]:
+        """Yield a seed's errors by one tap size, with a column for each size of the other."""
         for report in self.grids:
-            cells = [cell for cell in report[setting] if cell["model"] == model]
-            cells.sort(key=lambda cell: cell[setting])
-            rows.append([np.mean(cell[PHASES[phase]]) for cell in cells])
-        return np.array(rows)
-
-    def sizes(self, setting: str) -> list[float]:
-        """Return the values of a setting in its grid, rising."""
-        cells = self.grids[0][setting]
-        return sorted({cell[setting] for cell in cells if cell["model"] == "fprc"})
+            cells = {(cell["n_u"], cell["n_y"]): cell[PHASES[phase]] for cell in report["taps"]}
+            table = pd.Series({sizes: np.mean(errors) for sizes, errors in cells.items()}).unstack()
+            yield table if tap == "n_u" else table.T
 
     def tap_trend(self, tap: str, phase: str) -> np.ndarray:
         """Return the rank correlation of an error with one tap size, averaged over the other's."""
-        ranks = [
-            rankdata(np.column_stack(_taps(report, tap, phase)), axis=0) for report in self.grids
-        ]
+        ranks = [table.reset_index().rank() for table in self._taps(tap, phase)]
         return np.array([np.corrcoef(rank, rowvar=False)[0, 1:].mean() for rank in ranks])
 
-    def thirds_of_taps(self, tap: str, phase: str) -> list[np.ndarray]:
+    def thirds_of_taps(self, tap: str, phase: str) -> np.ndarray:
         """Return the mean errors with few, a medium number of, and many taps."""
         rows = []
-        for report in self.grids:
-            _, errors = _taps(report, tap, phase)
-            few = max(round(_FEW * len(errors)), 1)
-            parts = np.split(errors.mean(axis=1), [few, len(errors) - few])
+        for table in self._taps(tap, phase):
+            few = max(round(_FEW * len(table)), 1)
+            parts = np.split(table.to_numpy().mean(axis=1), [few, len(table) - few])
             rows.append([part.mean() for part in parts])
-        return list(np.transpose(rows))
-
-
-def _taps(report: Mapping[str, Any], tap: str, phase: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sizes of one tap, and the errors with each, a column per size of the other."""
-    found = {(cell["n_u"], cell["n_y"]): np.mean(cell[PHASES[phase]]) for cell in report["taps"]}
-    n_u, n_y = (np.unique(sizes) for sizes in zip(*found, strict=True))
-    errors = np.array([[found[u, y] for y in n_y] for u in n_u])
-    return (n_u, errors) if tap == "n_u" else (n_y, errors.T)
+        return np.transpose(rows)
 
 
 class Statement(NamedTuple):
@@ -137,17 +114,18 @@ class Statement(NamedTuple):
     """
 
     text: str  #: names the number and its unit
-    values: np.ndarray  #: one per seed
+    values: Any  #: one per seed
     low: float = -math.inf
     high: float = math.inf
     ratio: bool = True  #: averaged as logarithms
 
     @property
-    def interval(self) -> tuple[float, float, float]:
+    def interval(self) -> tuple[float, ...]:
         """Mean, and the ends of its 95 % t interval."""
-        values = np.log(self.values) if self.ratio else np.asarray(self.values, dtype=float)
-        ends = interval_of_mean(values, LEVEL)
-        return tuple(map(math.exp, ends)) if self.ratio else ends  # type: ignore[return-value]
+        values = np.asarray(self.values, dtype=float)
+        if self.ratio:
+            return tuple(map(math.exp, interval_of_mean(np.log(values), LEVEL)))
+        return interval_of_mean(values, LEVEL)
 
     @property
     def verdict(self) -> str:
@@ -198,7 +176,9 @@ class Claim(NamedTuple):
     note: str = ""  #: what a reader must know about the test
     fitted_by: Sequence[str] = ()  #: terms of the calibration's objective that decide it
     half_fitted_by: Sequence[str] = ()  #: terms that decide a part of it
-    kind: str = ""  #: ``COUNTED`` or ``ASSUMED``
+    #: Of a claim that no fit decides: ``counted``, or ``assumed`` by the simulated rig, as by the
+    #: paper: that the reservoir's bending hardly changes P_o.
+    kind: str = ""
     verdict: str = ""  #: that is declared
     #: Whether it holds for almost any numbers: then only its failure would tell something.
     holds_by_chance: bool = False

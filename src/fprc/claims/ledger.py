@@ -41,8 +41,7 @@ KINDS = {
 #: claim; ``ranges`` of the means, by claim and statement.
 Members = Mapping[str, Any]
 
-#: What a rig was fitted to: terms of an objective, by the keys of
-#: ``fprc.config.calibration.Fitted``.
+#: What a rig was fitted ``to``: terms of an objective (``fprc.config.calibration.Fitted``).
 Fit = Mapping[str, Sequence[str]]
 
 
@@ -55,10 +54,7 @@ def status_of(claim: Claim, fitted: Fit) -> str:
 
 
 def holding(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
-    """Return by kind how many claims are reproduced, and of how many.
-
-    A claim that is not informative is none of them.
-    """
+    """Return by kind how many claims are reproduced, of how many that are informative."""
     verdicts: dict[str, list[bool]] = {kind: [] for kind in KINDS}
     for row in rows:
         if row["verdict"] != NOT_INFORMATIVE:
@@ -68,7 +64,7 @@ def holding(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
 
 def fit_in_words(fitted: Fit) -> str:
     """Return what a rig was fitted to, as a part of a sentence."""
-    return in_words([_TERMS.get(term, term) for term in fitted.get("to", ())]) or "nothing"
+    return in_words(_TERMS.get(term, term) for term in fitted.get("to", ())) or "nothing"
 
 
 def judge_claims(
@@ -82,26 +78,28 @@ def judge_claims(
 
     A claim is reproduced if every statement is, and not reproduced if one is not. One that almost
     any numbers support, or that no fit decides and that holds on every member, is not informative
-    where others would be reproduced. ``fitted`` has what the rig was fitted ``to``, and what the
-    ``start`` of the fit was searched for; ``members`` is as ``members_of`` returns it.
+    where others would be reproduced. ``members`` is as ``members_of`` returns it.
     """
     rows = []
     known = members or {"of": 0, "holds": {}, "ranges": {}}
     for claim in claims:
         statements = list(claim.statements(results, published))
         verdicts = {statement.verdict for statement in statements}
-        weakest = (verdict for verdict in (NOT_REPRODUCED, UNDECIDED) if verdict in verdicts)
         status, held = status_of(claim, fitted), known["holds"].get(claim.id)
         anyway = held == known["of"] and status in ("predicted", "half fitted")
         holds = NOT_INFORMATIVE if claim.holds_by_chance or anyway else REPRODUCED
+        weakest = (verdict for verdict in (NOT_REPRODUCED, UNDECIDED) if verdict in verdicts)
         ranges = known["ranges"].get(claim.id, {})
+        by_limits: dict[str, list[str]] = {}
+        for statement in statements:
+            by_limits.setdefault(statement.limits(), []).append(statement.text)
         rows.append(
             {
                 "id": claim.id,
                 "claim": claim.text,
                 "published": claim.printed,
                 "ours": _ours(statements, ranges),
-                "test": _limits(statements),
+                "test": "; ".join(f"{', '.join(of)} {limits}" for limits, of in by_limits.items()),
                 "basis": _basis(claim, results),
                 "note": claim.note,
                 "verdict": next(weakest, holds),
@@ -126,10 +124,7 @@ def judge_claims(
 def members_of(
     rigs: Sequence[Results], published: Mapping[str, Any], claims: Sequence[Claim]
 ) -> dict[str, Any]:
-    """Judge claims on rigs one by one; return ``Members``.
-
-    A range is that of the middle 95 % of the rigs.
-    """
+    """Judge claims on rigs one by one; return ``Members``, with the range of the middle 95 %."""
     holds, ranges = {}, {}
     for claim in claims:
         judged = [list(claim.statements(rig, published)) for rig in rigs]
@@ -154,35 +149,27 @@ def _ours(statements: Sequence[Statement], ranges: Mapping[str, Sequence[float]]
     return f"{held} of {len(statements)} hold; {what}: {worst.shown(ranges.get(worst.text, ()))}"
 
 
-def _limits(statements: Sequence[Statement]) -> str:
-    """Return the limits; those that several statements share are given once."""
-    by_limits: dict[str, list[str]] = {}
-    for statement in statements:
-        by_limits.setdefault(statement.limits(), []).append(statement.text)
-    return "; ".join(f"{', '.join(texts)} {limits}" for limits, texts in by_limits.items())
-
-
 def _basis(claim: Claim, results: Results) -> str:
     """Return what the values of a claim are taken over."""
     if claim.over == "one run":
         return "main run"
-    seeds = len(results.grids if "grids" in claim.over else results.replicates or results.controls)
+    of_grids, halved = "grids" in claim.over, claim.over.startswith("halves")
+    seeds = len(results.grids if of_grids else results.replicates or results.controls)
     # see fprc.experiments.comparison.evaluate_grids
-    folds = ", the first fold of each" if "grids" in claim.over else ""
+    folds = ", the first fold of each" if of_grids else ""
     if seeds == 1:
         return f"one seed{folds}"
-    halved = claim.over == "halves of the grids"
     chosen = f"; the step is chosen on the first {seeds // 2}" if halved else ""
-    judging = seeds - seeds // 2 if halved else seeds
+    judging = seeds - halved * (seeds // 2)
     return f"mean and its 95 % interval over {judging} noise seeds of this rig{folds}{chosen}"
 
 
-def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: Mapping[str, str]) -> list[str]:
+def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: dict[str, str]) -> list[str]:
     """Return one line for each claim whose verdict differs from the declared one."""
     ours = {row["id"]: row["verdict"] for row in ledger}
     return [
         f"{claim}: {ours.get(claim, 'not judged')}, "
         f"but {declared.get(claim, 'nothing')} is declared"
-        for claim in dict.fromkeys([*ours, *declared])
+        for claim in ours | declared
         if ours.get(claim) != declared.get(claim)
     ]

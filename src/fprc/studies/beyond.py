@@ -17,7 +17,7 @@ from fprc.paper import SOURCES
 from fprc.registry import SIDES, title_of
 from fprc.studies.verdicts import Claim, Numbers, Pair, claims_page, decide, family_title, wide
 from fprc.tables.models import means_of
-from fprc.tables.text import markdown, three_digits
+from fprc.tables.text import markdown, three_digits, within
 
 Families = Sequence[Mapping[str, Any]]
 
@@ -30,15 +30,15 @@ MEASURES = {
     "open_loop": "open loop [deg]",
     "closed_loop": "closed loop [deg]",
 }
-
 #: Measures by which the best model of each side is chosen and judged.
 BEST_MEASURES = [measure for measure in MEASURES if measure != "train"]
 
-#: Best models of a side: for readers, their number among the two of ``SIDES``, what is left out.
-_BEST: Mapping[str, tuple[str, int, Sequence[str]]] = {
-    "with_p_o": ("Best with P_o", 1, ()),
-    "without_p_o": ("Best without P_o", 0, ()),
-    "other_p_o": ("Best other with P_o", 1, ("fprc",)),
+_WITHOUT, _WITH = zip(*SIDES.values(), strict=True)
+#: Best models: for readers, and the models of which each is the best.
+_BEST = {
+    "without_p_o": ("Best without P_o", _WITHOUT),
+    "with_p_o": ("Best with P_o", _WITH),
+    "other_p_o": ("Best other with P_o", [name for name in _WITH if name != "fprc"]),
 }
 
 
@@ -48,57 +48,94 @@ def model_title(name: str) -> str:
 
 
 def _pairs(ours: str, other: str, *measures: str, shift: str = "", note: str = "") -> list[Pair]:
+    names = f"{model_title(ours)} / {model_title(other)}"
     return [
-        Pair(
-            (ours, measure + shift),
-            (other, measure),
-            f"{model_title(ours)} / {model_title(other)} ({measure.replace('_', ' ')}{note})",
-        )
-        for measure in measures
+        Pair((ours, m + shift), (other, m), f"{names} ({m.replace('_', ' ')}{note})")
+        for m in measures
     ]
 
 
 _LOOPS = ("open_loop", "closed_loop")
-_FPRC = dict.fromkeys(("tables", "orders"), "FPRC")
-_P_O = {"C8": "P_o"}
-#: Id and text; the errors of ours over those of another, by which measures; whom fits favour.
-_COMPARED = (
-    ("W1", "P_o is worth a sensor, on unseen parts of the same motions",
-     "with_p_o", "without_p_o", ["blocks"], _P_O),
-    ("W2", "P_o is worth a sensor, forward and reversed",
-     "with_p_o", "without_p_o", ["forward", "reversed"], _P_O),
-    ("W3", "P_o is worth a sensor in tracking, open and closed loop",
-     "with_p_o", "without_p_o", _LOOPS, _P_O),
-    ("W4", "FPRC beats the best other model of the same inputs, forward",
-     "fprc", "other_p_o", ["forward"], _FPRC),
-    ("B1", "P_o beats low-passed theta_d, forward",
-     "fprc", "fprc_lowpass", ["forward"], _FPRC | _P_O),
-    ("B4", "the fuzzy readout beats a ridge on the same features, forward",
-     "fprc", "ridge_p_o", ["forward"], _FPRC),
-)  # fmt: skip
+#: Whom fits favour, by their terms.
+_FPRC, _P_O = dict.fromkeys(("tables", "orders"), "FPRC"), {"C8": "P_o"}
 CLAIMS = {
-    name: Claim(text, _pairs(ours, other, *measures), favours)
-    for name, text, ours, other, measures, favours in _COMPARED
-} | {
-    "B7": Claim(
-        "FPRC whose P_o is 2 kPa low still beats Fuzzy-linear, forward and in tracking, open and "
-        "closed loop",
-        _pairs("fprc", "fuzzy_linear", "forward", *_LOOPS, shift="/-2", note=", P_o 2 kPa low"),
-        _FPRC | dict.fromkeys((*_LOOPS, "closed_sweep"), "FPRC"),
-    ),
-    "B8": Claim(
-        "P_o has a nonlinear capacity of 0.1 or more, and its low-passes more memory than those of "
-        "theta",
-        [
-            Pair(("threshold", "nonlinear"), ("p_o", "nonlinear"), "0.1 / nonlinear capacity"),
-            Pair(("theta", "memory_s"), ("p_o", "memory_s"), "memory of theta / of P_o"),
-        ],
-        _P_O,
-    ),
+    "W1": Claim("P_o is worth a sensor, on unseen parts of the same motions",
+                _pairs("with_p_o", "without_p_o", "blocks"), _P_O),
+    "W2": Claim("P_o is worth a sensor, forward and reversed",
+                _pairs("with_p_o", "without_p_o", "forward", "reversed"), _P_O),
+    "W3": Claim("P_o is worth a sensor in tracking, open and closed loop",
+                _pairs("with_p_o", "without_p_o", *_LOOPS), _P_O),
+    "W4": Claim("FPRC beats the best other model of the same inputs, forward",
+                _pairs("fprc", "other_p_o", "forward"), _FPRC),
+    "B1": Claim("P_o beats low-passed theta_d, forward",
+                _pairs("fprc", "fprc_lowpass", "forward"), _FPRC | _P_O),
+    "B4": Claim("the fuzzy readout beats a ridge on the same features, forward",
+                _pairs("fprc", "ridge_p_o", "forward"), _FPRC),
+    "B7": Claim("FPRC whose P_o is 2 kPa low still beats Fuzzy-linear, forward and in tracking, "
+                "open and closed loop",
+                _pairs("fprc", "fuzzy_linear", "forward", *_LOOPS, shift="/-2",
+                       note=", P_o 2 kPa low"),
+                _FPRC | dict.fromkeys((*_LOOPS, "closed_sweep"), "FPRC")),
+    "B8": Claim("P_o has a nonlinear capacity of 0.1 or more, and its low-passes more memory than "
+                "those of theta",
+                [Pair(("threshold", "nonlinear"), ("p_o", "nonlinear"), "0.1 / nonlinear capacity"),
+                 Pair(("theta", "memory_s"), ("p_o", "memory_s"), "memory of theta / of P_o")],
+                _P_O),
+}  # fmt: skip
+
+#: What the ratios of the short table are, by claim; its parts in their order.
+_WORTH = {
+    "W1": ["unseen parts of the same motions"],
+    "W2": ["another motion", "another motion, reversed"],
+    "W3": ["tracking, open loop", "tracking, closed loop"],
+    "W4": ["FPRC over the best other model with P_o"],
 }
 
+#: Marker and colour of each family, in their order, safe for colour-blind readers (Tol). Colours
+#: are signals elsewhere, but no figure of families shows one.
+_FAMILIES = (
+    ("o", "#000000"), ("s", "#ee6677"), ("D", "#4477aa"),
+    ("^", "#228833"), ("v", "#aa3377"), ("P", "#ccbb44"),
+)  # fmt: skip
+#: A ratio beyond this, or beyond one over it, is not shown: three units can have any interval.
+_WIDEST = 5.0
 
-def measured(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+
+def tabulate_beyond(
+    families: Sequence[str],
+    models: str,
+    claims: str,
+    pages: Sequence[str],
+    figure: Sequence[str],
+    *,
+    family: str,
+) -> None:
+    """Judge the claims in every family; write the tables, and draw the ratios.
+
+    ``models`` and ``claims`` are CSV; ``pages`` are tables in Markdown, which docs/beyond.md and
+    others show, with the models of one ``family``; their names are those below.
+    """
+    found = [read_json(path) for path in families]
+    judged = [decide(of_family, CLAIMS, numbers_of(of_family)) for of_family in found]
+    verdicts, means = pd.concat(judged, ignore_index=True), means_of_models(found)
+    write_csv(models, means)
+    write_csv(claims, verdicts)
+    shown = {
+        "claims": claims_page(verdicts),
+        "best": best_page(found),
+        "memory": memory_page(means),
+        "worth": worth_page(verdicts),
+        "models": models_page(means[means["family"] == family]),
+    }
+    for path in pages:
+        write_text(path, markdown(shown[Path(path).stem], f"Data: {SOURCES['sim']}."))
+    fig, ax = style.figure(1, 1, style.PAGE_IN, 6.8)
+    plot_pairs(verdicts, ax)
+    style.share_legend(fig, ax)
+    style.save(fig, {"source": "sim", "seeds": []}, *figure)
+
+
+def measured(families: Families) -> pd.DataFrame:
     """Return every number of the models in families, tidy, see ``contest.judge_models``.
 
     What was not measured has no row, and neither has a model that could not be judged.
@@ -116,124 +153,66 @@ def measured(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def numbers_of(family: Mapping[str, Any]) -> Numbers:
-    """Return the numbers of a family by model and measure, those of the best of each side too.
-
-    The best of a unit is the model of that side with the lowest mean logarithm of this measure on
-    the other units: the numbers of a unit do not choose what it is judged by.
-    """
+    """Return the numbers of a family by model and measure, those of the best of each side too."""
     table = measured([family])
     by_name = table.set_index("unit").groupby(["model", "measure"])["value"]
     found: dict[tuple[Any, ...], pd.Series] = dict(iter(by_name))
     for side, measure in product(_BEST, BEST_MEASURES):
-        best = best_of(table, side, measure)
-        if len(best):
-            found[side, measure] = best["value"]
+        found[side, measure] = best_of(table, side, measure)["value"]
     return found
 
 
 def best_of(table: pd.DataFrame, side: str, measure: str) -> pd.DataFrame:
-    """Return the best model of one side for each unit, chosen on the others, and its numbers.
+    """Return the best model of one side for each unit of a family, and its numbers.
 
-    ``table`` is what ``measured`` gives of one family. There is no row if there are fewer than two
-    units, or not one model has all numbers.
+    It has the lowest mean logarithm of the measure on the other units: the numbers of a unit do not
+    choose what it is judged by. There is no row if there are fewer than two units, or not one model
+    has all numbers. ``table`` is what ``measured`` gives of the family.
     """
-    _, number, left_out = _BEST[side]
-    names = [pair[number] for pair in SIDES.values() if pair[number] not in left_out]
+    _, names = _BEST[side]
     rows = table[(table["measure"] == measure) & table["model"].isin(names)]
     units = np.log(rows.pivot(index="unit", columns="model", values="value"))
     units = units.reindex(columns=[name for name in names if name in units]).dropna(axis=1)
     if len(units) < 2 or units.empty:
-        return pd.DataFrame(columns=["model", "value"])
+        return pd.DataFrame(columns=["model", "value"], dtype=float)
     best = (units.sum() - units).idxmin(axis=1)
     values = [units.loc[at, name] for at, name in best.items()]
     return pd.DataFrame({"model": best, "value": np.exp(values)}, index=units.index)
 
 
-#: What the ratios of the short table are, by claim; its parts in their order.
-_WORTH = {
-    "W1": ["unseen parts of the same motions"],
-    "W2": ["another motion", "another motion, reversed"],
-    "W3": ["tracking, open loop", "tracking, closed loop"],
-    "W4": ["FPRC over the best other model with P_o"],
-}
-
-#: Marker and colour of each family, in their order, safe for colour-blind readers (Tol). Colours
-#: are signals elsewhere, but no figure of families shows one.
-_FAMILIES = (
-    ("o", "#000000"), ("s", "#ee6677"), ("D", "#4477aa"),
-    ("^", "#228833"), ("v", "#aa3377"), ("P", "#ccbb44"),
-)  # fmt: skip
-#: A ratio beyond this, or beyond one over it, is not shown.
-_WIDEST = 5.0
-_UNDECIDED = ("undecided", "not judged")
-
-
-def tabulate_beyond(
-    families: Sequence[str],
-    pages: Sequence[str],
-    figure: Sequence[str],
-    *,
-    family: str,
-    **csv: str,
-) -> None:
-    """Judge the claims in every family; write the tables, and draw the ratios.
-
-    ``pages`` are tables in Markdown, which docs/beyond.md and others show, with the models of one
-    ``family``; their names, and those of the tables in CSV, are those below.
-    """
-    found = [read_json(path) for path in families]
-    judged = [decide(of_family, CLAIMS, numbers_of(of_family)) for of_family in found]
-    verdicts = pd.concat(judged, ignore_index=True)
-    made = {"models": models(found), "claims": verdicts}
-    for name, path in csv.items():
-        write_csv(path, made[name])
-    shown = {
-        "claims": claims_page(verdicts),
-        "best": best_page(found),
-        "memory": memory_page(made["models"]),
-        "worth": worth_page(verdicts),
-        "models": models_page(made["models"][made["models"]["family"] == family]),
-    }
-    for path in pages:
-        write_text(path, markdown(shown[Path(path).stem], f"Data: {SOURCES['sim']}."))
-    fig, ax = style.figure(1, 1, style.PAGE_IN, 6.8)
-    plot_pairs(verdicts, ax)
-    style.share_legend(fig, ax)
-    style.save(fig, {"source": "sim", "seeds": []}, *figure)
-
-
-def models(families: Families) -> pd.DataFrame:
+def means_of_models(families: Families) -> pd.DataFrame:
     """Return the mean of every measure over the units of each family, and its 95 % interval."""
     means = means_of(measured(families), "family", "model", "measure", count="units")
     return means.drop(columns=["std", "min", "max"]).assign(source="sim")
 
 
+def _with_text(table: pd.DataFrame) -> pd.DataFrame:
+    numbers = zip(*(table[name] for name in ("mean", "low", "high", "units")), strict=True)
+    texts = [within(*of) if units > 1 else three_digits(of[0]) for *of, units in numbers]
+    return table.assign(text=texts)
+
+
 def models_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return the models of one family as a page, the lowest forward test RMSE first."""
     forward = table[table["measure"] == "forward"].sort_values("mean", kind="stable")["model"]
-    ranked = table.set_index("model").loc[forward].reset_index()
+    ranked = _with_text(table).set_index("model").loc[forward].reset_index()
     headings = {words[0].upper() + words[1:]: measure for measure, words in MEASURES.items()}
-    rows = {"model": ("Model", model_title)}
-    page = wide(ranked, rows, "measure", headings, intervals=True)
+    page = wide(ranked, {"model": "Model"}, "measure", headings)
     units = ranked.groupby("model", sort=False)["units"]
     words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
-    return page.assign(Units=words.to_numpy())
+    return page.assign(Model=page["Model"].map(model_title), Units=words.to_numpy())
 
 
 def best_page(families: Families) -> pd.DataFrame:
     """Return the best model of each side by rigs and measure, with its mean error."""
     rows = []
-    for family in families:
-        table = measured([family])
-        for measure in BEST_MEASURES:
-            row = {"Rigs": family_title(family["name"]), "Error": MEASURES[measure]}
-            for side in ("without_p_o", "with_p_o"):
-                best, text = best_of(table, side, measure), "-"
-                if len(best):
-                    name = best["model"].value_counts().index[0]
-                    text = f"{three_digits(best['value'].mean())}, {model_title(name)}"
-                row[model_title(side)] = text
-            rows.append(row)
+    for family, measure in product(families, BEST_MEASURES):
+        row = {"Rigs": family_title(family["name"]), "Error": MEASURES[measure]}
+        for side in ("without_p_o", "with_p_o"):
+            best = best_of(measured([family]), side, measure)
+            name, error = best["model"].value_counts().index[:1], three_digits(best["value"].mean())
+            row[model_title(side)] = f"{error}, {model_title(name[0])}" if len(name) else "-"
+        rows.append(row)
     return pd.DataFrame(rows)
 
 
@@ -242,11 +221,10 @@ def memory_page(table: pd.DataFrame) -> pd.DataFrame:
     words = {"memory_s": "memory [s]", "nonlinear": "nonlinear capacity"}
     headings = {
         f"{signal}: {text}": (signal.lower(), measure)
-        for signal in ("P_o", "theta")
-        for measure, text in words.items()
+        for signal, (measure, text) in product(("P_o", "theta"), words.items())
     }
-    rows = {"family": ("Rigs", family_title)}
-    return wide(table, rows, ["model", "measure"], headings, intervals=True)
+    named = _with_text(table).assign(family=table["family"].map(family_title))
+    return wide(named, {"family": "Rigs"}, ["model", "measure"], headings)
 
 
 def worth_page(verdicts: pd.DataFrame) -> pd.DataFrame:
@@ -270,24 +248,27 @@ def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     rows = {pair: row for row, pair in enumerate(parts)}
     names = table["family"].unique()
     shifts = dict(zip(names, np.linspace(-0.4, 0.4, len(names) + 2)[1:-1], strict=True))
+    looks = dict(zip(names, _FAMILIES, strict=False))
+    for name, (marker, colour) in looks.items():
+        ax.plot([], [], marker, color=colour, markersize=4, label=escape.figure(family_title(name)))
+    ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
     ax.axvspan(1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN, color="0.92", linewidth=0)
     ax.axvline(1.0, color="0.6", linewidth=0.6)
-    for name, (marker, colour) in zip(names, _FAMILIES, strict=False):
-        ax.plot([], [], marker, color=colour, markersize=4, label=escape.figure(family_title(name)))
-        for row in table[table["family"] == name].itertuples():
-            face = "white" if row.verdict in _UNDECIDED else colour
-            arms = [[row.mean - row.low], [row.high - row.mean]]
-            at = rows[row.id, row.part] + shifts[name]
-            ax.errorbar(row.mean, at, xerr=arms, fmt=marker, color=colour, markersize=4,
-                        linewidth=0.8, markerfacecolor=face)  # fmt: skip
-    ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
+    for row in table.itertuples():
+        marker, colour = looks[row.family]
+        at, arms = (
+            rows[row.id, row.part] + shifts[row.family],
+            (row.mean - row.low, row.high - row.mean),
+        )
+        ax.errorbar(row.mean, at, xerr=np.transpose([arms]), fmt=marker, color=colour, markersize=4,
+                    linewidth=0.8,
+                    markerfacecolor="white" if row.verdict == "undecided" else colour)  # fmt: skip
     ax.set_xscale("log")
     ratios = (0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5)
     ax.set_xticks(ratios, [f"{ratio:g}" for ratio in ratios])
     ax.minorticks_off()
     low = np.nanmin([table["low"].min(), 1 / EQUIVALENT_WITHIN]) / 1.03
     high = np.nanmax([table["high"].max(), EQUIVALENT_WITHIN]) * 1.03
-    # three units can have any interval
     ax.set_xlim(max(low, 1 / _WIDEST), min(high, _WIDEST))
     # what is measured is on a second line
     pairs = [style.symbols(part).replace(" (", "\n", 1).removesuffix(")") for _, part in rows]

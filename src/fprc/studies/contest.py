@@ -16,7 +16,7 @@ from fprc.experiments.data import Data
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.tracking import Track, columns_for, tracking_errors
 from fprc.models import SequenceModel
-from fprc.paper import REFERENCES
+from fprc.paper import EXPERIMENTS, REFERENCES
 from fprc.registry import COMPETITORS, SIDES, build
 from fprc.signals import rms
 from fprc.studies.family import Unit
@@ -52,21 +52,20 @@ def judge_models(
     if unit.family["every_model"]:
         names = [name for name in COMPETITORS if name not in SLOW or unit.number < slow]
     logs, seed = simulate(unit.on_rig, unit.seed), unit.seed
-    sweep, complex_ = logs["sweep"], logs["complex"]
     bench = Track(Tracking(**tracking), unit.on_rig.control, unit.on_rig.rig, seed)
     followed = {name: bench.inputs(name) for name in REFERENCES}
-    blocks = block_errors(_recordings(sweep, complex_), models, seed)
+    blocks = block_errors(_recordings(*(logs[name] for name in EXPERIMENTS)), models, seed)
     judged: dict[str, dict[str, Any]] = {}
     for name in names:
         try:
-            model, train, forward = _trained(name, sweep, complex_, models, seed)
-            _, _, backward = _trained(name, complex_, sweep, models, seed)
+            model, train, forward = _trained(name, logs, EXPERIMENTS, models, seed)
+            *_, backward = _trained(name, logs, EXPERIMENTS[::-1], models, seed)
             report: dict[str, Any] = {"train": train, "forward": forward, "reversed": backward}
             report |= _follow(bench, model, name, followed)
             report |= {"blocks": blocks[name]} if name in blocks else {}
             if name == "fprc":
                 low = [0.0, -2.0]  # kPa
-                X, expected, _ = complex_.samples(name)
+                X, expected, _ = logs["complex"].samples(name)
                 report["forward/-2"] = rmse(expected, model.predict(X + low))
                 inputs = {key: values + low for key, values in followed.items()}
                 found = _follow(bench, model, name, inputs)
@@ -74,7 +73,7 @@ def judge_models(
             judged[name] = report
         except (FprcError, ValueError) as error:
             judged[name] = {"failed": in_one_line(error)}
-    return {"models": judged | _remembered(_recordings(sweep))}
+    return {"models": judged | _remembered(_recordings(logs["sweep"]))}
 
 
 def _recordings(*logs: Data) -> Recordings:
@@ -88,14 +87,13 @@ def _recordings(*logs: Data) -> Recordings:
 
 
 def _trained(
-    name: str, train: Data, test: Data, models: Mapping[str, Any], seed: int
+    name: str, logs: Mapping[str, Data], order: Sequence[str], models: Mapping[str, Any], seed: int
 ) -> tuple[SequenceModel, float, float]:
-    """Return a model with its training and its test error, kPa."""
-    logs = {"train": train.samples(name), "test": test.samples(name)}
-    prepared = prepare(build(name, models, seed), logs)
-    readout = prepared.readout("train")
-    errors = prepared.error(readout, "train"), prepared.error(readout, "test")
-    return prepared.fitted(readout), *errors
+    """Return a model with its errors on the log that trains and on the one that tests, kPa."""
+    prepared = prepare(build(name, models, seed), {key: logs[key].samples(name) for key in order})
+    readout = prepared.readout(order[0])
+    trained, tested = (prepared.error(readout, key) for key in order)
+    return prepared.fitted(readout), trained, tested
 
 
 def _remembered(sweep: Recordings) -> dict[str, dict[str, float]]:

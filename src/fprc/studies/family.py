@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from joblib import Parallel, delayed, parallel_config
 
 from fprc.artifacts import read_json, write_json
-from fprc.claims.claim import ASSUMED, Results
+from fprc.claims.claim import Results
 from fprc.claims.ledger import members_of
 from fprc.claims.paper import CLAIMS
 from fprc.config.rig import Rig
@@ -89,18 +89,15 @@ def _judged(unit: Unit, judge: str, how: Mapping[str, Any]) -> dict[str, Any]:
 def judge_tables(
     unit: Unit, *, tracking: Mapping[str, Any], validation: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Judge the rig of a unit with the full models.
+    """Return what Tables II and III (``compared``) and IV (``measured``) of a unit's rig rest on.
 
-    ``validation`` has the arguments of ``CrossValidation`` without the seed. Returned are
-    ``compared`` (Tables II and III) and ``measured`` (Table IV).
+    ``validation`` has the arguments of ``CrossValidation`` without the seed.
     """
-    how = CrossValidation(**validation, seed=unit.seed)
+    how, data = CrossValidation(**validation, seed=unit.seed), simulate(unit.on_rig, unit.seed)
     bench = Track(Tracking(**tracking), unit.on_rig.control, unit.on_rig.rig, unit.seed)
-    data = simulate(unit.on_rig, unit.seed)
     compared, models = compare_models(data, how)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
-    source = {"source": "sim"}
-    return {"compared": compared | source, "measured": measured | source}
+    return {"compared": compared, "measured": measured}
 
 
 def count_members(judged: str, published: str, members: str) -> None:
@@ -109,7 +106,7 @@ def count_members(judged: str, published: str, members: str) -> None:
     The claims are those that Tables II to IV, weights and loops decide; the others need grids or
     counts, or are assumed. ``fprc.claims.ledger.members_of`` says what is written.
     """
-    claims = [claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != ASSUMED]
+    claims = [claim for claim in CLAIMS if claim.over == "seeds" and claim.kind != "assumed"]
     rigs = [
         Results([cell["compared"]], [], [cell["measured"]], {}, {})
         for cell in read_json(judged)["cells"]

@@ -57,10 +57,7 @@ def changed_rig(rig: Mapping[str, Any], condition: str) -> dict[str, Any]:
 def judge_online(
     unit: Unit, *, tracking: Mapping[str, Any], models: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return ``rows`` of the rig of a unit.
-
-    Each has ``model``, ``condition``, ``learns``, ``loop``, ``reference`` and ``rmse_deg``.
-    """
+    """Return ``rows`` of the rig of a unit, see ``followed``."""
     on_rig, seed = unit.on_rig, unit.seed
     sweep = simulate(on_rig.changed(signals={"sweep": on_rig.signals["sweep"]}), seed)["sweep"]
     fitted = {}
@@ -70,34 +67,34 @@ def judge_online(
     rows: list[dict[str, Any]] = []
     for condition in CONDITIONS:
         rig = changed_rig(on_rig.rig, condition)
-        bench = Track(Tracking(**tracking), on_rig.control, rig, seed)
-        rows += followed(bench, condition, fitted)
+        rows += followed(Track(Tracking(**tracking), on_rig.control, rig, seed), condition, fitted)
     return {"rows": rows}
 
 
 def followed(
     bench: Track, condition: str, models: Mapping[str, SequenceModel]
 ) -> list[dict[str, Any]]:
-    """Return the rows of a condition: one of P_o has those of FPRC, others of PD alone too."""
+    """Return the rows of a condition: one of P_o has those of FPRC, others of PD alone too.
+
+    Each has ``model``, ``condition``, ``learns``, ``loop``, ``reference`` and ``rmse_deg``.
+    """
     inputs = {reference: bench.inputs(reference) for reference in REFERENCES}
     for X in inputs.values():
         X[:, 1] = disturbed(X[:, 1], condition, bench.control.sample_rate_hz)
     chosen = [name for name in models if name == "fprc" or condition not in OF_P_O]
-    trials = [(name, learns) for name in chosen for learns in (False, True)]
-    trials += [] if condition in OF_P_O else [("pd", False)]
+    trials = [(name, learns, LOOPS) for name in chosen for learns in (False, True)]
+    trials += [] if condition in OF_P_O else [("pd", False, {"closed": 1.0})]
     rows = []
-    for name, learns in trials:
+    for name, learns, loops in trials:
         learning = bench.control.feedforward.changed(adapt=learns)
         learner = bench._replace(control=bench.control.changed(feedforward=learning))
-        model, loops, given = models.get(name), {"closed": 1.0}, inputs
+        model, given = models.get(name), inputs
         if model:
-            loops = LOOPS
             given = {reference: columns_for(name, X) for reference, X in inputs.items()}
-        errors = tracking_errors(learner, model, loops, given)
         rows += [
             {"model": name, "condition": condition, "learns": learns, "loop": loop,
              "reference": reference, "rmse_deg": error}
-            for loop, of_loop in errors.items()
-            for reference, error in of_loop.items()
+            for loop, errors in tracking_errors(learner, model, loops, given).items()
+            for reference, error in errors.items()
         ]  # fmt: skip
     return rows

@@ -5,7 +5,6 @@ from itertools import product
 from typing import Any
 
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullLocator
 
 from fprc.artifacts import read_json
@@ -14,16 +13,23 @@ from fprc.paper import REFERENCES, SOURCES
 from fprc.registry import title_of
 from fprc.signals import rms
 from fprc.studies.verdicts import Claim, Pair, claims_page, decide, family_title, wide
-from fprc.tables.text import write_table
+from fprc.tables.text import three_digits, write_table
 
 #: Loops, as readers see them.
 LOOPS = {"open": "open loop", "closed": "closed loop"}
-
 #: Columns of the page of errors: loop, and whether the model learns.
 _HEADINGS = {
     f"{words.capitalize()}, {how}": (loop, learns)
     for loop, words in LOOPS.items()
     for learns, how in ((False, "as trained"), (True, "learning"))
+}
+#: Conditions that are not an offset of P_o, as readers see them.
+_CONDITIONS = {
+    "none": "nothing",
+    "leak": "P_o falls by 4 kPa a minute",
+    "warmer": "5 K warmer from half the run on",
+    "stiffer": "actuator 10 % stiffer",
+    "worn": "20 % less friction",
 }
 
 
@@ -31,9 +37,8 @@ def _over(
     text: str, ours: str, other: str, learns: bool, loop: str, reference: str, limit: float = 1.0
 ) -> Pair:
     """Return learning FPRC under a condition over a model under none."""
-    return Pair(
-        ("fprc", ours, True, loop, reference), (other, "none", learns, loop, reference), text, limit
-    )
+    theirs = other, "none", learns, loop, reference
+    return Pair(("fprc", ours, True, loop, reference), theirs, text, limit)
 
 
 CLAIMS = {
@@ -71,21 +76,6 @@ _ERRORS_NOTE = (
 )
 
 
-def rmse_of(family: Mapping[str, Any]) -> pd.DataFrame:
-    """Return errors in deg, tidy.
-
-    Columns ``model``, ``condition``, ``learns``, ``loop``, ``reference``, ``unit`` and
-    ``rmse_deg``; of the reference ``all`` it is the root mean square over those of Table IV.
-    """
-    rows = pd.DataFrame(
-        ({**row, "unit": cell["unit"]} for cell in family["cells"] for row in cell.get("rows", ())),
-        columns=[*_RUN, "reference", "rmse_deg", "unit"],
-    )
-    printed = rows[rows["reference"].isin(REFERENCES)]
-    overall = printed.groupby([*_RUN, "unit"], sort=False)["rmse_deg"].agg(rms).reset_index()
-    return pd.concat([rows, overall.assign(reference="all")])
-
-
 def tabulate_online(
     families: Sequence[str],
     verdicts: Sequence[str],
@@ -101,18 +91,36 @@ def tabulate_online(
     found = [read_json(path) for path in families]
     judged = pd.concat(map(decided, found), ignore_index=True)
     write_table(judged, claims_page(judged), _VERDICTS_NOTE, *verdicts)
-    table = errors_of(found)
-    first = table[table["family"] == found[0]["name"]].rename(columns={"mean_deg": "mean"})
-    page = wide(
-        first[(first["model"] == "fprc") | (first["condition"] == _words("none"))],
-        {"model": ("Model", _title), "condition": ("Changed since the training", str)},
-        ["loop", "learns"],
-        _HEADINGS,
+    rmse = pd.concat(rmse_of(family).assign(family=family["name"]) for family in found)
+    overall = rmse[rmse["reference"] == "all"].groupby(["family", *_RUN], sort=False)["rmse_deg"]
+    table = overall.agg(mean_deg="mean", low_deg="min", high_deg="max", units="count")
+    table = table.reset_index().assign(source="sim")
+    table["condition"] = table["condition"].map(lambda key: _CONDITIONS.get(key, f"P_o {key}"))
+    first = table[table["family"] == found[0]["name"]]
+    named = first[(first["model"] == "fprc") | (first["condition"] == "nothing")].assign(
+        text=first["mean_deg"].map(three_digits),
+        model=first["model"].map(lambda name: "PD alone" if name == "pd" else title_of(name)),
     )
-    title = family_title(found[0]["name"])
-    note = _ERRORS_NOTE.format(title=title, units=int(first["units"].max()))
-    write_table(table, page, note, *errors)
+    rows = {"model": "Model", "condition": "Changed since the training"}
+    title, units = family_title(found[0]["name"]), int(first["units"].max())
+    note = _ERRORS_NOTE.format(title=title, units=units)
+    write_table(table, wide(named, rows, ["loop", "learns"], _HEADINGS), note, *errors)
     draw_errors(table, figure, shown)
+
+
+def rmse_of(family: Mapping[str, Any]) -> pd.DataFrame:
+    """Return errors in deg, tidy.
+
+    Columns ``model``, ``condition``, ``learns``, ``loop``, ``reference``, ``unit`` and
+    ``rmse_deg``; of the reference ``all`` it is the root mean square over those of Table IV.
+    """
+    rows = pd.DataFrame(
+        ({**row, "unit": cell["unit"]} for cell in family["cells"] for row in cell.get("rows", ())),
+        columns=[*_RUN, "reference", "rmse_deg", "unit"],
+    )
+    printed = rows[rows["reference"].isin(REFERENCES)]
+    overall = printed.groupby([*_RUN, "unit"], sort=False)["rmse_deg"].agg(rms).reset_index()
+    return pd.concat([rows, overall.assign(reference="all")])
 
 
 def decided(family: Mapping[str, Any]) -> pd.DataFrame:
@@ -121,58 +129,33 @@ def decided(family: Mapping[str, Any]) -> pd.DataFrame:
     return decide(family, CLAIMS, dict(iter(by_run)))
 
 
-def errors_of(families: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return the tracking errors under every condition, mean and range over units, tidy."""
-    rmse = pd.concat(rmse_of(family).assign(family=family["name"]) for family in families)
-    overall = rmse[rmse["reference"] == "all"].groupby(["family", *_RUN], sort=False)
-    numbers = {"mean_deg": "mean", "low_deg": "min", "high_deg": "max", "units": "count"}
-    table = overall["rmse_deg"].agg(**numbers).reset_index().assign(source="sim")
-    return table.assign(condition=table["condition"].map(_words))
-
-
-def _title(name: str) -> str:
-    return "PD alone" if name == "pd" else title_of(name)
-
-
-def _words(condition: str) -> str:
-    if condition.endswith(" kPa"):
-        return f"P_o {condition}"
-    return {
-        "none": "nothing", "leak": "P_o falls by 4 kPa a minute",
-        "warmer": "5 K warmer from half the run on", "stiffer": "actuator 10 % stiffer",
-        "worn": "20 % less friction",
-    }[condition]  # fmt: skip
-
-
-def plot_offsets(table: pd.DataFrame, ax: Axes) -> None:
-    """Draw FPRC's error over the offset of P_o, as trained and learning; and Fuzzy-linear's."""
-    offsets = table["condition"].replace(_words("none"), "P_o 0 kPa")
-    offsets = pd.to_numeric(offsets.str.extract(r"^P_o (\S+) kPa$")[0])
-    table = table.assign(offset=offsets).dropna(subset="offset").sort_values("offset")
-    runs = table.set_index(["model", "learns"]).sort_index(kind="stable")
-    looks = ((" as trained", "o", "0.55", ":"), (", learning", "s", "black", "--"))
-    for learns, (words, marker, color, _) in enumerate(looks):
-        line = runs.loc["fprc", bool(learns)]
-        ax.plot(line["offset"], line["mean_deg"], marker=marker, color=color, markersize=3,
-                label=f"FPRC{words}")  # fmt: skip
-        ax.fill_between(line["offset"], line["low_deg"], line["high_deg"], color=color, alpha=0.2,
-                        linewidth=0)  # fmt: skip
-    for learns, (words, *_, dashes) in enumerate(looks):
-        (level,) = runs.loc[[("fuzzy_linear", bool(learns))], "mean_deg"]
-        ax.axhline(level, color=style.SIGNALS["theta"], linestyle=dashes, linewidth=0.9,
-                   label=f"Fuzzy-linear{words}")  # fmt: skip
-    ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", yscale="log")
-
-
 def draw_errors(table: pd.DataFrame, figure: Sequence[str], names: Sequence[str]) -> None:
-    """Draw the tracking error of families over the offset of P_o, with and without learning."""
+    """Draw FPRC's and Fuzzy-linear's errors in families over the offset of P_o.
+
+    As trained and learning; FPRC's with a band of the range over units.
+    """
+    offsets = table["condition"].replace("nothing", "P_o 0 kPa").str.extract(r"^P_o (\S+) kPa$")[0]
+    table = table.assign(offset=pd.to_numeric(offsets)).dropna(subset="offset")
+    runs = table.set_index(["family", "loop", "model", "learns"]).sort_index()
     fig, axes = style.figure(2, len(names), style.PAGE_IN, 3.6, sharex=True, sharey=True)
+    looks = {False: (" as trained", "o", "0.55", ":"), True: (", learning", "s", "black", "--")}
     for ax, (loop, name) in zip(axes.flat, product(LOOPS, names), strict=True):
-        plot_offsets(table[(table["family"] == name) & (table["loop"] == loop)], ax)
-        ax.set_title(f"{family_title(name)}, {LOOPS[loop]}")
+        for learns, (words, marker, colour, _) in looks.items():
+            line = runs.loc[(name, loop, "fprc", learns)].sort_values("offset")
+            ax.plot(line["offset"], line["mean_deg"], marker=marker, color=colour, markersize=3,
+                    label=f"FPRC{words}")  # fmt: skip
+            ax.fill_between(line["offset"], line["low_deg"], line["high_deg"], color=colour,
+                            alpha=0.2, linewidth=0)  # fmt: skip
+        for learns, (words, *_, dashes) in looks.items():
+            level = runs.loc[(name, loop, "fuzzy_linear", learns), "mean_deg"]
+            ax.axhline(level, color=style.SIGNALS["theta"], linestyle=dashes, linewidth=0.9,
+                       label=f"Fuzzy-linear{words}")  # fmt: skip
+        ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", yscale="log",
+               title=f"{family_title(name)}, {LOOPS[loop]}")  # fmt: skip
         ax.label_outer()
-    axes[0][0].yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes[0][0].yaxis.set_major_formatter("{x:g}")
-    axes[0][0].yaxis.set_minor_locator(NullLocator())
-    style.share_legend(fig, axes[0][0])
+    axis = axes[0, 0].yaxis
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_locator(NullLocator())
+    style.share_legend(fig, axes[0, 0])
     style.save(fig, {"source": "sim", "seeds": []}, *figure)

@@ -10,7 +10,6 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from fprc.artifacts import read_json, replacing, write_text
@@ -32,11 +31,7 @@ def update_pages(
     ``tables`` are given by their blocks, in Markdown, those of claims as JSON. Each block is on the
     pages that have its marker, in README.md typeset; ``pictures`` are the copies of ``figures``.
     """
-    blocks = {
-        name: Path(table).read_text(encoding="utf-8")
-        for name, table in tables.items()
-        if table.endswith(".md")
-    }
+    blocks = {name: _read(table) for name, table in tables.items() if table.endswith(".md")}
     if "verdicts" in tables:
         judged = read_json(tables["verdicts"])
         blocks |= {"verdicts": _verdicts(judged), "held": _held(judged["claims"], tables)}
@@ -61,16 +56,19 @@ def check_results(ledger: str, verdicts: str, pages: Sequence[str] = ()) -> None
     if problems:
         problems.insert(0, f"if these verdicts of {ledger} are right, declare them in {verdicts}:")
     if pages:
-        tables = {Path(page).stem: Path(page).read_text(encoding="utf-8") for page in pages}
-        problems += different_lines("README.md", tables)
+        problems += different_lines("README.md", {Path(page).stem: _read(page) for page in pages})
     if problems:
         raise FprcError("\n".join(problems))
     log.info("all %d verdicts are as declared", len(declared))
 
 
+def _read(path: str) -> str:
+    return Path(path).read_text(encoding="utf-8")
+
+
 def with_blocks(path: str, blocks: Mapping[str, str]) -> str:
     """Return the text of a page with what its blocks should hold; in README.md it is typeset."""
-    text = Path(path).read_text(encoding="utf-8")
+    text = _read(path)
     for name, block in blocks.items():
         if f"<!-- {name}: " in text:
             new = typeset(block) if Path(path).name == "README.md" else block
@@ -93,26 +91,21 @@ def different_lines(path: str, blocks: Mapping[str, str]) -> list[str]:
 
     The last digit of a number may differ by one, as it does on another processor.
     """
-    texts = Path(path).read_text(encoding="utf-8"), with_blocks(path, blocks)
-    lines = zip_longest(*(text.splitlines() for text in texts), fillvalue="")
-    different = (
-        f"{path}, line {number}: {is_now!r} would be {would_be!r}; `make docs` puts it there"
-        for number, (is_now, would_be) in enumerate(lines, start=1)
-        if not _same(is_now, would_be)
-    )
-    return [*different][:1]
+    texts = _read(path).splitlines(), with_blocks(path, blocks).splitlines()
+    for number, (is_now, would_be) in enumerate(zip_longest(*texts, fillvalue=""), start=1):
+        if not _same(is_now, would_be):
+            why = f"{is_now!r} would be {would_be!r}; `make docs` puts it there"
+            return [f"{path}, line {number}: {why}"]
+    return []
 
 
 def _same(one: str, other: str) -> bool:
     """Return whether two lines are the same but for the last digits of their numbers."""
     parts, others = _NUMBER.split(one), _NUMBER.split(other)
-    if parts[::2] != others[::2]:
-        return False
-    numbers = list(zip(parts[1::2], others[1::2], strict=True))
     # a unit of the last digit, as of 12.40 0.01, and a little for rounding
-    units = [1.01 * 10.0 ** -min(len(n.partition(".")[2]) for n in pair) for pair in numbers]
-    return all(
-        abs(float(a) - float(b)) <= unit for (a, b), unit in zip(numbers, units, strict=True)
+    return parts[::2] == others[::2] and all(
+        abs(float(a) - float(b)) <= 1.01 * 10.0 ** -min(len(n.partition(".")[2]) for n in (a, b))
+        for a, b in zip(parts[1::2], others[1::2], strict=True)
     )
 
 
@@ -128,9 +121,9 @@ def _held(claims: Sequence[Mapping[str, Any]], tables: Mapping[str, str]) -> str
         pd.read_csv(Path(tables[f"table{number}_seeds"]).with_suffix(".csv"))
         for number in (2, 3, 4)
     )
-    errors, four = pd.concat([two, three]), four.dropna(subset="published_rmse_deg")
-    off = 100.0 * np.abs(errors["mean"] / errors["published_mean"] - 1.0)
-    away = 100.0 * np.abs(four["rmse_deg"] / four["published_rmse_deg"] - 1.0)
+    errors = pd.concat([two, three])
+    off = 100.0 * (errors["mean"] / errors["published_mean"] - 1.0).abs()
+    away = 100.0 * (four["rmse_deg"] / four["published_rmse_deg"] - 1.0).abs()
     most = away.groupby(four["controller"]).max()
     return (
         f"{table.to_markdown(index=False, disable_numparse=True)}\n\n"

@@ -1,7 +1,7 @@
 """Judge claims on pairs of models in families of rigs, and show the verdicts."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +9,7 @@ import pandas as pd
 
 from fprc.escape import in_words
 from fprc.evaluation.paired import NOT_JUDGED, Part, decide_together
-from fprc.tables.text import format_mean, three_digits
+from fprc.tables.text import three_digits
 
 #: Symbol after a verdict, by the model or signal that the fit of its rigs favours.
 SYMBOLS = {"FPRC": "†", "P_o": "‡"}
@@ -59,26 +59,26 @@ def decide(
 
     parts = {name: (claim.text, [*map(part_of, claim.parts)]) for name, claim in claims.items()}
     table = pd.DataFrame(decide_together(parts))
-    favoured = [
-        dict.fromkeys(
-            whom for term, whom in claims[name].favours.items() if term in family["fitted"]
-        )
-        for name in table["id"]
-    ]
-    marks = pd.Series(["".join(SYMBOLS[name] for name in whom) for whom in favoured])
+    favoured = {
+        name: dict.fromkeys(claim.favours[t] for t in claim.favours if t in family["fitted"])
+        for name, claim in claims.items()
+    }
+    marks = table["id"].map(
+        {name: "".join(SYMBOLS[w] for w in of) for name, of in favoured.items()}
+    )
     # of a family without any number these would not be numbers
     return table.astype(dict.fromkeys(("mean", "low", "high", "stable"), float)).assign(
         family=family["name"],
         title=family_title(family["name"]),
         words=table["words"] + marks.where(table["verdict"] != NOT_JUDGED, ""),
-        favours=[in_words(whom) or "nobody" for whom in favoured],
+        favours=table["id"].map({name: in_words(of) or "nobody" for name, of in favoured.items()}),
         source="sim",
     )
 
 
 def claims_page(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Return one row per claim: its verdict in each family, and the means of its parts."""
-    table = verdicts.assign(mean=list(map(three_digits, verdicts["mean"])))
+    table = verdicts.assign(mean=verdicts["mean"].map(three_digits))
     rows = table.groupby(["id", "claim", "title"], sort=False).agg(
         {"words": "first", "mean": ", ".join}
     )
@@ -89,23 +89,16 @@ def claims_page(verdicts: pd.DataFrame) -> pd.DataFrame:
 
 def wide(
     table: pd.DataFrame,
-    rows: Mapping[str, tuple[str, Callable[[str], str]]],
+    rows: Mapping[str, str],
     columns: str | list[str],
     headings: Mapping[str, Any],
-    *,
-    intervals: bool = False,
 ) -> pd.DataFrame:
-    """Return means as text, a row for each value of ``rows`` and a column for each heading.
+    """Return the column ``text`` as a page, a column for each of the ``headings``.
 
-    ``rows`` has by column of the table its heading, and what gives the names that readers see.
+    ``rows`` has by the columns that tell the rows apart their headings.
     """
-    texts = [
-        format_mean(row, "mean") if intervals and row["units"] > 1 else three_digits(row["mean"])
-        for row in table.to_dict("records")
-    ]
-    page = table.assign(text=texts).pivot(index=list(rows), columns=columns, values="text")
+    page = table.pivot(index=list(rows), columns=columns, values="text")
     order = table.set_index(list(rows)).index.unique()
     page = page.reindex(index=order, columns=list(headings.values()))
-    page = page.set_axis(list(headings), axis=1).astype(object).fillna("-").reset_index()
-    named = {key: page[key].map(name) for key, (_, name) in rows.items()}
-    return page.assign(**named).rename(columns={key: head for key, (head, _) in rows.items()})
+    page = page.set_axis(list(headings), axis=1).astype(object).fillna("-")
+    return page.reset_index().rename(columns=rows)

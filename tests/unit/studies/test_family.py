@@ -48,8 +48,8 @@ def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(family, monkeypatc
     theta = float(
         simulate(RigSettings(**family["on_rig"]), 605)["sweep"].channels["theta_deg"].sum()
     )
-    assert judged["compared"] == {"theta": theta, "source": "sim"}
-    assert judged["measured"] == {"theta": theta, "seed": 605, "fprc": 605, "source": "sim"}
+    assert judged["compared"] == {"theta": theta}
+    assert judged["measured"] == {"theta": theta, "seed": 605, "fprc": 605}
 
 
 def test_every_unit_is_judged_and_one_that_fails_is_the_only_one_lost(
