@@ -3,15 +3,9 @@
 BEYOND = SETTINGS["beyond"]
 CONFIGURED = SETTINGS["fitted"]["name"]
 #: Rigs that can be named, beside that of the configuration.
-OTHER_RIGS = {name: path for name, path in rig_files().items() if name != CONFIGURED}
-
-
-@cache
-def named_rig(name):
-    """Return the sections ``rig`` and ``fitted`` of a rig's file."""
-    return check({"rig": name}).model_dump(mode="json", include={"rig", "fitted"})
-
-
+OTHER_RIGS = {
+    name: check({"rig": name}).model_dump(mode="json") for name in rig_files() if name != CONFIGURED
+}
 FAMILIES = [CONFIGURED, *OTHER_RIGS, "ensemble"]
 #: Rigs that fit print, which `fprc calibrate --ensemble` found.
 ENSEMBLE = "../../config/rigs/ensemble.json"
@@ -55,13 +49,13 @@ PAGES_BEYOND = "claims models best memory worth".split()
 
 def family_of(wildcards):
     """Return a family: its rigs, their seeds, and the settings of their simulation."""
-    name, several = wildcards.family, wildcards.family == "ensemble"
-    file = named_rig(name) if name in OTHER_RIGS else pick(SETTINGS, "rig", "fitted")
+    several = wildcards.family == "ensemble"
+    rig = OTHER_RIGS.get(wildcards.family, SETTINGS)
     return {
-        "name": name,
+        "name": wildcards.family,
         "rigs": "ensemble" if several else "one",
-        "every_model": name == CONFIGURED,
+        "every_model": wildcards.family == CONFIGURED,
         "first_seed": STUDIES[wildcards.study].get("first_seed", BEYOND["first_seed"]),
-        "fitted": SETTINGS["calibration"]["fit"] if several else file["fitted"]["to"],
-        "on_rig": on_rig(SETTINGS) | {"rig": file["rig"]},
+        "fitted": SETTINGS["calibration"]["fit"] if several else rig["fitted"]["to"],
+        "on_rig": on_rig(SETTINGS) | {"rig": rig["rig"]},
     }

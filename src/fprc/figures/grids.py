@@ -22,57 +22,16 @@ from fprc.registry import title_of
 from fprc.yaml_file import read_yaml
 
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
-_TITLES = {"a": "Errors of FPRC", "b": "Errors", "c": "Execution times, batch"}
+#: Panels of Fig. 10: title, and label and base of the axis of the setting.
+_PANELS = {
+    "a": ("Errors of FPRC", r"$\epsilon$", 10),
+    "b": ("Errors", "$n_c$", 2),
+    "c": ("Execution times, batch", "$n_c$", 2),
+}
 #: Edges of the grids' colours, as shares of the errors' range on a logarithmic scale.
 _EDGES = np.linspace(0.0, 1.0, 11) ** 2
 #: Colours of the frames of two cells, by what they frame.
 _FRAMES = {"lowest": style.MARK, "paper's setting": "white"}
-
-
-def _grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> DataFrame:
-    """Mean and standard deviation of each phase's RMSE over the settings of a grid, tidy.
-
-    They are over further seeds, a report each, or over the folds of one report.
-    """
-    names = GRID_SETTINGS[grid]
-    rows = []
-    for cells in zip(*(report[grid] for report in reports), strict=True):
-        values = {name: cells[0][name] for name in names}
-        setting = values if len(names) > 1 else {"setting": grid, "value": values[grid]}
-        rows += [
-            {
-                "model": cells[0]["model"],
-                **setting,
-                "phase": phase,
-                **_spread([cell[f"{phase}_rmse_kpa"] for cell in cells]),
-                "unit": reports[0].get("unit", "kPa"),
-                "source": reports[0]["source"],
-            }
-            for phase in _PHASES
-        ]
-    return DataFrame(rows)
-
-
-def _times_over_n_c(report: Mapping[str, Any]) -> DataFrame:
-    """Mean and standard deviation over repeats of the batch execution times (Fig. 10c)."""
-    return DataFrame(
-        {
-            "model": entry["model"],
-            "setting": "n_c",
-            "value": entry["n_c"],
-            "phase": entry["phase"],
-            **_spread(entry["seconds"]),
-            "unit": "s",
-            "source": report["source"],
-        }
-        for entry in report["times"]
-        if entry["mode"] == "batch"
-    )
-
-
-def _spread(values: Sequence[Any]) -> dict[str, float | int]:
-    mean, std = mean_and_std(values)
-    return {"mean": mean, "std": std, "values": np.size(values)}
 
 
 def draw_grids(
@@ -83,15 +42,14 @@ def draw_grids(
     The errors are over further seeds, or over the folds of one report. Without FPRC there are no
     errors over epsilon and over the taps.
     """
-    reports = [read_json(path) for path in grids]
+    reports, timed = [read_json(path) for path in grids], read_json(times)
     several = len(reports) > 1
     marks = {"seeds": [report["seed"] for report in reports]} if several else reports[0]
-    panels = {
-        "a": _grid_errors(reports, "epsilon"),
-        "b": _grid_errors(reports, "n_c"),
-        "c": _times_over_n_c(read_json(times)),
-    }
+    batch = (entry for entry in timed["times"] if entry["mode"] == "batch")
+    rows = (_row(x, "n_c", x["phase"], x["seconds"], "s", timed["source"]) for x in batch)
+    panels = {"a": _grid_errors(reports, "epsilon"), "b": _grid_errors(reports, "n_c")}
     panels = {panel: table for panel, table in panels.items() if not table.empty}
+    panels["c"] = DataFrame(rows)
     shown = concat(panels, names=["panel"]).reset_index("panel")
     fig = _draw_settings(panels, f"± std over {'seeds' if several else 'folds'}")
     style.save(fig, marks, *fig10, table=shown)
@@ -102,18 +60,40 @@ def draw_grids(
         style.save(_draw_taps(table, papers), marks, *fig11, table=table)
 
 
+def _grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> DataFrame:
+    """Mean and standard deviation of each phase's RMSE over the settings of a grid, tidy.
+
+    They are over further seeds, a report each, or over the folds of one report.
+    """
+    unit, source = reports[0].get("unit", "kPa"), reports[0]["source"]
+    return DataFrame(
+        _row(cells[0], grid, phase, [cell[f"{phase}_rmse_kpa"] for cell in cells], unit, source)
+        for cells in zip(*(report[grid] for report in reports), strict=True)
+        for phase in _PHASES
+    )
+
+
+def _row(
+    cell: Mapping[str, Any], grid: str, phase: str, values: Any, unit: str, source: str
+) -> dict[str, Any]:
+    several = {name: cell[name] for name in GRID_SETTINGS[grid]}
+    setting = several if len(several) > 1 else {"setting": grid, "value": cell[grid]}
+    mean, std = mean_and_std(values)
+    spread = {"mean": mean, "std": std, "values": np.size(values)}
+    named = {"model": cell["model"], **setting, "phase": phase}
+    return {**named, **spread, "unit": unit, "source": source}
+
+
 def _draw_settings(panels: Mapping[str, DataFrame], spread: str) -> Figure:
     """Figure 10, the tables of its panels, one above the other; ``spread`` says what a band is."""
     fig, axes = style.figure(len(panels), 1, style.COLUMN_IN, 4.6 if "a" in panels else 3.4)
     for (panel, table), ax in zip(panels.items(), axes, strict=True):
+        title, label, base = _PANELS[panel]
         _plot_over(table, ax, times=panel == "c")
-        style.letter(ax, f"({panel}) {_TITLES[panel]}")
-        if panel == "a":
-            ax.set_xscale("log")
-            ax.set_xlabel(r"$\epsilon$")
-        else:
-            ax.set_xscale("log", base=2)
-            ax.set_xlabel("$n_c$")
+        style.letter(ax, f"({panel}) {title}")
+        ax.set_xscale("log", base=base)
+        ax.set_xlabel(label)
+        if base == 2:
             ax.set_xticks(sorted(table["value"].unique()))
             ax.xaxis.set_major_formatter("{x:g}")
     models = panels["b"]["model"].unique()
@@ -159,23 +139,21 @@ def _draw_taps(table: DataFrame, papers: tuple[int, int]) -> Figure:
     norm = BoundaryNorm(least * (most / least) ** _EDGES, 256)
     colours = ScalarMappable(norm, "cividis")
     for ax, letter, (phase, title) in zip(axes, "abc", _PHASES.items(), strict=True):
-        rows = table[table["phase"] == phase]
-        grid = rows.pivot(index="n_y", columns="n_u", values="mean")
+        errors = table[table["phase"] == phase].set_index(["n_u", "n_y"])["mean"]
+        grid = errors.unstack("n_u")
         ax.pcolormesh(grid.columns, grid.index, grid, cmap=colours.cmap, norm=norm,
                       shading="nearest")  # fmt: skip
-        lowest = rows.loc[rows["mean"].idxmin()]
-        cells = [(lowest["n_u"], lowest["n_y"]), papers]
         numbers = []
-        for (n_u, n_y), colour in zip(cells, _FRAMES.values(), strict=True):
-            if n_u in grid.columns and n_y in grid.index:
-                numbers.append(f"{grid.loc[n_y, n_u]:.1f}")
-                ax.add_patch(Rectangle((n_u - 0.5, n_y - 0.5), 1, 1, fill=False, clip_on=False,
+        for cell, colour in zip((errors.idxmin(), papers), _FRAMES.values(), strict=True):
+            if cell in errors.index:
+                numbers.append(f"{errors[cell]:.1f}")
+                ax.add_patch(Rectangle(np.subtract(cell, 0.5), 1, 1, fill=False, clip_on=False,
                                        edgecolor=colour, linewidth=1.0))  # fmt: skip
         # on two lines, as a panel is not as wide as both
         style.letter(ax, f"({letter}) {title.capitalize()}\n{', '.join(numbers)}")
         ax.set(xlabel="$n_u$", ylabel="$n_y$")
-        ax.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-        ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_major_locator(MaxNLocator(5, integer=True))
         ax.label_outer()
     bar = fig.colorbar(colours, ax=axes, location="bottom", aspect=40, format="%.3g")
     bar.set_label(f"RMSE [{escape.figure(table['unit'].iloc[0])}]")

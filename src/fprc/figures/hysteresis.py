@@ -41,21 +41,20 @@ def draw_hysteresis(
 
 def _draw_actuator(logs: Sequence[Any]) -> Figure:
     """Figure 4: pressure commands, each as wide as the column, and the actuator's loops."""
-    fig, axes = style.figure(3, 2, style.COLUMN_IN, 4.6, height_ratios=(1, 1, 2), sharey="row")
-    commands = [fig.add_subplot(axes[row, 0].get_gridspec()[row, :]) for row in (0, 1)]
-    for ax in axes[:2].ravel():
-        ax.remove()
-    for log, ax in zip(logs, commands, strict=True):
+    fig, axes = style.figure(
+        3, 2, style.COLUMN_IN, 4.6, height_ratios=(1, 1, 2), sharex="row", sharey="row"
+    )
+    for row, (log, title) in enumerate(zip(logs, ("(a) Sweep", "(c) Complex"), strict=True)):
+        ax = fig.add_subplot(axes[row, 0].get_gridspec()[row, :])
+        for narrow in axes[row]:
+            narrow.remove()
         time_s, command = (log.channels[name] for name in ("time_s", "p_target_kpa"))
         ax.plot(time_s, command, color=style.SIGNALS["p_exp"], linewidth=0.5)
         ax.set(xlabel="Time [s]", ylabel=label("p_target_kpa", log.attributes))
         ax.set_xlim(time_s[0], time_s[-1])
-    axes[2, 1].sharex(axes[2, 0])
-    titles = "(a) Sweep", "(c) Complex", "(b) Loops of (a)", "(d) Loops of (c)"
-    _draw_loops(logs, axes[2], "p_target_kpa", "theta_deg", titles[2:])
-    axes[2, 1].label_outer()
-    for ax, title in zip(commands, titles[:2], strict=True):
         style.letter(ax, title)
+    titles = "(b) Loops of (a)", "(d) Loops of (c)"
+    _draw_loops(logs, axes[2], "p_target_kpa", "theta_deg", titles)
     return fig
 
 
@@ -63,8 +62,6 @@ def _draw_reservoir(logs: Sequence[Any]) -> Figure:
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.4, sharex=True, sharey=True)
     _draw_loops(logs, axes, "theta_deg", "p_o_kpa", ("(a) Sweep", "(b) Complex"))
-    for ax in axes:
-        ax.label_outer()
     return fig
 
 
@@ -82,16 +79,18 @@ def _draw_loops(
     for f_hz, loop in loops.groupby("f_hz"):
         colour = colours.to_rgba(f_hz + _BAND_HZ / 2)
         axes[0].plot(loop[x], loop[y], color=colour, linewidth=0.7)
-    for number, (log, ax) in enumerate(zip(logs, axes, strict=True)):
-        path = {name: _smoothed(log.channels, name) for name in (x, y)}
-        if number:
-            ax.plot(*path.values(), color="0.5", linewidth=0.4)
+    for log, ax, title in zip(logs, axes, titles, strict=True):
+        samples = max(round(_SMOOTHED_S / np.diff(log.channels["time_s"][:2]).item()), 1)
+        smoothed = pd.DataFrame(log.channels).rolling(samples, center=True, min_periods=1).mean()
+        if ax is axes[1]:
+            ax.plot(smoothed[x], smoothed[y], color="0.5", linewidth=0.4)
         # begins at rest and is not repeated
-        start = slice(next(iter(turning_points(log.channels["p_target_kpa"])), 0))
-        ax.plot(path[x][start], path[y][start], color="black", linewidth=0.9, label="start")
+        start = smoothed[: next(iter(turning_points(log.channels["p_target_kpa"])), 0)]
+        ax.plot(start[x], start[y], color="black", linewidth=0.9, label="start")
         ax.set(xlabel=label(x, log.attributes), ylabel=label(y, log.attributes))
         ax.legend(loc="upper left", handlelength=1.2, borderaxespad=0.0)
-        style.letter(ax, titles[number])
+        ax.label_outer()
+        style.letter(ax, title)
     bar = axes[0].figure.colorbar(colours, ax=axes, location="bottom", aspect=40, pad=0.02)
     bar.set_label("Frequency of the command in (a) [Hz]")
     bar.outline.set_visible(False)
@@ -122,10 +121,3 @@ def mean_loops(channels: Mapping[str, np.ndarray]) -> pd.DataFrame:
     loops = table.groupby(["f_hz", "phase"]).mean().reset_index()
     # the first point again, which closes each loop
     return pd.concat([loops, loops.groupby("f_hz", as_index=False).first()])
-
-
-def _smoothed(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray:
-    """Mean of a channel over ``_SMOOTHED_S`` around each sample."""
-    time_s = channels["time_s"]
-    samples = max(round(_SMOOTHED_S / (time_s[1] - time_s[0])), 1)
-    return pd.Series(channels[name]).rolling(samples, center=True, min_periods=1).mean().to_numpy()

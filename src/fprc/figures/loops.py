@@ -16,11 +16,10 @@ from fprc.paper import LOOPS, REFERENCE_NAMES
 from fprc.signals import rms, settled
 
 Run = Mapping[str, np.ndarray]
-_TITLES_OF_FITS = {"train": "(a) Training: first and last tenth", "test": "(b) Test"}
 #: Width of the narrow panels beside those of Figs. 12 to 15, s: the end of the run.
 _END_S = 5.0
 #: Panels of Fig. 17 (b), below those of (a).
-_RESERVOIR = {"p_i_kpa": "$P_i$", "phi_deg": r"$\phi$", "p_o_kpa": "$P_o$"}
+_RESERVOIR = {"p_i_kpa": "$P_i$ [kPa]", "phi_deg": r"$\phi$ [deg]", "p_o_kpa": "$P_o$ [kPa]"}
 
 
 def draw_training(fits: str, predictions: str, fig8: Sequence[str]) -> None:
@@ -42,19 +41,17 @@ def draw_training(fits: str, predictions: str, fig8: Sequence[str]) -> None:
 
 def _draw_fits(logs: Mapping[str, Any], table: DataFrame) -> Figure:
     fig, axes = style.figure(4, 2, style.COLUMN_IN, 4.4, sharey="row", height_ratios=(3, 2, 3, 2))
-    grid = axes[0, 0].get_gridspec()
+    whole = [fig.add_subplot(axes[0, 0].get_gridspec()[row, :]) for row in (2, 3)]
     for ax in axes[2:].ravel():
         ax.remove()
-    whole = [fig.add_subplot(grid[row, :]) for row in (2, 3)]
     whole[1].sharey(axes[1, 0])
-    parts = {"train": axes[:2].T, "test": (whole,)}
-    for row in table.itertuples():
-        for above, below in parts[row.phase]:
+    parts = axes[:2].T, [whole]
+    titles = "(a) Training: first and last tenth", "(b) Test"
+    for row, panels, title in zip(table.itertuples(), parts, titles, strict=True):
+        for above, below in panels:
             _plot_fit(logs[row.phase].channels, above, below, row.unit)
-            above.tick_params(labelbottom=False)
-        style.letter(parts[row.phase][0][0], _TITLES_OF_FITS[row.phase])
-        rmse = f"RMSE {row.rmse:.1f} {escape.figure(row.unit)}"
-        parts[row.phase][-1][0].set_title(rmse, loc="right")
+        style.letter(panels[0][0], title)
+        panels[-1][0].set_title(f"RMSE {row.rmse:.1f} {escape.figure(row.unit)}", loc="right")
     # the whole of a sweep would be a smear: at its end a cycle is as wide as a line
     first, last = axes[0, 0].get_xlim()
     tenth = 0.1 * (last - first)
@@ -70,12 +67,11 @@ def _draw_fits(logs: Mapping[str, Any], table: DataFrame) -> Figure:
 def _plot_fit(run: Run, above: Axes, below: Axes, unit: str) -> None:
     """Draw P_exp, in kPa or another unit, and P_ff over time, and their difference below."""
     time_s, truth, model = (run[name] for name in ("time_s", "p_target_kpa", "p_ff_kpa"))
-    above.plot(
-        time_s, truth, color=style.SIGNALS["p_exp"], linewidth=1.8, label=r"$P_\mathrm{exp}$"
-    )
-    above.plot(time_s, model, color=style.SIGNALS["p_ff"], linewidth=0.6, label=r"$P_\mathrm{ff}$")
-    other = rf"$P_\mathrm{{exp}}$ [{escape.figure(unit)}]"
-    above.set(ylabel="Pressure [kPa]" if unit == "kPa" else other)
+    exp, ff = r"$P_\mathrm{exp}$", r"$P_\mathrm{ff}$"
+    above.plot(time_s, truth, color=style.SIGNALS["p_exp"], linewidth=1.8, label=exp)
+    above.plot(time_s, model, color=style.SIGNALS["p_ff"], linewidth=0.6, label=ff)
+    above.set_ylabel("Pressure [kPa]" if unit == "kPa" else f"{exp} [{escape.figure(unit)}]")
+    above.tick_params(labelbottom=False)
     below.axhline(0.0, color="0.6", linewidth=0.4)
     below.plot(time_s, model - truth, color="black", linewidth=0.5)
     below.set(xlabel="Time [s]", ylabel=r"$P_\mathrm{ff} - P_\mathrm{exp}$")
@@ -99,14 +95,14 @@ def draw_following(
     opened, closed = (log.channels for log in pair)
     time_s, settle_s = closed["time_s"], pair[1].attributes["settle_s"]
     for column in axes.T:
-        for ax, run in zip(column, (opened, closed), strict=False):
-            _plot_following(run, ax)
+        _plot_following(opened, column[0])
+        _plot_following(closed, column[1])
         _plot_errors({"in (a)": opened, "in (b)": closed}, column[2], limit)
         for ax, name in zip(column[3:], ("p_ff", "p_fb"), strict=True):
             ax.plot(time_s, closed[f"{name}_kpa"], color=style.SIGNALS[name], linewidth=0.7)
             ax.set_ylabel(rf"$P_\mathrm{{{name[2:]}}}$ [kPa]")
-    efforts = [settled(run.channels, settle_s)["p_fb_kpa"] for run in shown]
-    axes[4, 0].set_ylim(1.05 * min(map(np.min, efforts)), 1.05 * max(map(np.max, efforts)))
+    efforts = np.concatenate([settled(run.channels, settle_s)["p_fb_kpa"] for run in shown])
+    axes[4, 0].set_ylim(1.05 * efforts.min(), 1.05 * efforts.max())
     style.legend_above(axes[2, 0])
     titles = "(a) FPRC", "(b) FPRC+PD", "(c) Errors", "(d) Outputs in (b)", ""
     for (ax, end), title in zip(axes, titles, strict=True):
@@ -173,10 +169,10 @@ def draw_disturbance(log: Any, quiet_s: float, errors: Any) -> Figure:
     _plot_following(channels, axes[0])
     _plot_errors({"": channels}, axes[1], 1.05 * errors.max_abs_error_deg)
     axes[1].set_title(f"RMSE {errors.rmse_deg:.2f} deg", loc="right")
-    for ax, (name, symbol) in zip(axes[2:], _RESERVOIR.items(), strict=True):
-        signal, unit = name.rsplit("_", 1)
-        ax.plot(time_s, channels[name], color=style.SIGNALS[signal], linewidth=0.7)
-        ax.set_ylabel(f"{symbol} [{'deg' if unit == 'deg' else 'kPa'}]")
+    for ax, (name, label) in zip(axes[2:], _RESERVOIR.items(), strict=True):
+        colour = style.SIGNALS[name.rpartition("_")[0]]
+        ax.plot(time_s, channels[name], color=colour, linewidth=0.7)
+        ax.set_ylabel(label)
     edges = time_s[0], log.attributes["settle_s"], quiet_s, time_s[-1]
     for ax in axes:
         for name, first, last in zip(style.TIMES, edges, edges[1:], strict=False):

@@ -23,6 +23,8 @@ from fprc import escape
 from fprc.artifacts import replacing, write_csv
 from fprc.paper import SOURCES
 
+Look = dict[str, Any]
+
 #: Widths of a column and of a page of the journal, inches.
 COLUMN_IN, PAGE_IN = 3.5, 7.16
 #: Size of type and of the mark of the source, points; the journal's text has 8 to 10.
@@ -48,10 +50,8 @@ _LINES = {
     "pd": ("#909090", "-"),
     "fprc_pd": ("#303030", "-"),
 }
-#: Of every other model.
-_OTHER_LINE = ("#505050", ":")
 #: Marker of each phase; that of validation is hollow, so that it is seen around another.
-PHASES: dict[str, dict[str, Any]] = {
+PHASES: dict[str, Look] = {
     "train": {"marker": "o", "markersize": 3.0},
     "validation": {"marker": "s", "markersize": 5.5, "markerfacecolor": "none"},
     "test": {"marker": "^", "markersize": 4.0},
@@ -59,16 +59,16 @@ PHASES: dict[str, dict[str, Any]] = {
 #: Colour that marks a place in a figure: the least value, a fault.
 MARK = "#ee3377"
 #: Times of a run, behind its lines: settling (not judged), quiet, and pushed.
-TIMES: dict[str, dict[str, Any]] = {
+TIMES: dict[str, Look] = {
     "settling": {"facecolor": "white", "edgecolor": "0.8", "hatch": "/////"},
     "quiet": {"facecolor": "#fff6d5"},
     "pushed": {"facecolor": "0.9"},
 }
 
 
-def line_of(name: str) -> dict[str, Any]:
+def line_of(name: str) -> Look:
     """Return grey and line style of a model or a controller."""
-    colour, line = _LINES.get(name, _OTHER_LINE)
+    colour, line = _LINES.get(name, ("#505050", ":"))
     return {"color": colour, "linestyle": line}
 
 
@@ -82,15 +82,10 @@ _STYLE: dict[Any, Any] = {
          "legend.fontsize", "figure.titlesize"), TEXT_PT,
     ),
     "axes.titlepad": 4.0,
-    "axes.linewidth": 0.6,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
+    **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
+    **dict.fromkeys(("xtick.direction", "ytick.direction"), "in"),
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
     "lines.linewidth": 0.8,
-    "legend.frameon": False,
     "hatch.linewidth": 0.4,
     "savefig.dpi": 300,
     "pdf.fonttype": 42,
@@ -103,20 +98,15 @@ def figure(
     """Return a figure with a grid of axes in the house style, whatever a matplotlibrc says."""
     matplotlib.rcdefaults()
     plt.rcParams.update(_STYLE)
-    return plt.subplots(
-        rows, columns, figsize=(width_in, height_in), layout="constrained", **options
-    )
+    size = width_in, height_in
+    return plt.subplots(rows, columns, figsize=size, layout="constrained", **options)
 
 
 def symbols(text: str) -> str:
     """Return text of ours with the paper's symbols typeset, as theta_d, P_o, P_ff and n_c."""
-
-    def typeset(found: re.Match[str]) -> str:
-        name, index = found.groups()
-        base = r"\theta" if name == "theta" else name
-        return f"${base}_{{{index}}}$" if len(index) == 1 else rf"${base}_\mathrm{{{index}}}$"
-
-    return re.sub(r"\b(theta|P|n)_([a-z]+)", typeset, escape.figure(text))
+    text = re.sub(r"\b(theta|P|n)_([a-z]{2,})", r"$\1_\\mathrm{\2}$", escape.figure(text))
+    text = re.sub(r"\b(theta|P|n)_([a-z])\b", r"$\1_{\2}$", text)
+    return text.replace("$theta", r"$\theta")
 
 
 def shade(ax: Axes, name: str, first_s: float, last_s: float) -> None:

@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from pandas import DataFrame, Series
+from pandas import DataFrame
 
 from fprc.figures import style
 
@@ -21,6 +20,8 @@ _LIMITS: dict[str, dict[str, Any]] = {
 }
 #: Columns of the averages, each drawn as one bar, and the bars' names.
 _AVERAGES = {"mean_of_feature": "mean", "published_mean_of_feature": "paper"}
+#: Of the shades of a feature's taps, from the latest on.
+_OPACITY = [1.0 - 0.15 * lag for lag in range(7)]
 
 
 def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> DataFrame:
@@ -28,10 +29,8 @@ def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> Da
 
     The paper prints no mean for the bias; it is 1 minus the two printed means.
     """
-    printed = {
-        name: percent / 100
-        for name, percent in published["fig_portion_mean_weight_share_percent"].items()
-    }
+    percent = published["fig_portion_mean_weight_share_percent"]
+    printed = {name: share / 100 for name, share in percent.items()}
     printed["bias"] = 1.0 - sum(printed.values())
     return DataFrame(
         {
@@ -52,60 +51,44 @@ def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> Da
 def draw_shares(table: DataFrame) -> Figure:
     """Draw stacked bars: bias, P_o and theta_d from the bottom, separated by red lines.
 
-    Beside the rules: the mean over the rules, and the mean that the paper prints.
+    Beside the rules: the mean over the rules, and the mean that the paper prints, in percent.
     """
     fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.8)
     shares = table.pivot(index="rule", columns=["feature", "lag"], values="share")[list(_LABELS)]
-    rules, bottom = list(shares.index), 0.0
+    rules, edges = list(shares.index), shares.cumsum(axis=1)
     for (feature, lag), share in shares.items():
-        ax.bar(rules, share, bottom=bottom, width=0.8, color=_COLOURS[feature],
-               alpha=_opacity(lag), linewidth=0)  # fmt: skip
-        bottom = bottom + share
-    totals = table.groupby(["rule", "feature"])["share"].sum().unstack()
-    lower, upper = totals["bias"], totals["bias"] + totals["p_o"]
-    for edge, look in zip((upper, lower), _LIMITS.values(), strict=True):
+        ax.bar(rules, share, bottom=edges[feature, lag] - share, width=0.8,
+               color=_COLOURS[feature], alpha=_OPACITY[lag], linewidth=0)  # fmt: skip
+    for feature, look in zip(("p_o", "bias"), _LIMITS.values(), strict=True):
+        edge = edges[feature].iloc[:, -1]
         ax.hlines(edge, edge.index - 0.4, edge.index + 0.4, color=style.MARK, **look)
     places = [rules[-1] + 1.6 * number for number, _ in enumerate(_AVERAGES, start=1)]
     for place, column in zip(places, _AVERAGES, strict=True):
-        _plot_average(table.groupby("feature")[column].first().dropna(), place, ax)
+        means = table.groupby("feature")[column].first().reindex(list(_LABELS)).dropna()
+        for feature, top in means.cumsum().items():
+            share = means[feature]
+            ax.bar(place, share, bottom=top - share, width=1.4, color=_COLOURS[feature],
+                   linewidth=0)  # fmt: skip
+            if feature != "bias":
+                ax.text(place, top - share / 2, f"{100 * share:.0f} %", ha="center", va="center",
+                        color="white" if feature == "p_o" else "black")  # fmt: skip
     ax.set(xlabel="Fuzzy rule", ylabel="Share of the weights", ylim=(0, 1))
     ax.set_xticks([*rules, *places], [*map(str, rules), *_AVERAGES.values()])
     ax.set_xlim(rules[0] - 0.5, places[-1] + 0.8)
     ax.tick_params(axis="x", length=0)
-    _add_key(table, fig)
-    return fig
-
-
-def _opacity(lag: int) -> float:
-    return 1.0 - 0.15 * lag
-
-
-def _add_key(table: DataFrame, fig: Figure) -> None:
-    """Explain the colours of the features and the shades of their taps above the bars."""
+    # a key of the features' colours and of the shades of their taps
     taps = table.groupby("feature")["lag"].max()
     marks: list[Any] = [
-        tuple(Patch(color=_COLOURS[name], alpha=_opacity(lag), linewidth=0)
-              for lag in range(taps[name] + 1))
+        tuple(Patch(color=_COLOURS[name], alpha=shade, linewidth=0)
+              for shade in _OPACITY[: taps[name] + 1])
         for name in _LABELS
     ]  # fmt: skip
-    steps = {name: f", $k$ to $k-{last}$" if last else "" for name, last in taps.items()}
-    largest = table.loc[table["feature"] == "bias", "share"].max()
-    steps["bias"] = f", up to {100 * largest:.1f} %"
     marks += [Line2D([], [], color=style.MARK, **look) for look in _LIMITS.values()]
+    steps = {name: f", $k$ to $k-{last}$" if last else "" for name, last in taps.items()}
+    steps["bias"] = f", up to {100 * shares['bias'].to_numpy().max():.1f} %"
     names = [*(label + steps[name] for name, label in _LABELS.items()), *_LIMITS]
     fig.legend(
         marks, names, loc="outside upper center", ncols=2, columnspacing=1.2,
         handler_map={tuple: HandlerTuple(None, pad=0.0)},
     )  # fmt: skip
-
-
-def _plot_average(shares: "Series[float]", place: float, ax: Axes) -> None:
-    """Draw one bar; the parts of P_o and theta_d are labelled in percent."""
-    bottom = 0.0
-    for feature in (name for name in _LABELS if name in shares):
-        share = shares[feature]
-        ax.bar(place, share, bottom=bottom, width=1.4, color=_COLOURS[feature], linewidth=0)
-        if feature != "bias":
-            ax.text(place, bottom + share / 2, f"{100 * share:.0f} %", ha="center", va="center",
-                    color="white" if feature == "p_o" else "black")  # fmt: skip
-        bottom += share
+    return fig

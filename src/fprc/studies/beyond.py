@@ -172,7 +172,7 @@ def best_of(table: pd.DataFrame, side: str, measure: str) -> pd.DataFrame:
     _, names = _BEST[side]
     rows = table[(table["measure"] == measure) & table["model"].isin(names)]
     units = np.log(rows.pivot(index="unit", columns="model", values="value"))
-    units = units.reindex(columns=[name for name in names if name in units]).dropna(axis=1)
+    units = units.reindex(columns=list(names)).dropna(axis=1)
     if len(units) < 2 or units.empty:
         return pd.DataFrame(columns=["model", "value"], dtype=float)
     best = (units.sum() - units).idxmin(axis=1)

@@ -50,12 +50,11 @@ def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any
     """
     rows = []
     for report in reports:
-        printed = published[PRINTED[report["trained_on"]]].get(report["model"], {})
-        if report["unit"] != "kPa" or report["source"] == "import":
-            printed = {}
+        comparable = report["unit"] == "kPa" and report["source"] != "import"
+        models = published[PRINTED[report["trained_on"]]] if comparable else {}
         for metric in ERRORS:
             mean, std = mean_and_std(report[f"{metric}_kpa"])
-            theirs = np.atleast_1d(printed.get(f"{metric}_kpa", np.nan))
+            printed = np.atleast_1d(models.get(report["model"], {}).get(f"{metric}_kpa", np.nan))
             rows.append(
                 {
                     "model": report["model"],
@@ -63,8 +62,8 @@ def comparison(reports: Sequence[Mapping[str, Any]], published: Mapping[str, Any
                     "unit": report["unit"],
                     "mean": mean,
                     "std": std,
-                    "published_mean": float(theirs[0]),
-                    "published_std": float(theirs[1]) if theirs.size > 1 else None,
+                    "published_mean": float(printed[0]),
+                    "published_std": float(printed[1]) if printed.size > 1 else None,
                     "source": report["source"],
                 }
             )
@@ -75,17 +74,11 @@ def over_seeds(
     replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any], trained_on: str
 ) -> pd.DataFrame:
     """Tables II and III over further seeds: mean, standard deviation, range, tidy."""
-    reports = [
-        report
-        for replicate in replicates
-        for report in replicate["models"]
-        if report["trained_on"] == trained_on
-    ]
-    errors = comparison(reports, published)
-    table = means_of(errors.rename(columns={"mean": "value"}), "model", "metric")
-    first = errors.drop_duplicates(["model", "metric"])
-    table.insert(2, "unit", first["unit"].to_numpy())
-    return table.assign(**{key: first[key].to_numpy() for key in ("published_mean", "source")})
+    reports = [report for replicate in replicates for report in replicate["models"]]
+    errors = comparison([r for r in reports if r["trained_on"] == trained_on], published)
+    last = ["published_mean", "source"]
+    table = means_of(errors.rename(columns={"mean": "value"}), "model", "metric", "unit", *last)
+    return table[[*table.columns.drop(last), *last]]
 
 
 def over_starts(replicates: Sequence[Mapping[str, Any]], trained_on: str) -> str:
@@ -109,7 +102,7 @@ def means_of(samples: pd.DataFrame, *keys: str, count: str = "seeds") -> pd.Data
     Columns: the keys, ``mean``, ``std``, ``min``, ``max``, the number of samples by the name
     ``count``, and the mean's 95 % interval by Student's t, ``low`` and ``high``.
     """
-    groups = samples.groupby(list(keys), sort=False)["value"]
+    groups = samples.groupby(list(keys), sort=False, dropna=False)["value"]
     table = groups.agg(["mean", "std", "min", "max", "count"]).reset_index()
     half = half_interval(table["std"], table["count"])
     table = table.assign(low=table["mean"] - half, high=table["mean"] + half)
@@ -122,20 +115,14 @@ def comparison_page(table: pd.DataFrame) -> pd.DataFrame:
     Beside imported recordings there are none: they are of another rig.
     """
     page = {f"Performance [{table['unit'].iloc[0]}]": list(ERRORS.values())}
-    present = set(table["model"])
     for model in dict.fromkeys([*MODELS, *table["model"]]):
-        name = title_of(model)
-        if model not in present:
-            page[f"{name}, ours"] = ["not available"] * len(ERRORS)
-            continue
-        ours = table[table["model"] == model].set_index("metric")
-        page[f"{name}, ours"] = [format_mean(ours.loc[metric], "mean") for metric in ERRORS]
-        if (table["source"] == "import").all():
-            continue
-        page[f"{name}, paper"] = [
-            spread(ours.loc[metric, "published_mean"], ours.loc[metric].get("published_std")) or "-"
-            for metric in ERRORS
-        ]
+        name, rows = title_of(model), table[table["model"] == model].to_dict("records")
+        ours = [format_mean(row, "mean") for row in rows]
+        page[f"{name}, ours"] = ours or ["not available"] * len(ERRORS)
+        if rows and not (table["source"] == "import").all():
+            page[f"{name}, paper"] = [
+                spread(row["published_mean"], row.get("published_std")) or "-" for row in rows
+            ]
     return pd.DataFrame(page)
 
 
@@ -149,8 +136,7 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
     for entry in report["times"]:
         mean, std = mean_and_std(entry["seconds"])
         key, unit_s = _PRINTED_TIMES[entry["phase"]]
-        printed = published["table_2_models"].get(entry["model"], {}).get(key)
-        theirs = [unit_s * value for value in printed] if printed else [None, None]
+        printed = published["table_2_models"].get(entry["model"], {}).get(key, (np.nan, np.nan))
         rows.append(
             {
                 "model": entry["model"],
@@ -162,8 +148,8 @@ def timing(report: Mapping[str, Any], published: Mapping[str, Any]) -> pd.DataFr
                 "us_per_sample": 1e6 * mean / entry["samples"],
                 "samples": entry["samples"],
                 "repeats": len(entry["seconds"]),
-                "published_mean": theirs[0],
-                "published_std": theirs[1],
+                "published_mean": unit_s * printed[0],
+                "published_std": unit_s * printed[1],
                 "threads": report["threads"],
                 "cpu": report["cpu"],
                 "source": report["source"],

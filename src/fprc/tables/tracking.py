@@ -16,26 +16,18 @@ TITLE = "Table IV. RMSE of tracking"
 
 
 def error_summary(runs: Sequence[Any]) -> pd.DataFrame:
-    """RMSE and largest error of closed-loop runs after the settling time.
+    """RMSE and largest error of closed-loop runs after the settling time, a row each.
 
-    Parameters
-    ----------
-    runs : sequence
-        Logs with ``time_s``, ``theta_d_deg`` and ``theta_deg``.
-
-    Returns
-    -------
-    DataFrame
-        ``reference``, ``controller``, ``rmse_deg``, ``max_abs_error_deg``, ``source``.
+    ``runs`` are logs with ``time_s``, ``theta_d_deg`` and ``theta_deg``.
     """
     rows = []
     for log in runs:
-        named = log.attributes
-        judged = settled(log.channels, named["settle_s"])
+        named, judged = log.attributes, settled(log.channels, log.attributes["settle_s"])
         error = judged["theta_d_deg"] - judged["theta_deg"]
         rows.append(
             {
-                **{key: named[key] for key in ("reference", "controller")},
+                "reference": named["reference"],
+                "controller": named["controller"],
                 "rmse_deg": rms(error),
                 "max_abs_error_deg": np.abs(error).max(),
                 "source": named["source"],
@@ -46,14 +38,17 @@ def error_summary(runs: Sequence[Any]) -> pd.DataFrame:
 
 def tracking(runs: Sequence[Any], published: Mapping[str, Any]) -> pd.DataFrame:
     """Table IV: errors of every controller on every reference, tidy, from closed-loop logs."""
-    errors = error_summary(runs)
-    table = errors[["controller", "reference", "rmse_deg", "max_abs_error_deg"]]
-    return table.assign(published_rmse_deg=_printed(errors, published), source=errors["source"])
+    table = error_summary(runs)[
+        ["controller", "reference", "rmse_deg", "max_abs_error_deg", "source"]
+    ]
+    return _beside_print(table, published)
 
 
-def _printed(table: pd.DataFrame, published: Mapping[str, Any]) -> list[float | None]:
+def _beside_print(table: pd.DataFrame, published: Mapping[str, Any]) -> pd.DataFrame:
     printed = published["table_4_tracking_rmse_deg"]
-    return [printed.get(row.controller, {}).get(row.reference) for row in table.itertuples()]
+    theirs = [printed.get(row.controller, {}).get(row.reference) for row in table.itertuples()]
+    table.insert(len(table.columns) - 1, "published_rmse_deg", theirs)
+    return table
 
 
 def tracking_over_seeds(
@@ -61,32 +56,28 @@ def tracking_over_seeds(
 ) -> pd.DataFrame:
     """Table IV over further seeds: mean, standard deviation, range, tidy."""
     samples = pd.DataFrame(
-        {
-            **dict(zip(("reference", "controller"), run.split("/"), strict=True)),
-            "value": error,
-            "source": report["source"],
-        }
+        [*run.split("/"), error]
         for report in replicates
         for run, error in report["rmse_deg"].items()
-    )
+    ).set_axis(["reference", "controller", "value"], axis=1)
     table = means_of(samples, "controller", "reference").rename(columns={"mean": "rmse_deg"})
-    return table.assign(published_rmse_deg=_printed(table, published), source=samples["source"][0])
+    return _beside_print(table.assign(source=replicates[0]["source"]), published)
 
 
 def over_starts(replicates: Sequence[Mapping[str, Any]]) -> str:
     """Return a sentence on how much Table IV depends on where FPRC's clustering begins."""
-    shares: dict[str, list[float]] = {"fprc": [], "fprc_pd": []}
-    ratios = []
-    for report in replicates:
-        for run, errors in report["fprc_rmse_over_starts"].items():
-            shares[run.partition("/")[2]].append(np.std(errors, ddof=1) / np.mean(errors))
-            ratios.append(max(errors) / min(errors))
-    opened, closed = (100.0 * np.mean(of_controller) for of_controller in shares.values())
+    found = [run for report in replicates for run in report["fprc_rmse_over_starts"].items()]
+    opened, closed = (
+        100.0
+        * np.mean([np.std(of, ddof=1) / np.mean(of) for run, of in found if run.endswith(law)])
+        for law in ("/fprc", "/fprc_pd")
+    )
+    worst = max(max(of) / min(of) for _, of in found)
     return (
-        f"Where FPRC's clustering begins, among {len(errors)} starts on the same rows, changes the "
-        f"RMSE of FPRC by {opened:.1f} % and that of FPRC+PD by {closed:.1f} % (standard deviation "
-        f"within a seed, mean over the references that the paper prints); at most, the worst "
-        f"start's is {max(ratios):.2f} times the best one's."
+        f"Where FPRC's clustering begins, among {len(found[0][1])} starts on the same rows, "
+        f"changes the RMSE of FPRC by {opened:.1f} % and that of FPRC+PD by {closed:.1f} % "
+        "(standard deviation within a seed, mean over the references that the paper prints); at "
+        f"most, the worst start's is {worst:.2f} times the best one's."
     )
 
 
@@ -99,7 +90,5 @@ def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
         for row in rows.itertuples():
             line[REFERENCE_NAMES[row.reference]] = format_mean(row._asdict(), "rmse_deg")
             theirs[REFERENCE_NAMES[row.reference]] = spread(row.published_rmse_deg, None)
-        page.append(line)
-        if rows["published_rmse_deg"].notna().any():
-            page.append(theirs)
+        page += [line, theirs] if rows["published_rmse_deg"].notna().any() else [line]
     return pd.DataFrame(page).fillna("")
