@@ -7,10 +7,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:  # most jobs write no table, and many take less time than importing pandas
-    from pandas import DataFrame
+from typing import Any
 
 from fprc.errors import FprcError, OutputError
 from fprc.given import read_given
@@ -104,6 +101,6 @@ def parse_object(text: str) -> dict[str, Any]:
     return content
 
 
-def write_csv(path: Path | str, table: "DataFrame") -> None:
-    """Write a table with six significant digits; missing values are empty."""
+def write_csv(path: Path | str, table: Any) -> None:
+    """Write a DataFrame with six significant digits; missing values are empty."""
     write_text(path, table.to_csv(index=False, float_format="%.6g"))

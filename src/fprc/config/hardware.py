@@ -10,23 +10,16 @@ class Boards(Section):
     """Contec analog boards and the wiring of their channels."""
 
     library: str = Field("", description="the driver's shared library; empty: libcaio.so")
-    input_device: str = Field(
-        "AIO000", min_length=1, max_length=32, description="analog input board"
-    )
-    output_device: str = Field(
-        "AIO001", min_length=1, max_length=32, description="analog output board"
-    )
+    input_device: str = Field("AIO000", min_length=1, max_length=32, description="input board")
+    output_device: str = Field("AIO001", min_length=1, max_length=32, description="output board")
     p_exp_input: int = quantity(0, (0, 63), "channel of the actuator's pressure sensor")
     p_i_input: int = quantity(1, (0, 63), "channel of PAM A's pressure sensor")
     p_o_input: int = quantity(2, (0, 63), "channel of PAM B's pressure sensor")
     main_output: int = quantity(0, (0, 63), "channel of the actuator's valve")
     reservoir_output: int = quantity(1, (0, 63), "channel of the reservoir's valve")
-    heartbeat_output: int | None = quantity(
-        None,
-        (0, 63),
-        "channel that toggles between 0 and 5 V at every sample, for a watchdog relay "
-        "that vents when the toggling stops; null: no relay",
-    )
+    heartbeat_output: int | None = quantity(None, (0, 63),
+        "channel that toggles between 0 and 5 V at every sample, for a watchdog relay that vents "
+        "when the toggling stops; null: no relay")
 
     @model_validator(mode="after")
     def _each_has_its_own(self) -> "Boards":
@@ -65,33 +58,25 @@ class Valves(Section):
 
     neutral_v: float = quantity(5, (4.5, 5.5), "closes the valve", "data sheet")
     # the pressure loops fill a chamber with more voltage; 2 V below neutral opens the valve by 40 %
-    vent_v: float = quantity(0, (0, 2.5), "opens the chamber to the atmosphere, at 0 V fully",
-        "data sheet")
+    vent_v: float = quantity(0, (0, 2.5), "opens to the atmosphere, at 0 V fully", "data sheet")
     vented_kpa: float = quantity(15, (1, 25), "largest reading of a vented chamber",
         "twice the sensor's 0.7 %")
     vent_s: float = quantity(5, (0.1, 60), "longest time for a chamber to vent")
 
 
 class Limits(Section):
-    """Limits that end a run: both valves go to neutral, then both chambers are vented."""
+    """Allowed values; else a run ends: both valves go to neutral, then both chambers are vented."""
 
-    p_exp_kpa: Rising[float] = quantity((-20, 480), (-100, 1000),
-        "allowed pressure readings of the actuator")
-    p_i_kpa: Rising[float] = quantity((-20, 480), (-100, 1000),
-        "allowed pressure readings of PAM A")
-    p_o_kpa: Rising[float] = quantity((20, 400), (-100, 1000),
-        "allowed pressure readings of PAM B, sealed at 100 kPa")
-    theta_deg: Rising[float] = quantity((-20, 100), (-360, 360),
-        "allowed readings of the actuator's angle")
-    phi_deg: Rising[float] = quantity((-120, 120), (-360, 360),
-        "allowed readings of the reservoir's angle")
-    pressure_step_kpa: float = quantity(60, (1, 1000),
-        "largest change of a pressure between two samples")
-    angle_step_deg: float = quantity(15, (0.1, 360),
-        "largest change of an angle between two samples")
+    p_exp_kpa: Rising = quantity((-20, 480), (-100, 1000), "pressure readings of the actuator")
+    p_i_kpa: Rising = quantity((-20, 480), (-100, 1000), "pressure readings of PAM A")
+    p_o_kpa: Rising = quantity((20, 400), (-100, 1000),
+        "pressure readings of PAM B, sealed at 100 kPa")
+    theta_deg: Rising = quantity((-20, 100), (-360, 360), "readings of the actuator's angle")
+    phi_deg: Rising = quantity((-120, 120), (-360, 360), "readings of the reservoir's angle")
+    pressure_step_kpa: float = quantity(60, (1, 1000), "largest change from sample to sample")
+    angle_step_deg: float = quantity(15, (0.1, 360), "largest change from sample to sample")
     stale_s: float = quantity(0.25, (0.01, 10), "longest time without a new value from a sensor")
-    overruns_in_a_row: int = quantity(5, (0, 1000),
-        "missed ticks allowed with none on time between them", unit="ticks")
+    overruns_in_a_row: int = quantity(5, (0, 1000), "missed ticks allowed in a row", unit="ticks")
 
     @field_validator("p_exp_kpa", "p_i_kpa")
     @classmethod
@@ -106,19 +91,14 @@ class Limits(Section):
 class Loop(Section):
     """Real-time settings of the control loop."""
 
-    stalled_s: float = quantity(
-        0.5, (0.2, 10),
+    stalled_s: float = quantity(0.5, (0.2, 10),
         "if the control loop is silent for longer, the guardian process kills it and vents; if the "
-        "guardian is silent for longer, the loop vents and ends",
-    )
-    opening_s: float = quantity(
-        10, (1, 120),
-        "if the control loop has not opened boards and sensors after this time, the guardian kills "
-        "it and vents",
-    )
+        "guardian is silent for longer, the loop vents and ends")
+    opening_s: float = quantity(10, (1, 120),
+        "if the control loop has not opened boards and sensors by then, the guardian kills it and "
+        "vents")
 
 
-# fmt: on
 class Hardware(Section):
     """The real rig."""
 
@@ -127,13 +107,12 @@ class Hardware(Section):
     p_i: Transducer = Transducer()
     p_o: Transducer = Transducer()
     theta: AngleSensor = AngleSensor()
-    phi: AngleSensor | None = Field(
-        AngleSensor(address=0x13),
-        description="second angle sensor, on the reservoir, for Fig. 17; null: none",
-    )
+    #: on the reservoir, for Fig. 17; null: none
+    phi: AngleSensor | None = AngleSensor(address=0x13)
     valves: Valves = Valves()
     limits: Limits = Limits()
     loop: Loop = Loop()
+    # fmt: on
 
     @model_validator(mode="after")
     def _sensor_faults_are_detectable(self) -> "Hardware":

@@ -23,9 +23,6 @@ RIG = "paper"
 #: Folders of the rigs that ``rig`` can name: this package's, and the user's.
 _RIGS = (Path(__file__).with_name("rigs"), Path("config/rigs"))
 
-#: Configuration of the current folder.
-_LOCAL = Path("config/config.yaml")
-
 
 def rig_files() -> dict[str, Path]:
     """Return the file of each rig that ``rig`` can name; one of the user replaces ours."""
@@ -44,7 +41,8 @@ def rig_file(name: str) -> Path:
 
 def local_files() -> list[Path]:
     """Return ``config/config.yaml`` if the current folder has one; else no file: the defaults."""
-    return [_LOCAL] if os.path.lexists(_LOCAL) else []
+    local = Path("config/config.yaml")
+    return [local] if os.path.lexists(local) else []
 
 
 def from_files(paths: Sequence[Path | str], over: Mapping[str, Any] | None = None) -> Settings:

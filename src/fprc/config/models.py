@@ -22,9 +22,7 @@ class Esn(Section):
     f_input: float = _parameter("f_input", "input scaling factor")
     gamma: float = _parameter("gamma", "leaky rate")
     rho: float = _parameter("rho", "spectral radius")
-    washout: int = _parameter(
-        "washout", "steps for the state x to settle", "paper, Sec. III-D", "samples"
-    )
+    washout: int = _parameter("washout", "steps for x to settle", "paper, Sec. III-D", "samples")
 
 
 class Fprc(Section):
@@ -34,9 +32,7 @@ class Fprc(Section):
     n_c: int = _parameter("n_c", "number of fuzzy rules")
     n_u: int = _parameter("n_u", "taps of the readout P_o", unit="samples")
     sigma: float = _parameter("sigma", "Gaussian membership scaling")
-    restarts: int = _parameter(
-        "restarts", "starts of the clustering; that of the lowest objective is kept", ""
-    )
+    restarts: int = _parameter("restarts", "starts of the clustering; the best is kept", "")
 
 
 def _is_single(value: Any) -> Any:
@@ -101,8 +97,7 @@ class Evaluation(Section):
         "shuffled", description="rows of a fold: random, as the printed spread implies, or "
         "contiguous, so that neighbours in time do not validate each other"
     )
-    purge_s: float = quantity(2.0, (0, 60),
-        "time on each side of a contiguous fold that is left out of training")
+    purge_s: float = quantity(2.0, (0, 60), "time left out of training on each side of a block")
     target: Literal["command", "measured"] = Field(
         "command", description="P_exp that the models learn: commanded or measured pressure"
     )
@@ -116,8 +111,7 @@ class Grids(Section):
 
     epsilon: Grid[float] = quantity((1.0, 0.1, 0.01, 1e-3, 1e-4), MODEL["epsilon"],
         "filter factors", "paper, Fig. 10(a)")
-    n_c: Grid[int] = quantity((1, 2, 4, 8, 16), MODEL["n_c"], "fuzzy rules",
-        "paper, Fig. 10(b)")
+    n_c: Grid[int] = quantity((1, 2, 4, 8, 16), MODEL["n_c"], "fuzzy rules", "paper, Fig. 10(b)")
     n_u: Grid[int] = quantity(tuple(range(1, 11)), MODEL["n_u"], "taps of P_o",
         "paper, Fig. 11", unit="samples")
     n_y: Grid[int] = quantity(tuple(range(1, 11)), MODEL["n_y"], "taps of theta_d",

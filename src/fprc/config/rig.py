@@ -62,8 +62,7 @@ class Valve(Section):
     natural_frequency_rad_per_s: float = quantity(628.3, (300, 1300),
         "natural frequency of the spool", "data sheet: 100 Hz")
     damping_ratio: float = quantity(0.7, (0.3, 1.5), "damping ratio of the spool", "typical")
-    dead_zone: float = quantity(0.02, (0.005, 0.05), "overlap on each side of the centre", "fitted",
-        unit="stroke")
+    dead_zone: float = quantity(0.02, (0.005, 0.05), "overlap per side", "fitted", unit="stroke")
     leak: float = quantity(0.002, (0.0, 0.02), "opening of both edges by the spool's clearance",
         "typical", unit="opening")
     sonic_conductance_ml_per_s_kpa: float = quantity(7.86, (3.93, 11.8),
@@ -78,8 +77,7 @@ class Valve(Section):
 class Chamber(Section):
     """A chamber behind a valve; PAM A grows by the volume that it squeezes out of PAM B."""
 
-    volume_ml: float = quantity(20, (11, 40), "volume at rest, tube included",
-        "size of the muscle; fitted")
+    volume_ml: float = quantity(20, (11, 40), "volume at rest with tube", "size of muscle; fitted")
     polytropic_index: float = quantity(1.1, (1.0, 1.4),
         "polytropic exponent: 1 isothermal, 1.4 adiabatic", "between the two at 1 Hz")
 
@@ -88,7 +86,7 @@ class BendingChamber(Chamber):
     """The chamber of the actuator."""
 
     volume_ml_per_deg: float = quantity(0.3, (0, 0.6),
-        "growth of the volume with the bending angle", "size of the muscle")
+        "growth of the volume with the bending angle", "size of muscle")
 
 
 class Bending(Section):
@@ -128,41 +126,34 @@ class Bending(Section):
 
 
 class Drift(Section):
-    """A random torque that nothing measures and whose cause the model does not name."""
+    """An Ornstein-Uhlenbeck torque that nothing measures; the model does not name its cause."""
 
-    sigma_kpa: float = quantity(8.0, (0, 15), "standard deviation of the Ornstein-Uhlenbeck torque",
-        "fitted")
+    sigma_kpa: float = quantity(8.0, (0, 15), "standard deviation of the torque", "fitted")
     time_s: float = quantity(8.0, (1, 60), "correlation time of that torque", "fitted")
 
 
 class Reservoir(Section):
     """Dual-PAM reservoir: squeeze of the sealed chamber by the active one."""
 
-    passive_volume_ml: float = quantity(30, (11, 80), "volume of PAM B at rest",
-        "size of the muscle")
-    precharge_kpa: float = quantity(100, (0, 200), "gauge pressure at which PAM B is sealed",
-        "paper, Sec. II-A")
+    passive_volume_ml: float = quantity(30, (11, 80), "volume of PAM B at rest", "size of muscle")
+    precharge_kpa: float = quantity(100, (0, 200), "gauge pressure at sealing", "paper, Sec. II-A")
     squeeze_damping_kpa_s_per_ml: float = quantity(1.0, (0.3, 5),
         "viscous resistance of the fabric, c_s", "fitted; short lag")
     squeeze_stiffness_kpa_per_ml: float = quantity(35, (5, 150), "stiffness of the fabric, k_s",
         "swing of P_o; fitted")
     back_pressure_gain: float = quantity(1.0, (0.2, 3),
         "back pressure on the squeeze over the rise of P_o", "area ratio")
-    friction_kpa: float = quantity(5.0, (0, 40),
-        "dry friction of the fabric at zero pressure in PAM A", "fitted")
+    friction_kpa: float = quantity(5.0, (0, 40), "dry friction of the fabric at P_i = 0", "fitted")
     friction_per_kpa: float = quantity(0.12, (0, 0.4),
-        "growth of that friction with the pressure in PAM A",
-        "loop width over swing 0.17-0.4; fitted", unit="-")
+        "growth of that friction with P_i", "loop width over swing 0.17-0.4; fitted", unit="-")
     slip_distance_ml: NotEmpty[float] = quantity((0.15, 0.5, 1.2), (0.01, 10),
         "squeeze at which each Maxwell element slips", "fitted")
     slip_weight: NotEmpty[float] = quantity((0.4, 0.35, 0.25), (0, 1),
         "share of each Maxwell element; they sum to 1", "fitted")
-    leak_ml_per_s_kpa: float = quantity(0.0, (0, 0.1), "leak of the hand valve to the atmosphere",
-        "sealed: none")
+    leak_ml_per_s_kpa: float = quantity(0.0, (0, 0.1), "leak of the hand valve", "sealed: none")
     bending_stiffness_kpa_per_deg: float = quantity(9.0, (2, 20),
         "stiffness of the reservoir's bending", "about 40 deg at 440 kPa")
-    bending_time_s: float = quantity(0.08, (0.02, 0.5),
-        "time constant of the reservoir's own bending", "assumed")
+    bending_time_s: float = quantity(0.08, (0.02, 0.5), "time constant of that bending", "assumed")
     bending_volume_ml_per_deg: float = quantity(0.01, (0, 0.05),
         "volume that the reservoir's bending takes from PAM B",
         "weak, as the paper explains the robustness of P_o")
@@ -178,48 +169,35 @@ class PressureSensor(Section):
     full_scale_kpa: float = quantity(1000, (100, 2000), "full scale", "data sheet: 1 MPa")
     linearity: float = quantity(0.007, (0, 0.01), "limit on gain, offset and bow errors",
         "data sheet: 0.7 %", unit="full scale")
-    noise_kpa: float = quantity(0.4, (0, 1.5), "white noise, standard deviation",
-        "bench experience: 0.3-0.5")
+    noise_kpa: float = quantity(0.4, (0, 1.5), "std of the white noise", "bench: 0.3-0.5")
     lag_s: float = quantity(1e-3, (1e-4, 0.01), "first-order lag", "data sheet")
 
 
 class BendSensor(Section):
     """The angle sensor, Bend Labs one-axis, on its own clock."""
 
-    rate_hz: float = quantity(202.27, (50, 500), "sample rate",
-        "81 ticks of 1/16384 s, nominally 200 Hz")
+    rate_hz: float = quantity(202.27, (50, 500), "sample rate", "81/16384 s, nominally 200 Hz")
     step_deg: float = quantity(0.015625, (1e-3, 0.5), "resolution", "data sheet: int16 / 64")
-    noise_deg: float = quantity(0.04, (0, 0.2), "white noise, standard deviation",
-        "bench experience: 0.02-0.06")
-    slow_error_deg: float = quantity(0.15, (0, 0.5), "slow error, standard deviation",
-        "bench experience: 0.1-0.2")
-    slow_error_time_s: float = quantity(20, (1, 100), "correlation time of the slow error",
-        "assumed")
+    noise_deg: float = quantity(0.04, (0, 0.2), "std of the white noise", "bench: 0.02-0.06")
+    slow_error_deg: float = quantity(0.15, (0, 0.5), "std of the slow error", "bench: 0.1-0.2")
+    slow_error_time_s: float = quantity(20, (1, 100), "correlation time of that error", "assumed")
 
 
 class Converter(Section):
     """Analog boards, Contec AI-1616L-LPE and AO-1608L-LPE."""
 
     limit_v: float = quantity(10, (5, 10), "range is +- this", "data sheet")
-    step_v: float = quantity(20 / 65536, (1e-6, 0.1), "one step of 16 bits over the range",
-        "data sheet")
-    scan_s: float = quantity(1e-5, (0, 1e-3), "delay from one input channel to the next",
-        "data sheet")
+    step_v: float = quantity(20 / 65536, (1e-6, 0.1), "16 bits over the range", "data sheet")
+    scan_s: float = quantity(1e-5, (0, 1e-3), "delay from one input to the next", "data sheet")
 
 
-# fmt: on
 class Rig(Section):
     """The simulated rig; a real rig does not use this section."""
 
-    step_s: float = quantity(
-        5e-4, (1e-5, 5e-4), "longest integration step", "resolves the fastest part, the spool"
-    )
-    friction_law: Literal["maxwell_slip", "bouc_wen"] = Field(
-        "maxwell_slip",
-        description="dry friction of actuator and reservoir: Maxwell-slip elements, or one "
-        "Bouc-Wen element of 0.8 times their mean slip distance",
-        json_schema_extra={"source": "minor loops close under Maxwell slip"},
-    )
+    step_s: float = quantity(5e-4, (1e-5, 5e-4), "longest integration step", "resolves the spool")
+    friction_law: Literal["maxwell_slip", "bouc_wen"] = Field("maxwell_slip",
+        description="dry friction: Maxwell-slip elements, whose minor loops close, or one Bouc-Wen "
+        "element of 0.8 times their mean slip distance")
     valve: Valve = Valve()
     main_chamber: BendingChamber = BendingChamber()
     reservoir_chamber: Chamber = Chamber()
@@ -229,6 +207,7 @@ class Rig(Section):
     pressure_sensor: PressureSensor = PressureSensor()
     bend_sensor: BendSensor = BendSensor()
     converter: Converter = Converter()
+    # fmt: on
 
     @model_validator(mode="after")
     def _squeeze_is_resolved_and_has_no_lag(self) -> "Rig":
@@ -260,7 +239,7 @@ def free_ranges(
     physical: dict[str, tuple[float, float]] = {}
     for key, default, field, _ in fields(Rig):
         if limit := limit_of(field):
-            # of those in lists each; weights sum to 1, so the last one follows
+            # of a list each number; weights sum to 1, so the last one follows
             count = len(default) - key.endswith(".slip_weight") if isinstance(default, tuple) else 0
             for path in [f"{key}.{index}" for index in range(count)] or [key]:
                 physical[path] = limit.low, limit.high

@@ -68,7 +68,7 @@ def _differ(items: tuple[T, ...]) -> tuple[T, ...]:
 NotEmpty = Annotated[tuple[T, ...], Field(min_length=1)]
 Distinct = Annotated[tuple[T, ...], Field(min_length=2), AfterValidator(_differ)]
 Grid = Annotated[tuple[T, ...], Field(min_length=3), AfterValidator(_differ)]
-Rising = Annotated[tuple[T, T], AfterValidator(_rise)]
+Rising = Annotated[tuple[float, float], AfterValidator(_rise)]
 
 
 def section_of(field: FieldInfo) -> type[BaseModel] | None:

@@ -29,8 +29,7 @@ class Signal(Sines):
 
     amplitude_kpa: float = quantity(35, (0, 225), "amplitude of each sine",
         "printed for complex; the sweep has its span")
-    offset_kpa: float = quantity(175, (0, 450), "mean",
-        "printed for complex; the sweep has the same")
+    offset_kpa: float = quantity(175, (0, 450), "mean", "printed for complex; sweep alike")
     duration_s: float = quantity(80, (1, 3600), "length", "paper, Fig. 4")
 
 
@@ -59,37 +58,30 @@ class Gains(Section):
 class Feedforward(Section):
     """What a model does beside computing P_ff; see docs/drift.md."""
 
-    adapt: bool = Field(
-        False, description="whether the model learns from the tracking error while it runs"
-    )
+    adapt: bool = Field(False, description="whether it learns from the tracking error as it runs")
     p_o_shift_kpa: float = quantity(0.0, (-50, 50),
         "added to P_o, to re-zero it: P_o at rest before the training, minus P_o at rest now")
     prior_s: float = quantity(15, (0.1, 3600), "new data that weigh as much as the training")
-    memory_s: float = quantity(60, (1, 36000),
-        "time constant with which the weight of the training returns")
+    memory_s: float = quantity(60, (1, 36000), "time constant of the return of that weight")
     delay_s: float = quantity(0.02, (0, 1), "time from a command to the angle it causes")
     # with the shortest prior_s and the highest limit_kpa, 50 no longer settles on the rigs
     kpa_per_deg: float = quantity(2.0, (0, 20), "correction for a degree of error")
     limit_kpa: float = quantity(150, (0, 500), "most that learning adds to P_ff or takes")
-    stop_deg: float = quantity(0.5, (0, 20),
-        "angle up to which the actuator lies at its stop: nothing is learned")
+    stop_deg: float = quantity(0.5, (0, 20), "angle up to which, at the stop, nothing is learned")
 
 
 class Control(Section):
     """Controllers that run on the computer at every sample."""
 
     sample_rate_hz: float = quantity(200, (50, 1000), "refresh rate", "paper, Sec. II-B")
-    k_in_kpa_per_deg: float = quantity(7.0, (0.1, 20), "K_in, reservoir pressure per degree",
-        "paper, Sec. II-B")
+    k_in_kpa_per_deg: float = quantity(7.0, (0.1, 20), "K_in of the reservoir", "paper, Sec. II-B")
     reservoir_limit_kpa: float = quantity(450, (100, 500),
         "largest pressure command to the reservoir", "paper, Sec. II-B")
     main_loop: PressureLoop = PressureLoop()
     reservoir_loop: PressureLoop = PressureLoop(kp_v_per_kpa=0.05)
-    feedback: Literal["incremental", "positional"] = Field(
-        "incremental",
+    feedback: Literal["incremental", "positional"] = Field("incremental",
         description="law of the PD controller; incremental: P_fb is the running sum of "
-        "kp e + kd de/dt, as in the code of the authors' next paper (docs/results.md)",
-    )
+        "kp e + kd de/dt, as in the code of the authors' next paper (docs/results.md)")
     pd: Gains = Gains()
     feedforward: Feedforward = Feedforward()
 
@@ -100,38 +92,27 @@ class Quality(Section):
     rate_tolerance: float = quantity(0.01, (0, 0.2), "relative error of the mean sample rate")
     gap_periods: float = quantity(1.5, (1.01, 100), "a longer step is a gap", unit="periods")
     stuck_s: float = quantity(2.0, (0.05, 60), "a channel is stuck if unchanged for longer")
-    pressure_range_kpa: Rising[float] = quantity((-20, 995), (-100, 1000),
-        "commands and readings outside are implausible")
-    angle_range_deg: Rising[float] = quantity((-45, 120), (-360, 360),
-        "theta and theta_d outside are implausible")
-    leak_kpa_per_min: float = quantity(5.0, (0, 100),
-        "fastest fall of P_o at equal P_i that is no leak")
+    pressure_range_kpa: Rising = quantity((-20, 995), (-100, 1000), "plausible commands, readings")
+    angle_range_deg: Rising = quantity((-45, 120), (-360, 360), "plausible theta and theta_d")
+    leak_kpa_per_min: float = quantity(5.0, (0, 100), "fall of P_o at equal P_i that is no leak")
 
 
 class Beyond(Section):
     """Competitors of the paper's models on several families of rigs, and other studies of these."""
 
-    first_seed: int = quantity(601, (0, 2**31 - 2**20),
-        "first seed of the families; no fit has seen it or a later one")
-    units: int = quantity(15, (1, 10000),
-        "seeds of each family with one rig, and rigs of each family with many")
-    slow: int = quantity(4, (1, 10000),
-        "units that also judge slow models of no claim: ESN, trees, MLP")
-    restarts: int = quantity(10, (1, 1000),
-        "starts of every clustering; the lowest objective is kept")
+    first_seed: int = quantity(601, (0, 2**31 - 2**20), "first seed; no fit saw it or later ones")
+    units: int = quantity(15, (1, 10000), "seeds of a family of one rig, rigs of a family of many")
+    slow: int = quantity(4, (1, 10000), "units that also judge the slow ESN, trees and MLP")
+    restarts: int = quantity(10, (1, 1000), "starts of a clustering; the lowest objective is kept")
 
 
-# fmt: on
 class Settings(Section):
     """The whole configuration."""
 
-    source: Literal["sim", "rig", "recorded"] = Field(
-        "sim",
-        description="where raw logs come from: the simulated rig, the real one, or existing files",
-    )
-    armed: bool = Field(
-        False, description="whether the real rig may move; give this on the command line only"
-    )
+    source: Literal["sim", "rig", "recorded"] = Field("sim",
+        description="where raw logs come from: the simulated rig, the real one, or existing files")
+    armed: bool = Field(False,
+        description="whether the real rig may move; give this on the command line only")
     seed: int = quantity(1, (0, 2**31), "seed of the rig, its noise and the models")
     folders: Folders = Folders()
     experiments: Experiments = Experiments()
@@ -146,6 +127,7 @@ class Settings(Section):
     hardware: Hardware = Hardware()
     rig: Rig = Rig()
     fitted: Fitted = Fitted()
+    # fmt: on
 
     @model_validator(mode="after")
     def _further_seeds_are_fresh(self) -> "Settings":

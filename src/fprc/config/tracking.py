@@ -11,11 +11,9 @@ from fprc.config.section import NotEmpty, Rising, Section, quantity
 class Sines(Section):
     """Signal that starts at its lowest value."""
 
-    form: Literal["multisine", "chirp"] = Field(
-        "multisine", description="sum of equal sines, or linear frequency sweep"
-    )
-    f_hz: NotEmpty[float] = quantity((0.2,), (0.001, 10),
-        "frequencies of the sum, or first and last of the sweep")
+    form: Literal["multisine", "chirp"] = Field("multisine",
+        description="sum of equal sines, or linear frequency sweep")
+    f_hz: NotEmpty[float] = quantity((0.2,), (0.001, 10), "frequencies, or ends of the sweep")
 
     @model_validator(mode="after")
     def _sweep_has_two_ends(self) -> Self:
@@ -31,8 +29,7 @@ class Reference(Sines):
         "printed for sweep and complex")
     offset_deg: float = quantity(32.5, (0, 80), "mean", "printed for sweep and complex")
     duration_s: float = quantity(40, (1, 3600), "length", "printed for sweep and complex")
-    settle_s: float = quantity(5, (0, 60),
-        "time at the first value before; recorded, not evaluated", "assumed")
+    settle_s: float = quantity(5, (0, 60), "time at the first value, not evaluated", "assumed")
 
 
 class References(Section):
@@ -55,18 +52,16 @@ class Pushes(Section):
     sigma_kpa: float = quantity(150, (0, 500), "standard deviation of a push", "assumed")
 
 
-# fmt: on
 class Tracking(Section):
     """The closed-loop runs of Sec. IV."""
 
     references: References = References()
-    pressure_limit_kpa: float = quantity(
-        450, (100, 500), "largest pressure command to the actuator", "as for the reservoir"
-    )
-    angle_range_deg: Rising[float] = quantity(
-        (0, 65), (-10, 120), "references outside are refused", "paper: about 60 deg"
-    )
+    pressure_limit_kpa: float = quantity(450, (100, 500),
+        "largest pressure command to the actuator", "as for the reservoir")
+    angle_range_deg: Rising = quantity((0, 65), (-10, 120),
+        "references outside are refused", "paper: about 60 deg")
     pushes: Pushes = Pushes()
+    # fmt: on
 
     def reference(self, name: str) -> Reference:
         """Return the reference of that name."""
