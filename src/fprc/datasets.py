@@ -18,10 +18,9 @@ Hysteresis of a soft bending actuator
 Task: predict P_exp (target) from the present and earlier samples of theta and P_o (data), which are
 in the order of time.
 
-The models of the paper are trained on the sweep and tested on the complex signal, and the other
-way round, with the error RMSE.
-
-Source: Shen, Miyazaki, Kawashima, IEEE RA-L 2024, 10.1109/LRA.2024.3523229, Secs. II-B and III-D.
+The paper's models are trained on the sweep and tested on the complex signal, and the other way
+round, with the error RMSE: Shen, Miyazaki, Kawashima, IEEE RA-L 2024, 10.1109/LRA.2024.3523229,
+Secs. II-B and III-D.
 """
 
 

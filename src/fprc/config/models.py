@@ -47,9 +47,7 @@ class Other(Section):
     estimator: str = Field(
         pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$", description="its class, as module.Class"
     )
-    inputs: tuple[Literal["theta_deg", "p_o_kpa"], ...] = Field(
-        ("theta_deg",), description="its input channels, in the order of its columns"
-    )
+    inputs: tuple[str, ...] = Field((ANGLE,), description="its inputs, in the order of its columns")
     settings: dict[str, Annotated[Any, AfterValidator(_is_single)]] = Field(
         {}, description="parameters of its constructor"
     )
@@ -78,8 +76,7 @@ class Models(Section):
     @field_validator("others")
     @classmethod
     def _names_are_free(cls, others: dict[str, Other]) -> dict[str, Other]:
-        ours = {name for name in others if name in COMPETITORS}
-        taken = [name for name in others if name in {*ours, "pd"} or name.endswith("_pd")]
+        taken = [name for name in others if name in (*COMPETITORS, "pd") or name.endswith("_pd")]
         if taken:
             raise ValueError(
                 f"{', '.join(taken)}: is the name of a model of ours, or, as all that end in _pd, "

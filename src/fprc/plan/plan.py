@@ -25,19 +25,11 @@ class Need(NamedTuple):
     channels: tuple[str, ...] = ()  #: channels that each of these logs must have
 
 
-_P_O = ("p_o_kpa",)
-
 #: By the target of the workflow; a result that is not listed needs none.
 NEEDS = {
-    "table2": Need(EXPERIMENTS),
-    "table3": Need(EXPERIMENTS),
-    "timing": Need(EXPERIMENTS),
-    "fig4": Need(EXPERIMENTS),
-    "fig5": Need(EXPERIMENTS, _P_O),
-    "fig8": Need(EXPERIMENTS, _P_O),
-    "fig9": Need(EXPERIMENTS[:1], _P_O),
-    "fig10": Need(EXPERIMENTS),
-    "fig11": Need(EXPERIMENTS, _P_O),
+    **dict.fromkeys(("table2", "table3", "timing", "fig4", "fig10"), Need(EXPERIMENTS)),
+    **dict.fromkeys(("fig5", "fig8", "fig11"), Need(EXPERIMENTS, ("p_o_kpa",))),
+    "fig9": Need(EXPERIMENTS[:1], ("p_o_kpa",)),
     **{
         f"fig{number}": Need((run_log(reference, "fprc"), run_log(reference, "fprc_pd")))
         for number, reference in enumerate(REFERENCES, start=12)
