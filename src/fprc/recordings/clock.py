@@ -38,10 +38,8 @@ def pauses_of(time_s: np.ndarray) -> np.ndarray:
     times its 99th percentile: its long steps are no pauses.
     """
     steps = np.diff(time_s)
-    limit = PAUSE_PERIODS * float(np.median(steps))
-    if np.percentile(steps, 95) > 1.5 * np.median(steps):
-        limit = max(limit, 3.0 * float(np.percentile(steps, 99)))
-    return np.flatnonzero(steps > limit)
+    limit, (high, highest) = PAUSE_PERIODS * np.median(steps), np.percentile(steps, (95, 99))
+    return np.flatnonzero(steps > (max(limit, 3.0 * highest) if high > limit else limit))
 
 
 def rate_of(time_s: np.ndarray) -> float:
@@ -81,22 +79,20 @@ def guess_clock(name: str, column: Column) -> Clock | None:
         return None
     steps, span = np.diff(stamps), float(stamps[-1] - stamps[0])
     back = int((steps < 0.0).sum())
-    if span <= 0.0 or back > 0.01 * len(steps) * named:
-        return None
-    step = float(np.median(steps))
-    line = np.linspace(stamps[0], stamps[-1], len(stamps))
+    step, line = np.median(steps), np.linspace(stamps[0], stamps[-1], len(stamps))
     even = (np.abs(steps - step) < 0.5 * step).mean() > 0.9
-    if not (named or even or np.abs(stamps - line).max() < _OFF_LINE * span):
+    likely = named or even or np.abs(stamps - line).max() < _OFF_LINE * span
+    if not likely or span <= 0.0 or back > 0.01 * len(steps) * named:
         return None
     stated, epoch = other.text if other else time_unit_in(words), _epoch(stamps)
     whole = bool((stamps == np.round(stamps)).all())
     if whole and not stated and (has(name, "count") or (step == 1.0 and not epoch)):
         return None  # the number of the sample
-    step = float(np.median(steps[steps > 0.0]))
-    likely = "s" if step < 2.0 else "ms"
+    step = np.median(steps[steps > 0.0])
+    usual = "s" if step < 2.0 else "ms"
     if whole:  # whole numbers above 1 are no seconds
-        likely = "s" if step <= 1.0 else "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
-    unit = stated or epoch or likely
+        usual = "s" if step <= 1.0 else "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
+    unit = stated or epoch or usual
     doubts: tuple[str, ...] = () if stated or epoch else ("unit?",)
     rate_hz = rate_of(np.unique(stamps - stamps[0]) * SECONDS[unit])
     if not _LIKELY_HZ[0] <= rate_hz <= _LIKELY_HZ[1]:
@@ -127,8 +123,8 @@ def own_clock(name: str, table: Table, clocks: dict[str, Clock]) -> str | None:
     order, length = list(table.columns), len(table.columns[name].values)
     same = [clock for clock in clocks if len(table.columns[clock].values) == length]
     same = [clock for clock in same if is_time(clock)] or same[:1]
-    places = [order.index(clock) for clock in same if " + " not in clock]
-    in_turn = not any(place + 1 in places for place in places)
+    places = {order.index(clock) for clock in same if " + " not in clock}
+    in_turn = not places & {place + 1 for place in places}
 
     def nearness(clock: str) -> tuple[int, int]:
         shared = len(commonprefix([re.split("[./]", clock), re.split("[./]", name)]))

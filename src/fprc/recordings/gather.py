@@ -55,32 +55,40 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
     if problems:
         raise LogError("\n".join(problems))
     own = [name for name in specs if f"{name}.time" in picked]
-    lengths = {n: len(values) for n, values in picked.items() if n.partition(".")[0] not in own}
+    shared = [name for name in specs if name not in own]
+    lengths = {name: len(picked[name]) for name in (*shared, "time") if name in picked}
     if len(set(lengths.values())) > 1:
         unequal = ", ".join(f"{asked[name]} {length}" for name, length in lengths.items())
         raise LogError(
             f"{path}: columns have unequal numbers of samples ({unequal}); name the clock of each, "
             "as `time: column`"
         )
-    count = next(iter(lengths.values()), 0) or max(map(len, picked.values()))
-    stamps = picked["time"] if time.rate_hz is None else np.arange(count) / time.rate_hz
-    values = {name: picked[name] for name in specs if name not in own}
-    usable, notes = _usable(table, mapping, stamps, values)
-    numbers = np.flatnonzero(usable)
-    if not numbers.size:
-        raise LogError(f"{path}: no usable sample is left")
-    stamps, values = stamps[usable], {name: array[usable] for name, array in values.items()}
-    begins = np.append(0, 1 + np.flatnonzero(np.diff(stamps) != 0.0))
-    if time.repeated and len(begins) < len(stamps):
-        repeats, taken = len(stamps) - len(begins), {"first": "the first", "mean": "their mean"}
-        notes.append(
-            f"{repeats} samples repeat a time stamp; {taken[time.repeated]} of each was taken"
+    count = max(lengths.values(), default=0)
+    stamps = np.arange(count) / time.rate_hz if time.rate_hz else picked["time"]
+    rows = np.array([stamps, *(picked[name] for name in shared)])
+    usable = np.isfinite(rows if mapping.skip_unusable else rows[:1]).all(axis=0)
+    lost = [f"lines that are no samples: {len(table.unusable)}: {'; '.join(table.unusable[:3])}"]
+    lost = lost[: len(table.unusable)]
+    if not usable.all():
+        first = table.sample(int(np.argmin(usable)))
+        lost.append(f"samples with missing values, the first {first}; in all: {np.sum(~usable)}")
+    if lost and not mapping.skip_unusable:
+        raise LogError(
+            f"{path}: {'; '.join(lost)}; repair them or the clock, or leave them out with "
+            "`skip_unusable: true` in the map"
         )
-        counts = np.diff(np.append(begins, len(stamps)))
-        for name, array in values.items():
-            mean = np.add.reduceat(array, begins) / counts
-            values[name] = array[begins] if time.repeated == "first" else mean
-        stamps, numbers = stamps[begins], numbers[begins]
+    notes = [f"left out: {line}" for line in lost]
+    numbers = np.flatnonzero(usable)
+    rows = rows[:, numbers]
+    begins = np.flatnonzero(np.diff(rows[0], prepend=np.nan) != 0.0)
+    if time.repeated and len(begins) < len(numbers):
+        taken = {"first": "the first", "mean": "their mean"}[time.repeated]
+        repeats, counts = len(numbers) - len(begins), np.diff(begins, append=len(numbers))
+        notes.append(f"{repeats} samples repeat a time stamp; {taken} of each was taken")
+        means = np.add.reduceat(rows, begins, axis=1) / counts
+        numbers, rows = numbers[begins], rows[:, begins]
+        rows[1:] = rows[1:] if time.repeated == "first" else means[1:]
+    stamps, values = rows[0], dict(zip(shared, rows[1:], strict=True))
     late = 1 + np.flatnonzero(np.diff(stamps) <= 0.0)
     if late.size:
         k = int(late[0])
@@ -96,7 +104,7 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
             raise LogError(f"{path}: channels.{name}.time is no clock of its column")
         values[name] = np.interp(stamps, clock[known], given[known], left=np.nan, right=np.nan)
     # subtract before converting, or stamps counted from 1970 would lose digits
-    since_s = (stamps - stamps[0]) * SECONDS[time.unit]
+    since_s = (stamps - stamps[:1]) * SECONDS[time.unit]
     last_s = np.inf if mapping.end_s is None else mapping.end_s
     # 1e-9: the time stamps are rounded
     kept = (since_s >= mapping.start_s - 1e-9) & (since_s <= last_s + 1e-9)
@@ -105,7 +113,7 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
     if kept.sum() < 2:
         raise LogError(
             f"{path}: {kept.sum()} samples lie from {mapping.start_s:g} s to {last_s:g} s; "
-            f"the file has {len(since_s)}, over {since_s[-1]:g} s; correct start_s and end_s"
+            f"{len(since_s)} are usable; correct start_s and end_s"
         )
     channels = {}
     for name, spec in specs.items():
@@ -120,43 +128,15 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
             )
     first_s = float(since_s[kept][0])
     time_s, start_s = since_s[kept] - first_s, float(stamps[0] * SECONDS[time.unit]) + first_s
-    return Recording(time_s, channels, start_s, first_s, (*notes, *_gaps(time_s)))
-
-
-def _usable(
-    table: Table, mapping: ImportMap, stamps: np.ndarray, values: dict[str, np.ndarray]
-) -> tuple[np.ndarray, list[str]]:
-    """Return which samples have a stamp and, if others may be skipped, values; notes on these."""
-    remedy = "leave them out with `skip_unusable: true` in the map"
-    lines = f"lines that are no samples: {len(table.unusable)}: {'; '.join(table.unusable[:3])}"
-    if table.unusable and not mapping.skip_unusable:
-        raise LogError(f"{table.path}: {lines}; repair them, or {remedy}")
-    usable = np.isfinite(stamps)
-    for array in values.values() if mapping.skip_unusable else ():
-        usable &= np.isfinite(array)
-    notes = [f"left out: {lines}"] if table.unusable else []
-    if not usable.all():
-        k = int(np.argmin(usable))
-        first = f"{table.sample(k)}; in all: {np.sum(~usable)}"
-        if not mapping.skip_unusable:
-            raise LogError(
-                f"{table.path}: time: {mapping.time.column}: {stamps[k]} at {first}; fill them in, "
-                f"give time.rate_hz, or {remedy}"
-            )
-        notes.append(f"left out: samples with missing values, the first {first}")
-    return usable, notes
-
-
-def _gaps(time_s: np.ndarray) -> list[str]:
     gaps, steps = pauses_of(time_s), np.diff(time_s)
-    if not gaps.size:
-        return []
-    missing = np.maximum(np.round(steps[gaps] * rate_of(time_s)) - 1.0, 1.0).sum()
-    k = gaps[steps[gaps].argmax()]
-    return [
-        f"gaps in the clock, filled by linear interpolation: {gaps.size}, about {missing:.0f} "
-        f"samples missing, the longest from {time_s[k]:.4g} to {time_s[k + 1]:.4g} s"
-    ]
+    if gaps.size:
+        missing = np.maximum(np.round(steps[gaps] * rate_of(time_s)) - 1.0, 1.0).sum()
+        k = gaps[steps[gaps].argmax()]
+        notes.append(
+            f"gaps in the clock, filled by linear interpolation: {gaps.size}, about {missing:.0f} "
+            f"samples missing, the longest from {time_s[k]:.4g} to {time_s[k + 1]:.4g} s"
+        )
+    return Recording(time_s, channels, start_s, first_s, tuple(notes))
 
 
 @np.errstate(all="ignore")  # too many points are refused

@@ -33,12 +33,6 @@ class Column(Section):
     note: str = ""  #: remark for readers of the log
     time: Text | None = None  #: column of its own clock, if it has one
 
-    @model_validator(mode="after")
-    def _names_another_quantity(self) -> Self:
-        if self.unit == "1" and not self.note:
-            raise ValueError("unit 1 stands for another quantity; name it and its unit in `note`")
-        return self
-
 
 class Channels(Section):
     """Channels of a raw log, see data/raw/README.md; omitted channels are not in the log."""
@@ -62,6 +56,8 @@ class Channels(Section):
                 f"unit {value.unit} is none of its quantity; must be {', '.join(USUAL[quantity])}, "
                 "another of its quantity, or 1 for another quantity"
             )
+        if value is not None and value.unit == "1" and not value.note:
+            raise ValueError("unit 1 stands for another quantity; name it and its unit in `note`")
         return value
 
     @model_validator(mode="after")
@@ -121,8 +117,8 @@ class ImportMap(Section):
     @property
     def notes(self) -> dict[str, str]:
         """Notes on channels, as a raw log has them: whether one holds another quantity."""
-        begins = {name: "" if unit else other_quantity(name) for name, unit in self.units.items()}
-        notes = {name: begins[name] + spec["note"] for name, spec in self.columns.items()}
+        units, specs = self.units, self.columns
+        notes = {n: other_quantity(n) * (not units[n]) + spec["note"] for n, spec in specs.items()}
         return {name: note for name, note in notes.items() if note}
 
     def target(self, wanted: str) -> str:
@@ -142,10 +138,10 @@ def read_csv(path: Path | str) -> Csv:
 
 
 def _valid(section: Any, content: Any, path: Path | str, *above: str) -> Any:
-    problems = []
     try:
         return section.model_validate(content)
     except ValidationError as error:
+        problems = []
         for item in error.errors():
             place = (*above, *item["loc"])
             problem = explained({**item, "loc": place}, ImportMap, "docs/own-data.md")

@@ -55,24 +55,18 @@ def judge(
 ) -> Judgement:
     """Judge a recording before it is resampled; ``target`` is the P_exp that models would learn."""
     time_s, channels, units = recording.time_s, recording.channels, mapping.units
-    rate_hz, steps_ms = rate_of(time_s), 1e3 * np.diff(time_s)
+    rate_hz = rate_of(time_s)
     words = [
         f"{len(time_s)} samples over {time_s[-1]:.6g} s at {rate_hz:.6g} Hz, 98 % of the steps "
-        "from {:.4g} to {:.4g} ms".format(*np.percentile(steps_ms, (1, 99)))
+        "from {:.4g} to {:.4g} ms".format(*np.percentile(1e3 * np.diff(time_s), (1, 99)))
     ]
-    log = Columns(
-        table.path,
-        {"time_s": time_s, **channels},
-        {"experiment": mapping.experiment, "source": "import", "notes": mapping.notes},
-    )
+    about = {"experiment": mapping.experiment, "source": "import", "notes": mapping.notes}
     limits = limits.changed(stuck_s=max(limits.stuck_s, 20.0 / rate_hz))  # slow logs repeat values
+    log = Columns(table.path, {"time_s": time_s, **channels}, about)
     checks = assess(log, limits, rate_hz)["checks"]
-    doubts = [  # gaps are in the notes of the recording
-        f"{name}: {check['finding']}"
-        for name, check in checks.items()
-        if not check["passed"] and name != "gaps"
-    ]
-    stops = []
+    failed = {name: check["finding"] for name, check in checks.items() if not check["passed"]}
+    failed.pop("gaps", None)  # they are in the notes of the recording
+    doubts, stops = [f"{name}: {finding}" for name, finding in failed.items()], []
     for name, spec in mapping.columns.items():
         column, quantity, unit = spec["column"], unit_of(name), spec["unit"]
         given, factor = table.pick(column), factor_of(unit, quantity) or 1.0
@@ -115,49 +109,41 @@ def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:
 
 def _unfit(recording: Recording, units: Mapping[str, str], target: str) -> Iterator[str]:
     """Yield why no answer can be right: a channel stands still, spans too little, or is a copy."""
-    unit = {"theta": units["theta_deg"], "P_exp": units[TARGETS[target]]}  # P_o may span little
+    names = {"theta": "theta_deg", "P_exp": TARGETS[target], "P_o": "p_o_kpa"}
     still = False
-    for name, values in _named(recording, target).items():
+    for word, name in names.items():
+        if (values := recording.channels.get(name)) is None:
+            continue
         begins, lengths = runs(values)
-        longest = int(lengths.argmax())
-        span, least = float(np.ptp(values)), LEAST_SPAN.get(unit.get(name, ""), 0.0)
+        longest, span = int(lengths.argmax()), float(np.ptp(values))
+        least = LEAST_SPAN.get(units[name], 0.0) * (word != "P_o")  # which may span little
         if lengths[longest] >= STUCK * len(values):
             still = True
             yield (
-                f"{name} stays at {values[begins[longest]]:.4g} for half of the recording or more: "
+                f"{word} stays at {values[begins[longest]]:.4g} for half of the recording or more: "
                 "check the sensor, or select the rest by start_s and end_s"
             )
         elif span < least:
             yield (
-                f"{name} spans {span:.3g} {unit[name]}, less than {least:g}: correct its unit or "
+                f"{word} spans {span:.3g} {units[name]}, less than {least:g}: correct its unit or "
                 "scale in the map; unit: 1 with a note takes any quantity"
             )
-    if still:
-        return
-    even, hz = _evenly(recording, target)
-    for (one, other), most in COPIES.items():
-        if {one, other} <= even.keys() and _alike(
-            even[one], even[other], int(COPY_LAG_S * hz)
-        ) > most:
+    even, hz = _evenly(recording)
+    for (one, other), most in {} if still else COPIES.items():
+        both = {names[one], names[other]} <= even.keys()
+        if both and _alike(even[names[one]], even[names[other]], int(COPY_LAG_S * hz)) > most:
             yield (
                 f"a straight line of {one} explains more than {100.0 * most:g} % of {other}: they "
                 "are one signal; check the columns"
             )
 
 
-def _named(recording: Recording, target: str) -> dict[str, np.ndarray]:
-    names = {"theta": "theta_deg", "P_exp": TARGETS[target], "P_o": "p_o_kpa"}
-    channels = recording.channels
-    return {word: channels[name] for word, name in names.items() if name in channels}
-
-
-def _evenly(recording: Recording, target: str) -> tuple[dict[str, np.ndarray], float]:
+def _evenly(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
     """Return the channels at a rate that is low enough for the checks, and that rate, Hz."""
     time_s = recording.time_s
     hz = min(rate_of(time_s), _RATE_HZ)
     grid_s = np.arange(0.0, time_s[-1], 1.0 / hz)
-    named = _named(recording, target)
-    return {word: np.interp(grid_s, time_s, values) for word, values in named.items()}, hz
+    return {name: np.interp(grid_s, time_s, v) for name, v in recording.channels.items()}, hz
 
 
 def _alike(one: np.ndarray, other: np.ndarray, lag: int) -> float:
@@ -176,8 +162,8 @@ def unexplained(recording: Recording, target: str) -> list[str]:
     """Return a line that stops an answer if theta and its past explain next to nothing of P_exp."""
     from fprc.models import LowpassBank, PlayOperators  # slow to import, and an import needs none
 
-    even, hz = _evenly(recording, target)
-    X, p_exp = even["theta"][:, None], even["P_exp"]
+    even, hz = _evenly(recording)
+    X, p_exp = even["theta_deg"][:, None], even[TARGETS[target]]
     epsilons = [1.0 - np.exp(-1.0 / (s * hz)) for s in (0.15, 0.5, 1.7)]
     past = [part.fit(X).map_log(X) for part in (LowpassBank(epsilons), PlayOperators())]
     rows = np.hstack([np.ones_like(X), X, X**2, *past])

@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from contextlib import suppress
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -54,25 +55,27 @@ _WORDS = {
     "gauge": "gauge|gage|rel|relative|relativ|relatif|ueberdruck|uberdruck|barg|psig|kpag|mbarg|"
     "~ゲージ~|~表压~",
 }
-#: Units as people write them that pint does not read, in lower case.
+#: Units as people write them, in lower case, as pint reads them.
 _SPELLINGS = {
-    "pa": "Pa", "kpa": "kPa", "mpa": "MPa", "hpa": "hPa", "bar": "bar", "mbar": "mbar",
-    "psi": "psi", "torr": "torr", "mmhg": "mmHg", "cmh2o": "cmH2O", "inhg": "inHg", "atm": "atm",
+    **{unit.lower(): unit for unit in (
+        "Pa kPa MPa hPa bar mbar psi torr mmHg cmH2O inHg atm deg rad mrad V mV N mm mA rpm degC "
+        "Hz ohm L/min deg/s rad/s").split()},
+    **dict.fromkeys(
+        "degs degree degrees grad grado gradi grados degre degres graden 度 ° º".split(), "deg"),
+    **dict.fromkeys("rads radian radians 弧度 ラジアン".split(), "rad"),
     "kgf/cm2": "kgf/cm**2", "kg/cm2": "kgf/cm**2", "n/mm2": "N/mm**2", "n/m2": "N/m**2",
-    "deg": "deg", "degs": "deg", "degree": "deg", "degrees": "deg", "grad": "deg", "grado": "deg",
-    "gradi": "deg", "grados": "deg", "degre": "deg", "degres": "deg", "graden": "deg", "度": "deg",
-    "°": "deg", "º": "deg", "rad": "rad", "rads": "rad", "radian": "rad", "radians": "rad",
-    "mrad": "mrad", "弧度": "rad", "ラジアン": "rad", "v": "V", "mv": "mV", "volt": "V",
-    "volts": "V", "nm": "N*m", "n": "N", "mm": "mm", "ma": "mA", "rpm": "rpm", "degc": "degC",
-    "°c": "degC", "hz": "Hz", "ohm": "ohm", "lpm": "L/min", "l/min": "L/min",
-    "deg/s": "deg/s", "°/s": "deg/s", "rad/s": "rad/s",
+    "volt": "V", "volts": "V", "nm": "N*m", "°c": "degC", "lpm": "L/min", "°/s": "deg/s",
 }  # fmt: skip
 #: Of these, what is a unit without brackets too.
-_BARE = set(_SPELLINGS) - {"n", "grad", "度", "at", "pa"}
+_BARE = set(_SPELLINGS) - {"n", "grad", "度", "pa"}
 _LETTERS = set("shdVANm°%K")
-_REFERENCE = r"\b(?:abs|absolute|absolut|rel|relative|relativ|gauge|gage)\b\.?|\((?:g|a|abs|rel)\)"
+_REFERENCE = (
+    r"(?i)\b(?:abs|absolute|absolut|rel|relative|relativ|gauge|gage)\b\.?|\((?:g|a|abs|rel)\)"
+)
 #: Units of pressure that say in their last letter whether they are gauge or absolute.
 _GAUGE = r"(bar|psi|kpa|mbar)[ag]$"
+#: Angles in pint, which for it have no dimension.
+_ANGLES = ("degree", "radian", "arcminute", "arcsecond", "turn")
 
 
 class Unit(NamedTuple):
@@ -95,7 +98,7 @@ def _registry() -> Any:
 def parse_unit(text: str) -> Unit | None:
     """Return the unit that a text is, perhaps with a factor; None if it is none."""
     text = unicodedata.normalize("NFKC", text).strip().replace("µ", "u").replace("μ", "u")
-    text = re.sub(_REFERENCE, "", text, flags=re.IGNORECASE).strip()
+    text = re.sub(_REFERENCE, "", text).strip()
     plain = re.sub(_GAUGE, r"\1", text.lower())
     for unit, seconds in SECONDS.items():
         if re.fullmatch(_TIME_UNITS[unit], plain):
@@ -106,19 +109,13 @@ def parse_unit(text: str) -> Unit | None:
         return inner._replace(multiple=float(base) ** float(power or 1))
     known = _SPELLINGS.get(plain.replace("^", "").replace("·", ""))
     for spelled in (known,) if known else (text, plain):
-        if re.fullmatch(r"[A-Za-z°%][\w°%/*^ .-]*", spelled) is None:
-            continue
-        try:
-            one = _registry().Quantity(1.0, spelled.replace("^", "**"))
-        except Exception:  # noqa: S112  pint raises many types
-            continue
-        words = re.sub(r"milli|micro", "", str(one.units))
-        if words in ("degree", "radian", "arcminute", "arcsecond", "turn"):
-            return Unit(spelled, "deg", float(one.to("deg").magnitude))
-        for quantity in ("kPa", "V"):
-            if one.is_compatible_with(quantity):
-                return Unit(spelled, quantity, float(one.to(quantity).magnitude))
-        return Unit(spelled, str(one.units), 1.0)
+        if re.fullmatch(r"[A-Za-z°%][\w°%/*^ .-]*", spelled):
+            with suppress(Exception):  # pint raises many types
+                one = _registry().Quantity(1.0, spelled.replace("^", "**"))
+                kinds = [kind for kind in ("kPa", "V") if one.is_compatible_with(kind)]
+                kinds += ["deg"] * (re.sub("milli|micro", "", str(one.units)) in _ANGLES)
+                factor = float(one.to(kinds[0]).magnitude) if kinds else 1.0
+                return Unit(spelled, [*kinds, str(one.units)][0], factor)
     return None
 
 
@@ -154,9 +151,7 @@ def stated_unit(name: str, label: str, unit: str) -> Unit | None:
 
 def factor_of(unit: str, quantity: str) -> float | None:
     """Return the factor from a unit to that of a channel; None if it is of another quantity."""
-    found = parse_unit(unit)
-    if unit == "1":
-        return 1.0
+    found = Unit("1", quantity, 1.0) if unit == "1" else parse_unit(unit)
     return found.factor * found.multiple if found and found.quantity == quantity else None
 
 
@@ -195,19 +190,20 @@ def has(name: str, what: str) -> bool:
 def known_words(text: str) -> bool:
     """Return whether a text has a Japanese or Chinese word for what a recording has."""
     words = "|".join(_WORDS[key] for key in ("time", "angle", "pressure", "command", "chamber"))
-    return any(word in text for word in re.findall(r"[^~|]{2,}", words) if ord(word[0]) > 0x2FFF)
+    return any(word in text for word in re.findall(r"[\u3000-\u9fff]{2,}", words))
+
+
+def _plain(text: str) -> str:
+    """Return a text in lower case without accents."""
+    text = text.replace("µ", "u").replace("μ", "u").lower().replace("ß", "ss")
+    return "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
 
 
 @cache
 def _has_word(name: str, words: str) -> bool:
-    def plain(text: str) -> str:  # in lower case without accents
-        parts = unicodedata.normalize("NFKD", text.lower().replace("ß", "ss"))
-        return "".join(part for part in parts if not unicodedata.combining(part))
-
     # bendAngle are two words
-    apart = re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name)
-    separate = re.sub(r"[\W_]+", "_", plain(apart.replace("µ", "u").replace("μ", "u")))
-    pattern = plain(words).replace("~", r"[^\W_]*")
+    separate = re.sub(r"[\W_]+", "_", _plain(re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name)))
+    pattern = _plain(words).replace("~", r"[^\W_]*")
     return bool(re.search(rf"(?<![^\W_])(?:{pattern})(?![^\W_])", separate))
 
 

@@ -9,12 +9,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import (
-    read_json,
-    refuse_output,
-    write_json,
-    write_text,
-)
+from fprc.artifacts import read_json, refuse_output, write_json, write_text
 from fprc.channels import TARGETS
 from fprc.config import from_files
 from fprc.errors import ConfigError, LogError
@@ -25,15 +20,7 @@ from fprc.logs.quality import noted_unit
 from fprc.paper import SOURCES
 from fprc.plan.arguments import paper_models
 from fprc.provenance import sha256
-from fprc.recordings.answer import MARGIN, answer_recordings
-from fprc.recordings.beside import (
-    draw_memory,
-    judge_claims,
-    judge_memory,
-    judge_models,
-    memory_in_words,
-    sentences,
-)
+from fprc.recordings import answer
 from fprc.recordings.clock import rate_of
 from fprc.recordings.gather import Recording, gather, resample
 from fprc.recordings.import_recording import draw_recording, is_imported, write_log
@@ -110,9 +97,9 @@ def report_readout(
             "are needed"
         )
     time_s, begin_s = samples[0][0], recorded[source][0].since_s
-    border_s = float(f"{_TRAINED * time_s[-1]:.4g}")
-    if mapping.test_from_s is not None:
-        border_s = mapping.test_from_s - begin_s
+    border_s = (mapping.test_from_s or 0.0) - begin_s
+    if mapping.test_from_s is None:
+        border_s = float(f"{_TRAINED * time_s[-1]:.4g}")
     border = int(np.searchsorted(time_s, border_s - 1e-9))  # it belongs to the test
     if not 2 <= border <= len(time_s) - 2:
         raise ConfigError(f"{map_}: test_from_s lies outside of the recording; correct it")
@@ -134,26 +121,20 @@ def report_readout(
         for number, (recording, _) in enumerate(recorded.values(), 1):
             draw_recording(recording, mapping, str(folder / f"raw/recording_{number}.png"))
         unit = noted_unit(TARGETS[target], {"notes": mapping.notes})
-        described = {"recordings": hashes, "unit": unit, "source": "import", "target": target}
-        report = described | _judge(recordings, settings, unit)
+        models, own = (paper_models(settings_at(settings, hz)) for hz in (PAPER_HZ, rate_hz))
+        seed, thin = settings["seed"], recordings.thinned()
+        found = answer.answer_recordings(recordings, models, seed, unit)
+        cells = answer.judge_models(recordings, own, seed)
+        report: dict[str, Any] = {
+            "recordings": hashes, "unit": unit, "source": "import", "target": target,
+            "answer": found, "memory": answer.judge_memory(thin, models, seed, found["period_s"]),
+            "cells": cells, "claims": answer.judge_claims(cells, answer.overlap_of(recordings)),
+        }  # fmt: skip
         write_json(answered, report)
-        draw_memory(report["memory"], str(folder / "readout/memory.png"))
+        answer.draw_memory(report["memory"], str(folder / "readout/memory.png"))
         write_text(page, _page(recorded, map_, report, rate_hz))
-    doubts = [f"Doubtful: {line}" for _, found in recorded.values() for line in found.doubts]
-    lines = [report["answer"]["words"], *doubts, *sentences(report["claims"]), str(page)]
-    print("\n".join(lines))
-
-
-def _judge(recordings: Recordings, settings: Mapping[str, Any], unit: str) -> dict[str, Any]:
-    """Return the answer, the errors of the paper's models and the claims on them."""
-    models, own = (paper_models(settings_at(settings, hz)) for hz in (PAPER_HZ, recordings.rate_hz))
-    seed = settings["seed"]
-    answer = answer_recordings(recordings, models, seed, unit)
-    memory = judge_memory(recordings.thinned(), models, seed, answer["period_s"])
-    cells = judge_models(recordings, own, seed)
-    overlap = float(np.mean([len(block) / len(rows) for rows, block in recordings.folds()]))
-    claims = judge_claims(cells, overlap)
-    return {"answer": answer, "memory": memory, "cells": cells, "claims": claims}
+    doubts = [f"Doubtful: {line}" for _, judged in recorded.values() for line in judged.doubts]
+    print("\n".join([found["words"], *doubts, *answer.sentences(report["claims"]), str(page)]))
 
 
 def _page(
@@ -192,7 +173,7 @@ def _page(
         "## What the answer rests on",
         f"- Ratio of the errors, with P_o over without: {found['ratio']:.3f} "
         f"({found['low']:.3f} to {found['high']:.3f}, 95 %). Worth a second sensor is what lies "
-        f"below {1.0 / MARGIN:.3f}.",
+        f"below {1.0 / answer.MARGIN:.3f}.",
         f"- P_o of another time, in {len(shifts)} trials: the error is "
         f"{three_digits(min(shifts))} to {three_digits(max(shifts))}; P_o beats {beaten} of them."
         if shifts
@@ -201,12 +182,12 @@ def _page(
         f"- Without P_o, {100.0 * found['explained']:.3g} % of P_exp's variance are explained.",
         markdown(sides, note),
         "## What P_o remembers",
-        *(f"- {line}" for line in memory_in_words(report["memory"])),
+        *(f"- {line}" for line in answer.memory_in_words(report["memory"])),
         "![memory and capacity of P_o](readout/memory.png)",
         "## The paper's models",
         "Settings are the paper's, unless `--config` gave others; those that count samples are "
         f"scaled to {rate_hz:g} Hz, the rate of the models. Taps keep their number.",
-        *(f"- {line}" for line in sentences(report["claims"])),
+        *(f"- {line}" for line in answer.sentences(report["claims"])),
         "Each ratio is the geometric mean over blocks; below 1 it favours FPRC. The chance that "
         "any of these verdicts is wrong is kept at 5 % (Holm).",
         "Every number: [readout/answer.json](readout/answer.json).",

@@ -1,17 +1,29 @@
 """What another program's file holds: the one door to all formats."""
 
 import difflib
+import json
 import re
-from collections.abc import Iterable, Iterator, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 from zipfile import ZipFile
 
+import h5py
 import numpy as np
 
 from fprc.errors import LogError
 from fprc.given import open_given
+from fprc.logs.columns import open_hdf5, refuse_never_written
+
+#: Attributes of HDF5 and fields of a struct that hold a unit, and a label, as Simulink writes them;
+#: attributes that name the columns of a matrix.
+_UNITS = ("units", "unit", "Units", "Unit")
+_LABELS = ("long_name", "label", "Label", "Name", "name", "title", "description")
+_NAMES = ("columns", "names", "column_names", "labels", "fields")
+#: Most numbers taken of one message of ROS; a longer one is an image or a cloud of points.
+_MOST_NUMBERS = 200
 
 
 class Column(NamedTuple):
@@ -21,6 +33,10 @@ class Column(NamedTuple):
     unit: str = ""  #: as the file states it, outside of the column's name
     label: str = ""  #: what the file calls it besides its name
     parts: Sequence[str] = ()  #: names of the columns of a matrix
+
+
+#: Names of parts, each with its array, or with the reason why it cannot be a channel.
+Parts = Iterable[tuple[str, Column | str]]
 
 
 class Table(NamedTuple):
@@ -51,41 +67,28 @@ class Table(NamedTuple):
         raise LogError(f"no such column; {near}`fprc import {self.path} --draft` shows all")
 
 
-#: How the files of a format begin, its name, and its reader in ``fprc.recordings.formats``.
-_FORMATS = (
-    (b"\x89HDF", "HDF5", "read_hdf5"),
-    (b"MATLAB", "MATLAB", "read_matlab"),
-    (b"\x93NUMPY", "NumPy", "read_numpy"),
-    (b"PK\x03\x04", "NumPy", "read_numpy"),  # or Excel
-    (b"TDSm", "TDMS", "read_tdms"),
-    (b"PAR1", "Parquet", "read_parquet"),
-    (b"\x89MCAP0", "MCAP", "read_mcap"),
-    (b"#ROSBAG", "ROS bag", "read_bag"),
-    (b"SQLite format 3", "ROS 2 bag", "read_bag"),
-)
-
-
 def read_table(path: Path | str, **layout: Any) -> Table:
     """Read every column of a file that can be a channel; its content tells its format.
 
     ``layout`` is of a text, see ``fprc.recordings.text.read_text``. LogError: the file cannot be
     opened, is damaged, empty or of another format, or the library that reads it is not installed.
     """
-    from fprc.recordings import formats, text
+    from fprc.recordings.text import read_text, read_xlsx
 
     path = Path(path)
     with open_given(path, error=LogError) as file:
         head = file.read(512)
-    kind, reader = next((found[1:] for found in _FORMATS if head.startswith(found[0])), ("", ""))
-    if not kind and path.suffix.lower() == ".mat":  # version 4 begins with a number
-        kind, reader = "MATLAB", "read_matlab"
-    if not kind:
-        return text.read_text(path, **layout)
+    if path.suffix.lower() == ".mat" and not head.startswith(b"\x89HDF"):
+        head = b"MATLAB"  # version 4 begins with a number
+    formats = [(kind, reader) for begin, kind, reader in _FORMATS if head.startswith(begin)]
+    if not formats:
+        return read_text(path, **layout)
+    ((kind, reader),) = formats
     try:
-        if head.startswith(b"PK") and _is_excel(path):
-            table = text.read_xlsx(path)
+        if head.startswith(b"PK") and any(n.startswith("xl/") for n in ZipFile(path).namelist()):
+            table = read_xlsx(path)
         else:
-            table = Table(path, kind, *_gathered(getattr(formats, reader)(path)))
+            table = Table(path, kind, *_columns_of(reader(path)))
     except (LogError, MemoryError):
         raise
     except ImportError as error:
@@ -103,63 +106,38 @@ def read_table(path: Path | str, **layout: Any) -> Table:
     return table._replace(columns=table.columns | joined_clocks(table.columns))
 
 
-def _is_excel(path: Path) -> bool:
-    with ZipFile(path) as archive:
-        return any(name.startswith("xl/") for name in archive.namelist())
+def _columns_of(parts: Parts) -> tuple[dict[str, Column], dict[str, str]]:
+    """Return the columns in named parts of a file, and why others cannot be channels.
 
-
-def _gathered(
-    parts: Iterable[tuple[str, Column | str]],
-) -> tuple[dict[str, Column], dict[str, str]]:
-    """Return the columns in named parts of a file, and why others cannot be channels."""
+    Dates become seconds since 1970. Dimensions of length 1 are dropped. The longer dimension of a
+    matrix is time; its columns are ``name[:, 0]``, its rows ``name[0, :]``, or ``name.part``.
+    """
     columns: dict[str, Column] = {}
     others: dict[str, str] = {}
     for name, part in parts:
         if isinstance(part, str):
             others[name] = part
             continue
-        values = np.asarray(part.values)
-        fields = {f"{name}.{field}": values[field] for field in values.dtype.names or ()}
-        for place, array in (fields or {name: values}).items():
-            found = _numbers(array)
-            if isinstance(found, str):
-                others[place] = found
-            else:
-                spread = _spread(place, found, part.parts)
-                columns |= {n: Column(v, part.unit, part.label) for n, v in spread}
+        array: Any = np.squeeze(part.values)
+        if fields := array.dtype.names:
+            found = _columns_of((f"{name}.{f}", part._replace(values=array[f])) for f in fields)
+            columns, others = columns | found[0], others | found[1]
+        elif array.size < 2:
+            others[name] = "one number" if array.size else "empty"
+        elif array.ndim > 2 or array.dtype.kind not in "fiubmM":
+            others[name] = f"{array.dtype} of shape {array.shape}"
+        else:
+            if array.dtype.kind in "mM":  # what is missing becomes NaN
+                since = array if array.dtype.kind == "m" else array - np.datetime64(0, "s")
+                array = since / np.timedelta64(1, "s")
+            upright = array.shape[0] >= array.shape[-1]
+            named = array.ndim == 2 and len(part.parts) == min(array.shape)
+            array = array.astype(np.float64, copy=False)
+            for k, values in enumerate(np.atleast_2d(array.T if upright else array)):
+                place = f"[:, {k}]" if upright else f"[{k}, :]"
+                place = f".{part.parts[k]}" if named else place * (array.ndim == 2)
+                columns[f"{name}{place}"] = part._replace(values=values)
     return columns, others
-
-
-def _numbers(array: np.ndarray) -> np.ndarray | str:
-    """Return an array as numbers, times in s (dates since 1970), or why it cannot be a channel."""
-    if array.size < 2:
-        return "one number" if array.size else "empty"
-    if array.squeeze().ndim > 2:
-        return f"{array.ndim} dimensions"
-    if array.dtype.kind in "mM":  # what is missing becomes NaN
-        since = array if array.dtype.kind == "m" else array - np.datetime64(0, "s")
-        return since / np.timedelta64(1, "s")
-    if array.dtype.kind not in "fiub":
-        return f"no numbers ({array.dtype})"
-    return array.astype(np.float64, copy=False)
-
-
-def _spread(
-    name: str, values: np.ndarray, names: Sequence[str]
-) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the columns of an array; dimensions of length 1 are dropped.
-
-    The longer dimension of a matrix is time; its columns are ``name[:, 0]``, its rows
-    ``name[0, :]``, or ``name.part`` with the ``names`` of the parts.
-    """
-    array = values.squeeze()
-    if array.ndim == 1:
-        yield name, array
-        return
-    upright = array.shape[0] >= array.shape[1]
-    for k, part in enumerate(array.T if upright else array):
-        place = f"{name}[:, {k}]" if upright else f"{name}[{k}, :]"
-        yield f"{name}.{names[k]}" if len(names) == min(array.shape) else place, part
 
 
 def joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
@@ -168,12 +146,207 @@ def joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
     They stand side by side, and are named so, or the seconds count from 1970.
     """
     joined = {}
-    for (name, coarse), (fine, parts) in pairwise(columns.items()):
-        if len(coarse.values) != len(parts.values) or len(parts.values) < 2:
-            continue
-        named = re.search(r"(?<![a-z])secs?$", name) and re.search(r"n(ano)?secs?$", fine)
-        counted = 1e9 < coarse.values[0] < 5e9 and np.ptp(parts.values) > 1e6
-        if named or (counted and (parts.values >= 0.0).all() and parts.values.max() < 1e9):
-            total = coarse.values + 1e-9 * parts.values
-            joined[f"{name} + {fine.rpartition('.')[2]}"] = Column(total, "s")
+    for (name, (coarse, *_)), (fine, (parts, *_)) in pairwise(columns.items()):
+        if len(coarse) == len(parts) > 1:
+            named = re.search(r"(?<![a-z])secs?$", name) and re.search(r"n(ano)?secs?$", fine)
+            whole = 0.0 <= parts.min() <= parts.max() < 1e9 and np.ptp(parts) > 1e6
+            if named or (whole and 1e9 < coarse[0] < 5e9):
+                joined[f"{name} + {fine.rpartition('.')[2]}"] = Column(coarse + 1e-9 * parts, "s")
     return joined
+
+
+def read_matlab(path: Path) -> Parts:
+    """Read every array of a MATLAB file, any version.
+
+    Structs, struct arrays and cell arrays are split into parts, named as in MATLAB: ``s.y``,
+    ``s(2).y``, ``c{1}.y``, and so are tables and timetables: ``T.y``. Durations become seconds,
+    dates seconds since 1970.
+    """
+    from matio import load_from_mat
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of objects that are not numbers
+        content = load_from_mat(str(path))
+    for name, value in content.items():
+        if not name.startswith("__"):
+            yield from _of_matlab(name, value)
+
+
+def _of_matlab(name: str, thing: Any) -> Iterator[tuple[str, Column | str]]:
+    from pandas import DataFrame
+
+    if isinstance(thing, DataFrame):  # a table, or a timetable, whose times are the index
+        table = thing.reset_index() if thing.index.name else thing
+        yield from ((f"{name}.{column}", Column(table[column].to_numpy())) for column in table)
+    elif not isinstance(thing, np.ndarray | str):
+        fields = getattr(thing, "properties", None)
+        fields = fields if isinstance(fields, dict) else {}
+        parts = [part for field in fields for part in _of_matlab(f"{name}.{field}", fields[field])]
+        yield from parts
+        if not any(isinstance(part, Column) and np.size(part.values) > 1 for _, part in parts):
+            kind = getattr(thing, "classname", type(thing).__name__)
+            yield name, f"a {kind} of MATLAB; save its times and values as a struct or a table"
+    elif isinstance(thing, str) or thing.dtype.kind == "U":
+        return
+    elif thing.dtype.names:
+        for index, element in enumerate(thing.ravel("F"), 1):
+            place = name if thing.size == 1 else f"{name}({index})"
+            fields = {field: element[field] for field in thing.dtype.names}
+            unit, label = _text(fields, _UNITS), _text(fields, _LABELS)
+            for field, value in fields.items():
+                for part, found in _of_matlab(f"{place}.{field}", value):
+                    if isinstance(found, Column):
+                        found = Column(found.values, found.unit or unit, found.label or label)
+                    yield part, found
+    elif thing.dtype == object and thing.size:
+        for index, element in enumerate(thing.ravel("F"), 1):
+            yield from _of_matlab(f"{name}{{{index}}}" if thing.ndim else name, element)
+    else:
+        yield name, Column(thing)
+
+
+def _text(fields: Any, names: Sequence[str]) -> str:
+    """Return the text of the first of these fields or attributes; empty without one."""
+    for found in (np.ravel(fields[name]) for name in names if name in fields):
+        if found.size == 1 and isinstance(found[0], str | bytes):
+            return found[0].decode(errors="replace") if isinstance(found[0], bytes) else found[0]
+    return ""
+
+
+def read_hdf5(path: Path) -> Parts:
+    """Read every array of an HDF5 file, by its path in the file; links are not followed.
+
+    The fields of a compound type are ``dataset.field``. A matrix whose attribute ``columns`` or
+    ``names`` names its columns, or that pandas wrote, has the columns ``matrix.name``.
+    """
+    names: list[str] = []
+    with open_hdf5(path) as file:
+        file.visit(names.append)
+        for name in names:
+            if isinstance(member := file[name], h5py.Dataset):
+                yield name, _of_dataset(member)
+
+
+def _of_dataset(dataset: h5py.Dataset) -> Column | str:
+    """Return a dataset with unit and names, or, mostly from its metadata, why it is none."""
+    if not dataset.size or dataset.dtype.kind not in "fiubV":
+        return f"{dataset.dtype} of shape {dataset.shape}"
+    if dataset.external or dataset.is_virtual:  # without that file, it would read as zeros
+        return "stored in another file; copy it into this one"
+    try:
+        refuse_never_written(dataset)
+        values = np.asarray(dataset[()])
+    except (LogError, OSError, RuntimeError) as error:  # other datasets may be readable
+        return f"cannot be read ({error})"
+    attributes, own = dict(dataset.attrs), dataset.name
+    names = next((attributes[key] for key in _NAMES if key in attributes), ())
+    if not np.size(names) and own.endswith("_values") and f"{own[:-6]}items" in dataset.file:
+        names = dataset.file[f"{own[:-6]}items"][()]  # of pandas
+    texts = [n.decode() if isinstance(n, bytes) else n for n in np.ravel(names).tolist()]
+    parts = texts if all(isinstance(text, str) for text in texts) else ()
+    return Column(values, _text(attributes, _UNITS), _text(attributes, _LABELS), parts)
+
+
+def read_numpy(path: Path) -> Parts:
+    """Read an .npz or .npy file: arrays, or the fields of a structured array.
+
+    In an .npz file, an array of texts names the columns of a matrix.
+    """
+    content = np.load(path)
+    if isinstance(content, np.ndarray):
+        fields = {field: content[field] for field in content.dtype.names or ()}
+        content = fields or {"data": content}
+    arrays = dict(content.items())
+    texts = [array.tolist() for array in arrays.values() if array.dtype.kind == "U" and array.ndim]
+    for name, array in arrays.items():
+        yield name, Column(array, parts=next((t for t in texts if len(t) in array.shape[:2]), ()))
+
+
+def read_tdms(path: Path) -> Parts:
+    """Read a TDMS file of LabVIEW; the clock of a channel is ``group/channel.time``, in s."""
+    from nptdms import TdmsFile
+
+    for group in TdmsFile.read(path).groups():
+        for channel in group.channels():
+            name, properties = f"{group.name}/{channel.name}", channel.properties
+            unit = properties.get("unit_string") or properties.get("NI_UnitDescription") or ""
+            if "wf_increment" in properties and len(channel):
+                yield f"{name}.time", Column(channel.time_track(), "s")
+            yield name, Column(channel[:], str(unit))
+
+
+def read_parquet(path: Path) -> Parts:
+    """Read a Parquet file."""
+    from pandas import read_parquet
+
+    return ((str(name), Column(column.to_numpy())) for name, column in read_parquet(path).items())
+
+
+def read_bag(path: Path) -> Parts:
+    """Read a bag of ROS 1, or the folder of a bag of ROS 2 by a file in it."""
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
+    place = path if path.suffix == ".bag" else path.parent
+    with AnyReader([place], default_typestore=get_typestore(Stores.LATEST)) as reader:
+        yield from _of_messages(
+            (link.topic, stamp, reader.deserialize(raw, link.msgtype))
+            for link, stamp, raw in reader.messages()
+        )
+
+
+def read_mcap(path: Path) -> Parts:
+    """Read an MCAP file whose messages are of ROS 2 or JSON; of others, the times."""
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    ros2, messages = DecoderFactory(), []
+    with path.open("rb") as file:
+        for schema, channel, message in make_reader(file).iter_messages():
+            encoding = channel.message_encoding
+            decode = json.loads if encoding == "json" else ros2.decoder_for(encoding, schema)
+            content = decode(message.data) if decode else {}
+            messages.append((channel.topic, message.log_time, content))
+    return _of_messages(messages)
+
+
+def _of_messages(messages: Iterable[tuple[str, int, Any]]) -> Parts:
+    """Return the numbers in messages by topic, ``topic/field.part``, with ``topic/time``, in s."""
+    topics: dict[str, list[dict[str, float]]] = {}
+    for topic, stamp, message in messages:
+        found = dict(_numbers("", message))
+        if len(found) <= _MOST_NUMBERS:
+            topics.setdefault(topic.strip("/"), []).append({"time": 1e-9 * stamp, **found})
+    for topic, rows in topics.items():
+        for name in dict.fromkeys(name for row in rows for name in row):
+            values = np.array([row.get(name, np.nan) for row in rows])
+            yield f"{topic}/{name}", Column(values, "s" * (name == "time"))
+
+
+def _numbers(name: str, thing: Any) -> Iterator[tuple[str, float]]:
+    if isinstance(thing, int | float | np.number):
+        yield name, float(thing)
+    elif isinstance(thing, list | tuple | np.ndarray) and len(thing) <= _MOST_NUMBERS:
+        for k, part in enumerate(thing):
+            yield from _numbers(f"{name}[{k}]", part)
+    elif isinstance(thing, dict) or hasattr(thing, "__slots__") or hasattr(thing, "__dict__"):
+        if not isinstance(thing, dict):
+            names = getattr(thing, "__slots__", None) or vars(thing)
+            thing = {key: getattr(thing, key) for key in names}
+        for key, part in thing.items():
+            if not key.startswith("_"):
+                yield from _numbers(f"{name}.{key}".lstrip("."), part)
+
+
+#: How the files of a format begin, its name, and its reader.
+_FORMATS: tuple[tuple[bytes, str, Callable[[Path], Parts]], ...] = (
+    (b"\x89HDF", "HDF5", read_hdf5),
+    (b"MATLAB", "MATLAB", read_matlab),
+    (b"\x93NUMPY", "NumPy", read_numpy),
+    (b"PK\x03\x04", "NumPy", read_numpy),  # or Excel
+    (b"TDSm", "TDMS", read_tdms),
+    (b"PAR1", "Parquet", read_parquet),
+    (b"\x89MCAP0", "MCAP", read_mcap),
+    (b"#ROSBAG", "ROS bag", read_bag),
+    (b"SQLite format 3", "ROS 2 bag", read_bag),
+)

@@ -7,8 +7,8 @@ import pytest
 
 from fprc.config import Settings
 from fprc.evaluation.sides import Recordings
-from fprc.recordings import beside
-from fprc.recordings.beside import CLAIMS, MODELS, judge_claims, judge_memory, judge_models
+from fprc.recordings import answer
+from fprc.recordings.answer import CLAIMS, MODELS, judge_claims, judge_memory, judge_models
 from tests.reference.worlds import play, slow
 
 SETTINGS = Settings().model_dump(mode="json")["models"]
@@ -87,7 +87,7 @@ def test_model_without_errors_leaves_its_claim_unjudged():
 
 
 def test_network_of_too_many_samples_is_left_out(seen, monkeypatch):
-    monkeypatch.setattr(beside, "MOST_BYTES", 8 * 1000 * 805)
+    monkeypatch.setattr(answer, "MOST_BYTES", 8 * 1000 * 805)
     channels = (seen["sweep"][name] for name in ("theta_deg", "p_o_kpa", "p_target_kpa"))
     found = judge_models(Recordings(*channels, [4000], 100.0), SETTINGS, 1)
     assert [cell["model"] for cell in found if "reason" in cell] == ["esn"]

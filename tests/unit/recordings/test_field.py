@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from fprc.recordings.clock import rate_of
-from fprc.recordings.draft import draft_map
 from fprc.recordings.gather import gather
+from fprc.recordings.import_recording import draft_map
 from fprc.recordings.importing import read_map
 from fprc.recordings.table import read_table
 

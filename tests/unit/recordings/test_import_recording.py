@@ -15,8 +15,7 @@ from fprc.config import Settings
 from fprc.errors import ConfigError, OutputError
 from fprc.experiments.data import select_channels
 from fprc.logs import assess, read_raw
-from fprc.recordings.draft import draft_map
-from fprc.recordings.import_recording import import_or_draft
+from fprc.recordings.import_recording import draft_map, import_or_draft
 from fprc.recordings.table import Column, Table
 
 pytestmark = pytest.mark.slow

@@ -10,7 +10,7 @@ import yaml
 from fprc.artifacts import read_json
 from fprc.cli import main
 from fprc.logs import read_columns, write_columns
-from fprc.recordings import readout as readout_command
+from fprc.recordings import answer
 
 pytestmark = pytest.mark.slow
 
@@ -44,7 +44,7 @@ def write_recording(folder):
 def stopped(monkeypatch, undrawn):
     """Interrupt the command before it judges anything; knows what it was to judge."""
     stop = Mock(side_effect=KeyboardInterrupt)
-    monkeypatch.setattr(readout_command, "answer_recordings", stop)
+    monkeypatch.setattr(answer, "answer_recordings", stop)
     return stop
 
 
