@@ -10,23 +10,11 @@ from typing import Any
 import numpy as np
 
 from fprc.errors import EvaluationError
+from fprc.evaluation import sides
 from fprc.evaluation.capacity import TAPS, filtered_capacity
 from fprc.evaluation.paired import EQUIVALENT_WITHIN, LEAST_UNITS, Part, decide_together
 from fprc.evaluation.readouts import BlockReadouts
-from fprc.evaluation.sides import (
-    ALPHAS,
-    PURGE_S,
-    PURGES,
-    WARM_UP_S,
-    Recordings,
-    best_of_side,
-    distances,
-    error_when_shifted,
-    p_o_repeats,
-    period_of,
-    readouts_of,
-    shifts_of,
-)
+from fprc.evaluation.sides import ALPHAS, PURGE_S, PURGES, WARM_UP_S, Recordings
 from fprc.figures import style
 from fprc.registry import build, entry_of, title_of
 from fprc.tables.text import three_digits
@@ -76,11 +64,13 @@ def answer_recordings(
     ``duration_s``.
     """
     thin = recordings.thinned()
-    period_s = period_of(thin)
-    sides = {name: best_of_side(thin, name == "with", models, seed) for name in ("without", "with")}
-    ratios = np.log(sides["with"].errors / sides["without"].errors)
+    period_s = sides.period_of(thin)
+    best = {
+        name: sides.best_of_side(thin, name == "with", models, seed) for name in ("without", "with")
+    }
+    ratios = np.log(best["with"].errors / best["without"].errors)
     interval = Part("", dict(enumerate(ratios)), overlap=overlap_of(thin)).interval(LEVEL)
-    left = float(np.mean(sides["without"].errors ** 2)) / float(np.var(thin.target))
+    left = float(np.mean(best["without"].errors ** 2)) / float(np.var(thin.target))
     found: dict[str, Any] = {
         name: {
             "error": side.error,
@@ -89,15 +79,15 @@ def answer_recordings(
             "blocks": side.errors.tolist(),
             "chosen": [family for family, _ in side.chosen],
         }
-        for name, side in sides.items()
+        for name, side in best.items()
     }
     found |= dict(zip(("ratio", "low", "high"), map(math.exp, interval), strict=True)) | {
         "shifts": [
-            error_when_shifted(thin.shifted(share), sides["with"], models, seed)
-            for share in shifts_of(thin, period_s)
+            sides.error_when_shifted(thin.shifted(share), best["with"], models, seed)
+            for share in sides.shifts_of(thin, period_s)
         ],
         "period_s": period_s,
-        "p_o_repeats": bool(period_s and p_o_repeats(thin, period_s)),
+        "p_o_repeats": bool(period_s and sides.p_o_repeats(thin, period_s)),
         "explained": max(0.0, 1.0 - left),
         "block_s": [len(block) / thin.rate_hz for _, block in thin.folds()],
         "duration_s": len(thin.theta) / thin.rate_hz,
@@ -194,14 +184,14 @@ def judge_memory(
         found["lags_s"] = of.lags_s.tolist()
     of_p_o, explained = recordings._replace(target=recordings.p_o), []
     for name in ("bank", "plays"):
-        fits = readouts_of(of_p_o, name, models, seed)
+        fits = sides.readouts_of(of_p_o, name, models, seed)
         errors = [fits.errors(block)[len(ALPHAS) // 2] for block in range(len(fits.blocks))]
         explained.append(max(0.0, 1.0 - float(np.mean(np.square(errors)) / np.var(of_p_o.target))))
     lag = round((period_s or 0.0) * recordings.rate_hz)
     found["parts"] = {
         "linear": explained[0],
         "hysteresis": max(0.0, explained[1] - explained[0]),
-        "new": float(distances(p_o)[lag]) if 0 < lag <= len(p_o) // 2 else None,
+        "new": float(sides.distances(p_o)[lag]) if 0 < lag <= len(p_o) // 2 else None,
     }
     return found
 
@@ -253,10 +243,11 @@ def judge_models(
 ) -> list[dict[str, Any]]:
     """Return of each of the paper's models the RMSE on ``blocks``, or a ``reason`` for none."""
     cells: list[dict[str, Any]] = []
-    inputs = {"theta_deg": recordings.theta, "p_o_kpa": recordings.p_o}
-    folds = recordings.folds()
+    inputs, folds = recordings._asdict(), recordings.folds()
     for name in MODELS:
-        X = np.column_stack([inputs[channel] for channel in entry_of(name).inputs])
+        X = np.column_stack(
+            [inputs[channel.rpartition("_")[0]] for channel in entry_of(name).inputs]
+        )
         try:
             if name == "esn" and 8 * len(X) * (models["esn"]["r"] + models["n_y"]) > MOST_BYTES:
                 raise EvaluationError(f"{len(X):,} samples take too much memory; use a shorter log")

@@ -147,12 +147,10 @@ def resample(
 
     Where the grid coincides with the recording's time stamps, values are copied. Elsewhere they
     are interpolated linearly, which does not overshoot at held values and gaps; a sine of
-    f Hz, sampled at s Hz, loses at most (pi f / s)^2 / 2 of its amplitude.
-
-    For a lower rate, values are first interpolated on a grid whose rate is a multiple of the new
-    one and at least that of the recording. A linear-phase FIR low-pass, applied without delay, is
-    flat up to 0.8 of the new Nyquist frequency and at -70 dB above it; then every n-th sample is
-    kept. For the low-pass, the recording is extended by point reflection in each of its end points.
+    f Hz, sampled at s Hz, loses at most (pi f / s)^2 / 2 of its amplitude. For a lower rate, this
+    is done at a multiple of it, at least that of the recording; then a linear-phase FIR low-pass,
+    applied without delay to the recording extended by point reflection, which is flat up to 0.8 of
+    the new Nyquist frequency and at -70 dB above it, and every n-th sample is kept.
     LogError: it is shorter than a sample, or takes more than ``MOST_POINTS``.
     """
     span_s, ratio = float(time_s[-1] - time_s[0]), rate_of(time_s) / rate_hz

@@ -28,14 +28,9 @@ STAMP = re.compile(
 _LEAST_NUMBERS = 0.9
 
 
-def is_number(text: str) -> bool:
-    """Return whether a text is a number or a time."""
-    return bool(_NUMBER.fullmatch(text) or STAMP.fullmatch(text))
-
-
 def is_value(text: str) -> bool:
     """Return whether a text is a number, a time, or a word for a missing value."""
-    return is_number(text) or text.lower() in _MISSING
+    return bool(_NUMBER.fullmatch(text) or STAMP.fullmatch(text)) or text.lower() in _MISSING
 
 
 def columns_of(

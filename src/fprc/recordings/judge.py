@@ -150,12 +150,11 @@ def _alike(one: np.ndarray, other: np.ndarray, lag: int) -> float:
     """Return the largest share of variance that a straight line explains, up to a lag."""
     one, other = one - one.mean(), other - other.mean()
     middle = one[lag : len(one) - lag]
-    shares = [0.0]
-    for shift in range(2 * lag + 1) if middle.size else ():
-        late = other[shift : shift + len(middle)]
-        power = float((middle @ middle) * (late @ late))
-        shares.append(float(middle @ late) ** 2 / power if power else 0.0)
-    return max(shares)
+    if not middle.size:
+        return 0.0
+    late = np.lib.stride_tricks.sliding_window_view(other, len(middle))
+    power = (middle @ middle) * (late**2).sum(axis=1)
+    return float(((late @ middle) ** 2 / np.maximum(power, 1e-300)).max())
 
 
 def unexplained(recording: Recording, target: str) -> list[str]:

@@ -4,7 +4,7 @@ import re
 import unicodedata
 from contextlib import suppress
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fprc.channels import RAW_CHANNELS
 
@@ -88,15 +88,10 @@ class Unit(NamedTuple):
 
 
 @cache
-def _registry() -> Any:
-    import pint
-
-    return pint.UnitRegistry()
-
-
-@cache
 def parse_unit(text: str) -> Unit | None:
     """Return the unit that a text is, perhaps with a factor; None if it is none."""
+    import pint  # slow
+
     text = unicodedata.normalize("NFKC", text).strip().replace("µ", "u").replace("μ", "u")
     text = re.sub(_REFERENCE, "", text).strip()
     plain = re.sub(_GAUGE, r"\1", text.lower())
@@ -111,7 +106,7 @@ def parse_unit(text: str) -> Unit | None:
     for spelled in (known,) if known else (text, plain):
         if re.fullmatch(r"[A-Za-z°%][\w°%/*^ .-]*", spelled):
             with suppress(Exception):  # pint raises many types
-                one = _registry().Quantity(1.0, spelled.replace("^", "**"))
+                one = pint.application_registry.Quantity(1.0, spelled.replace("^", "**"))
                 kinds = [kind for kind in ("kPa", "V") if one.is_compatible_with(kind)]
                 kinds += ["deg"] * (re.sub("milli|micro", "", str(one.units)) in _ANGLES)
                 factor = float(one.to(kinds[0]).magnitude) if kinds else 1.0

@@ -156,12 +156,7 @@ def joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
 
 
 def read_matlab(path: Path) -> Parts:
-    """Read every array of a MATLAB file, any version.
-
-    Structs, struct arrays and cell arrays are split into parts, named as in MATLAB: ``s.y``,
-    ``s(2).y``, ``c{1}.y``, and so are tables and timetables: ``T.y``. Durations become seconds,
-    dates seconds since 1970.
-    """
+    """Read every array of a MATLAB file, in parts as MATLAB names them: ``s(2).y``, ``c{1}.y``."""
     from matio import load_from_mat
 
     with warnings.catch_warnings():
@@ -214,11 +209,7 @@ def _text(fields: Any, names: Sequence[str]) -> str:
 
 
 def read_hdf5(path: Path) -> Parts:
-    """Read every array of an HDF5 file, by its path in the file; links are not followed.
-
-    The fields of a compound type are ``dataset.field``. A matrix whose attribute ``columns`` or
-    ``names`` names its columns, or that pandas wrote, has the columns ``matrix.name``.
-    """
+    """Read every array of an HDF5 file, by its path in the file; links are not followed."""
     names: list[str] = []
     with open_hdf5(path) as file:
         file.visit(names.append)
@@ -228,7 +219,7 @@ def read_hdf5(path: Path) -> Parts:
 
 
 def _of_dataset(dataset: h5py.Dataset) -> Column | str:
-    """Return a dataset with unit and names, or, mostly from its metadata, why it is none."""
+    """Return a dataset with unit and names of its columns, or why it is none."""
     if not dataset.size or dataset.dtype.kind not in "fiubV":
         return f"{dataset.dtype} of shape {dataset.shape}"
     if dataset.external or dataset.is_virtual:  # without that file, it would read as zeros
@@ -248,17 +239,14 @@ def _of_dataset(dataset: h5py.Dataset) -> Column | str:
 
 
 def read_numpy(path: Path) -> Parts:
-    """Read an .npz or .npy file: arrays, or the fields of a structured array.
-
-    In an .npz file, an array of texts names the columns of a matrix.
-    """
-    content = np.load(path)
+    """Read an .npz or .npy file; an array of texts names the columns of a matrix."""
+    content: Any = np.load(path)
     if isinstance(content, np.ndarray):
-        fields = {field: content[field] for field in content.dtype.names or ()}
-        content = fields or {"data": content}
-    arrays = dict(content.items())
-    texts = [array.tolist() for array in arrays.values() if array.dtype.kind == "U" and array.ndim]
-    for name, array in arrays.items():
+        content = {field: content[field] for field in content.dtype.names or ()} or {
+            "data": content
+        }
+    texts = [array.tolist() for array in content.values() if array.dtype.kind == "U" and array.ndim]
+    for name, array in content.items():
         yield name, Column(array, parts=next((t for t in texts if len(t) in array.shape[:2]), ()))
 
 
@@ -276,10 +264,11 @@ def read_tdms(path: Path) -> Parts:
 
 
 def read_parquet(path: Path) -> Parts:
-    """Read a Parquet file."""
-    from pandas import read_parquet
+    """Read a Parquet file, and what pandas kept of its index."""
+    from pyarrow import parquet
 
-    return ((str(name), Column(column.to_numpy())) for name, column in read_parquet(path).items())
+    table = parquet.read_table(path)
+    return ((name, Column(table[name].to_numpy())) for name in table.column_names)
 
 
 def read_bag(path: Path) -> Parts:

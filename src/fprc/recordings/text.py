@@ -14,7 +14,7 @@ import numpy as np
 
 from fprc.errors import LogError
 from fprc.given import read_given
-from fprc.recordings.grid import STAMP, columns_of, is_number, is_value
+from fprc.recordings.grid import STAMP, columns_of, is_value
 from fprc.recordings.names import is_unit, known_words
 from fprc.recordings.table import Table
 
@@ -22,7 +22,7 @@ from fprc.recordings.table import Table
 LARGEST_TEXT_BYTES = 256 << 20
 #: Accepted separators and their names; a blank stands for any run of blanks and tabs.
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
-#: Lines that are looked at to find the separator and where the table begins.
+#: Mapping[int, str] that are looked at to find the separator and where the table begins.
 _TRIED = 300
 #: Most lines that are no samples, as a share of the table; more mean that it was misunderstood.
 _MOST_UNUSABLE = 0.1
@@ -43,10 +43,6 @@ _NAMED = re.compile(
     r"(?<!\w)([^\W\d]\w*)\"?\s*[:=]\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)"
     r"(?:\s*([%°]|[^\W\d]+(?:/\w+)?)(?!\w*\s*[:=]))?"
 )
-
-#: Lines of a text, or their fields, by the numbers of the lines.
-Lines = Mapping[int, str]
-Rows = Mapping[int, list[str]]
 
 
 class Place(NamedTuple):
@@ -105,7 +101,7 @@ def read_xlsx(path: Path) -> Table:
 
 def _table_of(
     path: Path,
-    lines: Lines,
+    lines: Mapping[int, str],
     notes: list[str],
     separator: str | None = None,
     decimal: str | None = None,
@@ -116,24 +112,14 @@ def _table_of(
     labview: dict[str, str] = {}
     if next(iter(lines.values()), "").startswith("LabVIEW Measurement"):
         keys = r"(?m)^(X0|Delta_X|Decimal_Separator)[\t,;]([^\t\r\n]+)"
-        labview = dict(re.findall(keys, "".join(islice(lines.values(), 60))))
-        decimal = decimal or labview.get("Decimal_Separator", ".")
-    kind = "text separated by {}"
-    if (worded := _without_words(lines)) is not None:
-        lines, separator, header_line, data_line = worded, "\t", None, None
-        kind = "text with a name before each number"
-    # the first lines, or those around the header that is given
-    start = header_line or max((data_line or 1) - 40, 1)
-    head = dict(islice(((n, line) for n, line in lines.items() if n >= start or worded), _TRIED))
-    serial = 2 * sum(map(bool, map(_SERIAL.match, head.values()))) > len(head)
-    splits = {mark: _splitter(mark, serial) for mark in ([separator] if separator else _SEPARATORS)}
-    places = {
-        mark: _locate(split, head, header_line, data_line, decimal)
-        for mark, split in splits.items()
-    }
-    # blanks split wherever tabs do
-    mark = max(places, key=lambda mark: (*places[mark].score, mark != " ", places[mark].width))
-    place, split = places[mark], splits[mark]
+        labview = {"X0": "0", "Delta_X": "1", "Decimal_Separator": "."}
+        labview |= dict(re.findall(keys, "".join(islice(lines.values(), 60))))
+        decimal = decimal or labview["Decimal_Separator"]
+    place, mark, split = _best(lines, separator, decimal, header_line, data_line)
+    kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
+    if place.score[0] < 0.5 and (worded := _without_words(lines)):
+        lines, kind = worded, "text with a name before each number"
+        place, mark, split = _best(lines, "\t", decimal)
     if not place.width:
         raise LogError(
             f"{path}: no samples; the file has no lines of plain numbers, or csv.header_line or "
@@ -171,8 +157,29 @@ def _table_of(
     names = place.names or [""] * place.width
     columns, others, more = columns_of(names, place.units, rows, decimal, mark)
     unusable = tuple(f"line {n}: {line!r}" for n, line in odd.items() if n < last)
-    kind = kind.format(_SEPARATORS.get(mark, mark))
     return Table(path, kind, columns, others, (*notes, *more), np.array([*rows]), unusable)
+
+
+def _best(
+    lines: Mapping[int, str],
+    separator: str | None,
+    decimal: str | None,
+    header_line: int | None = None,
+    data_line: int | None = None,
+) -> tuple[Place, str, Callable[[str], list[str]]]:
+    """Return where a table is, what separates it, and what splits its lines."""
+    # the first lines, or those around the header that is given
+    start = header_line or max((data_line or 1) - 40, min(lines, default=1))
+    head = dict(islice(((n, line) for n, line in lines.items() if n >= start), _TRIED))
+    serial = 2 * sum(map(bool, map(_SERIAL.match, head.values()))) > len(head)
+    splits = {mark: _splitter(mark, serial) for mark in ([separator] if separator else _SEPARATORS)}
+    places = {
+        mark: _locate(split, head, header_line, data_line, decimal)
+        for mark, split in splits.items()
+    }
+    # blanks split wherever tabs do
+    mark = max(places, key=lambda mark: (*places[mark].score, mark != " ", places[mark].width))
+    return places[mark], mark, splits[mark]
 
 
 def _splitter(mark: str, serial: bool) -> Callable[[str], list[str]]:
@@ -196,7 +203,7 @@ def _splitter(mark: str, serial: bool) -> Callable[[str], list[str]]:
     return split
 
 
-def _without_words(lines: Lines) -> Lines | None:
+def _without_words(lines: Mapping[int, str]) -> dict[int, str] | None:
     """Return lines that name each number as rows below names and units; None for others."""
     found = {n: _NAMED.findall(line) for n, line in islice(lines.items(), _TRIED)}
     labels = Counter(tuple(part[0] for part in parts) for parts in found.values() if parts)
@@ -216,7 +223,7 @@ def _without_words(lines: Lines) -> Lines | None:
 
 def _locate(
     split: Callable[[str], list[str]],
-    lines: Lines,
+    lines: Mapping[int, str],
     header_line: int | None,
     data_line: int | None,
     decimal: str | None,
@@ -238,17 +245,18 @@ def _locate(
     width = max(widths, key=lambda width: (widths[width], width))
     table = {n: fields for n, fields in values.items() if len(fields) == width}
     later = [*zip(*[*table.values()][len(table) // 2 :], strict=True)]
-    counted = [k for k in range(width) if 2 * sum(map(is_number, later[k])) > len(later[k])]
+    counted = [
+        k
+        for k in range(width)
+        if 2 * sum(bool(c) and is_value(c) for c in later[k]) > len(later[k])
+    ]
     samples = [n for n, fields in table.items() if all(is_value(fields[k]) for k in counted)]
     first = data_line or min(samples or table)
     table = {n: fields for n, fields in table.items() if n >= first}
     if width > 1 and all(not fields[-1] for fields in table.values()):
         width -= 1
-    asked = header_line is not None
-    above = [n for n in sorted(rows, reverse=True) if n < first and any(rows[n])]
-    names, units = _header(
-        [n for n in above if not asked or n == header_line], rows, lines, width, asked
-    )
+    above = [n for n in rows if n < first and any(rows[n]) and n == (header_line or n)]
+    names, units = _header([(rows[n], lines[n]) for n in reversed(above)], width)
     cells = [cell for fields in table.values() for cell in fields[:width]]
     share = sum(map(is_value, cells)) / len(cells)
     if width == 1 and (share < 1.0 or (decimal is None and any("," in cell for cell in cells))):
@@ -258,20 +266,19 @@ def _locate(
 
 
 def _header(
-    above: Sequence[int], rows: Rows, lines: Lines, width: int, asked: bool
+    above: Sequence[tuple[list[str], str]], width: int
 ) -> tuple[Sequence[str], Sequence[str]]:
-    """Return names and units from the lines above the first sample, nearest first."""
+    """Return names and units from fields and lines above the first sample, nearest first."""
     keyed: dict[str, list[str]] = {}
     names: Sequence[str] = ()
     units: Sequence[str] = ()
-    for number in above[:40]:
-        fields = rows[number]
+    for fields, line in above[:40]:
         keys = {key.partition("[")[0].lower() for key in fields[0:width:2]}
         if width % 2 == 0 and len(fields) >= width and len(keys) == 1 and keys <= _KEYS:
             keyed.setdefault(fields[0].lower(), fields[:width])
         elif _UNITS.fullmatch(fields[0]) and len(fields) >= width:
             units = ["", *fields[1:width]]
-        elif not names and (found := _names_in(lines[number], fields, width, asked)):
+        elif not names and (found := _names_in(line, fields, width)):
             if not units and all(is_unit(name) for name in found if name):
                 units = found
             else:
@@ -287,7 +294,7 @@ def _header(
     return names, units
 
 
-def _names_in(line: str, fields: list[str], width: int, asked: bool) -> list[str]:
+def _names_in(line: str, fields: list[str], width: int) -> list[str]:
     """Return the names in a line, one for each column; none if it has not as many."""
     stripped = line.strip().lstrip("#%/").strip()
     others = [_WITH_BRACKET.findall(stripped)]
@@ -300,7 +307,9 @@ def _names_in(line: str, fields: list[str], width: int, asked: bool) -> list[str
         names = [name.strip() for name in found]
         if len(names) == width + 1 and names[-1].lower() in ("", "comment"):
             names.pop()
+        if len(names) == width - 1 > 1 and line.startswith('"'):
+            names = ["", *names]  # R: the row's number has no name
         some = [name for name in names if name]
-        if len(names) == width <= 2 * len(some) and (asked or not any(map(is_value, some))):
+        if len(names) == width <= 2 * len(some) and not any(map(is_value, some)):
             return names
     return []
