@@ -1,10 +1,15 @@
-"""The verdict on a recording, from numbers, and on made worlds."""
+"""The verdict on a recording, memory of P_o, and the claims B1, B4 and R1."""
+
+import math
 
 import numpy as np
 import pytest
 
-from fprc.recordings.answer import decide, first_line
-from tests.reference.worlds import WORLDS, verdict
+from fprc.config import Settings
+from fprc.evaluation.sides import Recordings
+from fprc.recordings import answer
+from fprc.recordings.answer import CLAIMS, MODELS, decide, first_line, judge_claims
+from tests.reference.worlds import WORLDS, play, slow, verdict
 
 
 def found(low=0.7, ratio=0.8, high=0.9, beaten=19, period_s=None, repeats=False, **changed):
@@ -74,3 +79,86 @@ def test_made_worlds_get_the_right_answer_at_any_rate(name):
     verdicts = {verdict(name, 1, recorded_hz=200.0, each=each) for each in (1, 2, 4)}
     assert verdicts <= set(WORLDS[name])
     assert not {"Yes", "No"} <= verdicts
+
+
+SETTINGS = Settings().model_dump(mode="json")["models"]
+SIZE, RATE_HZ = 6000, 50.0
+RNG = np.random.default_rng(0)
+THETA = 30.0 + 10.0 * slow(RNG, SIZE, RATE_HZ, 1.0)
+NOISE = RNG.standard_normal(SIZE)
+
+
+def judged(p_o, theta=THETA, period_s=None):
+    given = Recordings(theta, p_o, theta, [len(theta)], RATE_HZ)
+    return answer.judge_memory(given, SETTINGS, 1, period_s)
+
+
+@pytest.mark.parametrize(
+    ("p_o", "linear", "hysteresis"),
+    [
+        (2.0 * THETA, 1.0, 0.0),
+        (play(THETA, 9.0), None, None),
+        (10.0 * NOISE, 0.0, 0.0),
+        (THETA + 10.0 * NOISE, 0.5, 0.0),
+    ],
+)
+def test_parts_of_p_o_are_those_it_was_made_of(p_o, linear, hysteresis):
+    parts = judged(p_o)["parts"]
+    if linear is None:  # backlash is more than a filter
+        assert parts["linear"] < 0.9
+        assert parts["hysteresis"] > 0.9 * (1.0 - parts["linear"])
+    else:
+        assert parts["linear"] == pytest.approx(linear, abs=0.05)
+        assert parts["hysteresis"] == pytest.approx(hysteresis, abs=0.02)
+    assert parts["new"] is None
+
+
+def test_delayed_theta_is_remembered_beyond_what_its_low_passes_remember():
+    found = judged(np.roll(THETA, 100) + 0.1 * NOISE)
+    assert found["lags_s"][int(np.argmax(found["p_o"]["memory"]))] == pytest.approx(2.0)
+    assert found["p_o"]["memory_s"] > 1.2 * found["theta"]["memory_s"]
+    own = judged(THETA)
+    assert own["p_o"] == own["theta"]
+
+
+def test_what_does_not_come_back_with_the_motion_is_new():
+    theta = 30.0 + 10.0 * np.sin(2 * np.pi * np.arange(SIZE) / RATE_HZ / 6.0)
+    found = judged(theta + 5.0 * NOISE, theta, 6.0)
+    assert found["parts"]["new"] == pytest.approx(25.0 / 75.0, abs=0.03)
+
+
+def cells(blocks=10, spread=0.01, **ratios):
+    """Return errors of 10 on each block, those of FPRC by a ratio to each other model."""
+    noise = np.random.default_rng(2).standard_normal((len(MODELS), blocks))
+    return [
+        {"model": name, "blocks": list(10.0 / ratios.get(name, 1.0) * np.exp(spread * own))}
+        for name, own in zip(MODELS, noise, strict=True)
+    ]
+
+
+def test_ratio_and_interval_are_those_of_the_corrected_t_test_after_holm():
+    given = cells(spread=0.1)
+    row = judge_claims(given, 1 / 9)[0]
+    errors = {cell["model"]: np.log(cell["blocks"]) for cell in given}
+    ratios = errors["fprc"] - errors[CLAIMS["B1"][1]]
+    assert row["mean"] == pytest.approx(math.exp(ratios.mean()))
+    assert row["level"] == pytest.approx(0.05 / 3)  # nothing is decided
+    half = 2.9333 * math.sqrt((1 / 10 + 1 / 9) * ratios.var(ddof=1))
+    assert math.log(row["high"] / row["mean"]) == pytest.approx(half, rel=1e-4)
+
+
+def test_model_without_errors_leaves_its_claim_unjudged():
+    given = cells(fprc_lowpass=0.7)
+    given[-1] = {"model": "ridge_p_o", "reason": "too long"}
+    rows = judge_claims(given, 1 / 9)
+    assert [row["verdict"] for row in rows] == ["superior", "not judged", "equivalent"]
+    few = judge_claims(cells(7, spread=0.1), 1 / 9)
+    assert [row["verdict"] for row in few] == ["undecided"] * 3
+
+
+def test_network_of_too_many_samples_is_left_out(seen, monkeypatch):
+    monkeypatch.setattr(answer, "MOST_BYTES", 8 * 1000 * 805)
+    channels = (seen["sweep"][name] for name in ("theta_deg", "p_o_kpa", "p_target_kpa"))
+    found = answer.judge_models(Recordings(*channels, [4000], 100.0), SETTINGS, 1)
+    assert [cell["model"] for cell in found if "reason" in cell] == ["esn"]
+    assert all(len(cell["blocks"]) == 5 for cell in found if "blocks" in cell)
