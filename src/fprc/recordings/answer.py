@@ -281,5 +281,6 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             interval = f"({row['low']:#.3g} to {row['high']:#.3g}) " if decides else ""
             other = title_of(CLAIMS[row["id"]][1])
             line += f" FPRC's error is {row['mean']:#.3g} {interval}times that of {other}."
+            line += "" if decides else f" Fewer than {LEAST_UNITS} blocks decide nothing."
         lines.append(line)
     return lines
