@@ -48,13 +48,9 @@ def pressure_step(
 def believe(belief: Any, theta_deg: float, fastest_deg: float) -> bool:
     """Return whether an angle can be true: in range, and no faster than the actuator can be.
 
-    Parameters
-    ----------
-    belief : ndarray of shape (2,)
-        The last angle that could be true, NaN before the first, and the samples since then;
-        changed in place. If readings stay away from it for long, they are believed.
-    fastest_deg : float
-        Most that the angle changes in a sample.
+    ``belief``, changed in place, are the last angle that could be true, NaN before the first, and
+    the samples since then: readings that stay away from it for long are believed. ``fastest_deg``
+    is the most that the angle changes in a sample.
     """
     belief[1] += 1.0
     if not abs(theta_deg) <= FARTHEST_DEG:
@@ -95,20 +91,15 @@ def learn_step(
     covariance, prior : ndarray of shape (n_weights, n_weights)
         Symmetric. After the update the covariance moves towards the prior by the share ``mixing``:
         it stays below the prior, and so do the gains.
-    regressors : ndarray of shape (n_weights,)
-        Of the sample some time ago which this sample's angle follows from.
-    base_kpa, p_ff_kpa, p_fb_kpa : float
-        P_ff of that sample as the model was trained, and as it was commanded; and its P_fb.
+    regressors, base_kpa, p_ff_kpa, p_fb_kpa
+        Of the sample some time ago which this sample's angle follows from: of shape (n_weights,),
+        P_ff as the model was trained and as it was commanded, and P_fb.
     error_deg, theta_deg : float
         theta_d - theta, and theta, of this sample.
-    high : float
-        Highest P_d = P_ff + P_fb, kPa; the lowest is 0.
-    kpa_per_deg : float
-        Pressure that a degree needs.
-    stop_deg : float
-        Largest angle at the stop.
-    limit_kpa : float
-        Most that learning may add to P_ff, or take from it.
+    high, limit_kpa : float
+        Highest P_d = P_ff + P_fb, whose lowest is 0; most that learning adds to P_ff, or takes.
+    kpa_per_deg, stop_deg : float
+        Pressure that a degree needs; largest angle at the stop.
     gains : ndarray of shape (n_weights,)
         Overwritten.
     """
@@ -161,18 +152,8 @@ def pd_step(
 ) -> float:
     """Return P_fb of a sample, kPa; see ``fprc.control.PD``.
 
-    Parameters
-    ----------
-    error_deg, last_deg : float
-        theta_d - theta of this sample and of the one before; at the first sample, equal.
-    p_fb_kpa : float
-        P_fb of the sample before; 0 at the first.
-    p_ff_kpa : float
-        P_ff of this sample.
-    incremental : bool
-        Whether P_fb is a sum or, as in a positional PD controller, depends on this error alone.
-    low, high : float
-        Limits of P_d = P_ff + P_fb, kPa.
+    ``last_deg`` and ``p_fb_kpa`` are error and P_fb of the sample before; at the first sample, the
+    same error and 0. ``low`` and ``high`` limit P_d = P_ff + P_fb, kPa.
     """
     rate = (error_deg - last_deg) / period_s
     if not incremental:

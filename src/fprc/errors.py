@@ -37,7 +37,7 @@ class SimulationError(FprcError):
 
 
 class ControlError(FprcError):
-    """A run on the rig was refused or stopped; the rig is in its safe state."""
+    """A run on the rig was refused, or stopped, as by a safety limit; the rig is made safe."""
 
 
 class EvaluationError(FprcError):
@@ -46,10 +46,6 @@ class EvaluationError(FprcError):
 
 class DeviceError(FprcError):
     """Hardware or its driver failed; the message names the part and what to check."""
-
-
-class SafetyError(ControlError):
-    """A reading or a command exceeded a safety limit of the rig."""
 
 
 class OutputError(FprcError):

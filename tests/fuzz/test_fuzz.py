@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-from fprc.apparatus.programme import plan
+from fprc.apparatus.command import plan
 from fprc.channels import Readings
 from fprc.config import Settings
 from fprc.errors import FprcError

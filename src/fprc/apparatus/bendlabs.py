@@ -1,7 +1,6 @@
-"""Bend Labs one-axis angle sensor on an I2C bus.
+"""Bend Labs one-axis angle sensor on an I2C bus, in packets of a code and two bytes of content.
 
-A packet has three bytes: a code and two bytes of content. Codes and delays are
-those of the manufacturer's driver (github.com/bendlabs/one_axis_ads).
+Codes and delays are those of the manufacturer's driver (github.com/bendlabs/one_axis_ads).
 """
 
 import struct
@@ -13,8 +12,7 @@ from fprc.errors import DeviceError
 
 _RUN, _SPS = 0x00, 0x01
 _SAMPLE = 0x00  # code of a reply that holds an angle
-_LENGTH = 3
-_DEG_PER_COUNT = 1 / 64
+_LENGTH, _DEG_PER_COUNT = 3, 1 / 64
 #: Time between two samples, in units of 1/16384 s: 202.27 Hz, nominally 200.
 _TICKS, _TICKS_HZ = 81, 16384
 _SETTLE_S = 2e-3
@@ -54,11 +52,7 @@ class BendSensor:
         sleep(max(_SETTLE_S, _TICKS / _TICKS_HZ))
 
     def read(self) -> float | None:
-        """Return the angle in deg; None if the reply is not a sample.
-
-        The sensor repeats its last sample until the next one is ready, so an
-        unchanged angle may be stale.
-        """
+        """Return the angle in deg, of a sample that may be repeated; None if there is none."""
         request = self._message.read(self._address, _LENGTH)
         code, counts = struct.unpack("<Bh", self._exchange("reading the angle", request))
         return counts * _DEG_PER_COUNT * self._gain + self._offset_deg if code == _SAMPLE else None

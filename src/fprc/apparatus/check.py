@@ -50,9 +50,15 @@ def check_rig(settings: Mapping[str, Any], armed: bool, guardian: Guardian) -> i
 
     Logs the readings and all problems; returns 0 if there is no problem, else 1.
     """
-    settings = {**settings, "hardware": _with_check_limits(settings["hardware"])}
-    rate_hz = settings["control"]["sample_rate_hz"]
-    present = [name for name in SENSORS if settings["hardware"]["phi"] or name != "phi_deg"]
+    hardware, rate_hz = settings["hardware"], settings["control"]["sample_rate_hz"]
+    limits = dict(hardware["limits"])
+    for name in ("p_exp_kpa", "p_i_kpa"):
+        low, high = limits[name]
+        limits[name] = low, min(high, HIGHEST_KPA)
+    low, high = limits["p_o_kpa"]
+    limits["p_o_kpa"] = min(low, limits["p_i_kpa"][0]), high  # PAM B may be empty
+    settings = {**settings, "hardware": {**hardware, "limits": limits}}
+    present = [name for name in SENSORS if hardware["phi"] or name != "phi_deg"]
     rest: dict[str, float] = {}
     trouble: list[str] = []
     for phase in PHASES if armed else ("rest",):
@@ -82,18 +88,7 @@ def check_rig(settings: Mapping[str, Any], armed: bool, guardian: Guardian) -> i
         log.info("valves: kept vented; --armed fills and vents each chamber in turn")
     for line in [f"TROUBLE: {line}" for line in trouble] or ["no trouble found"]:
         log.info("%s", line)
-    return 1 if trouble else 0
-
-
-def _with_check_limits(hardware: Mapping[str, Any]) -> dict[str, Any]:
-    """Adapt the limits to a check: allow an empty PAM B, lower the highest pressures."""
-    limits = dict(hardware["limits"])
-    for name in ("p_exp_kpa", "p_i_kpa"):
-        low, high = limits[name]
-        limits[name] = (low, min(high, HIGHEST_KPA))
-    low, high = limits["p_o_kpa"]
-    limits["p_o_kpa"] = (min(low, limits["p_i_kpa"][0]), high)
-    return {**hardware, "limits": limits}
+    return int(bool(trouble))
 
 
 def _problems(phase: str, means: Mapping[str, float], rest: Mapping[str, float]) -> Iterator[str]:

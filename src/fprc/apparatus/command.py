@@ -1,20 +1,34 @@
-"""`fprc rig`: check the real rig, or run an experiment on it."""
+"""`fprc rig`: the experiments on the real rig by name, and how they are started."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from fprc import __version__
 from fprc.apparatus.guardian import guard
-from fprc.apparatus.programme import names, plan, refuse_unknown
 from fprc.artifacts import refuse_output
+from fprc.channels import unit_of
 from fprc.config import from_files, local_files
-from fprc.errors import ControlError
-from fprc.registry import model_of_run
+from fprc.config.settings import Control, Signal
+from fprc.config.tracking import Tracking
+from fprc.control import Law, hysteresis_law
+from fprc.errors import ConfigError, ControlError
+from fprc.escape import in_words
+from fprc.paper import DISTURBANCE, EXPERIMENTS, reference_and_controller, run_log
+from fprc.registry import (
+    controllers,
+    entries,
+    feedforward_of,
+    load_class,
+    model_of_run,
+    outside_classes,
+)
+from fprc.signals import pressure_command
 
 
 def check(*, armed: bool = False, config: Sequence[str] = ()) -> None:
     """Check valves and sensors one by one."""
-    guard({"what": "check", "settings": _prepare(config), "armed": armed})
+    guard({"what": "check", "settings": _settings(config), "armed": armed})
 
 
 def run(
@@ -24,36 +38,27 @@ def run(
     model: str | None = None,
     armed: bool = False,
     config: Sequence[str] = (),
-) -> None:
+) -> str:
     """Run one experiment and write its raw log."""
-    settings = _prepare(config)
+    settings = _settings(config)
     if name == "list":
-        print("\n".join(names(settings)))
-        return
-    refuse_unknown(name, settings)
+        return "\n".join(names(settings)) + "\n"
+    _refuse_unknown(name, settings)
     folders = settings["folders"]
     trained = f"{folders['results']}/models/sweep_{model_of_run(name)}.h5"
     model = model or (trained if Path(trained).exists() else "")
     raw = out or f"{folders['raw']}/{name}.h5"
     record(raw, name=name, settings=settings, armed=armed, model=model)
+    return ""
 
 
 def record(
-    raw: str,
-    *,
-    name: str,
-    settings: Mapping[str, Any],
-    armed: bool,
-    model: str = "",
+    raw: str, *, name: str, settings: Mapping[str, Any], armed: bool, model: str = ""
 ) -> None:
     """Run one experiment on the real rig and write its raw log.
 
-    Raises
-    ------
-    OutputError
-        The log exists, or cannot be written.
-    ControlError
-        Not armed, or the run was stopped; names the experiment, or the file of its samples.
+    OutputError: the log exists, or cannot be written. ControlError: not armed, or the run was
+    stopped; names the experiment, or the file of its samples. Others are those of ``plan``.
     """
     refuse_output(raw, ".h5")
     plan(name, settings, model)  # refuses what the process would refuse, before it starts
@@ -69,5 +74,112 @@ def record(
     guard({"what": "run", "settings": dict(settings), "run": run})
 
 
-def _prepare(files: Sequence[str]) -> dict[str, Any]:
+def _settings(files: Sequence[str]) -> dict[str, Any]:
     return from_files(files or local_files()).model_dump(mode="json")
+
+
+class Experiment(NamedTuple):
+    """Experiment on the real rig, and what its log has."""
+
+    law: Law  #: see ``fprc.control.run``
+    samples: int
+    attributes: dict[str, Any]
+    highest_kpa: dict[str, float]  #: to which the commands may go, by sensor
+    extra: tuple[str, ...] = ()  #: channels that the law returns after the setpoints
+    hint: str = ""  #: what the user at the rig must do, after a semicolon
+
+
+def names(settings: Mapping[str, Any]) -> list[str]:
+    """Return the names of the experiments in the order in which they are run."""
+    references, laws = settings["tracking"]["references"], controllers(settings["models"])
+    return [*EXPERIMENTS, *(run_log(reference, law) for reference in references for law in laws)]
+
+
+def _refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
+    known = names(settings)
+    if name not in known:
+        raise ConfigError(f"no experiment {name}; must be one of {', '.join(known)}")
+
+
+def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
+    """Return the experiment of that name, with the model in a file if it needs one.
+
+    FprcError: there is no such experiment, its commands are beyond ``hardware.limits``, or its
+    reference is impossible; the model is missing, was changed, is another than the experiment's, or
+    was trained at another rate or in other units.
+    """
+    _refuse_unknown(name, settings)
+    planned = (
+        _hysteresis(name, settings) if name in EXPERIMENTS else _tracking(name, settings, model)
+    )
+    for sensor, kpa in planned.highest_kpa.items():
+        if kpa > (limit := settings["hardware"]["limits"][sensor][1]):  # its reading ends the run
+            raise ConfigError(
+                f"commands go up to {kpa:g} kPa, and a reading above {limit:g} ends a run "
+                f"(hardware.limits.{sensor}); lower the amplitude, tracking.pressure_limit_kpa or "
+                "control.reservoir_limit_kpa"
+            )
+    rig = {"hardware": settings["hardware"], **planned.attributes["rig"]}
+    of_rig = {"source": "rig", "software": f"fprc {__version__}", "rig": rig}
+    return planned._replace(attributes=planned.attributes | of_rig)
+
+
+def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
+    control, signal = Control(**settings["control"]), Signal(**settings["experiments"][name])
+    p_exp_kpa = pressure_command(signal, control.sample_rate_hz)
+    attributes = {
+        "experiment": name,
+        "sample_rate_hz": control.sample_rate_hz,
+        "seed": settings["seed"],
+        "rig": {"control": settings["control"], "signal": settings["experiments"][name]},
+    }
+    highest_kpa = {"p_exp_kpa": p_exp_kpa.max(), "p_i_kpa": control.reservoir_limit_kpa}
+    return Experiment(hysteresis_law(p_exp_kpa, control), len(p_exp_kpa), attributes, highest_kpa)
+
+
+def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
+    # imported here because it takes a second, for which the other experiments need not wait
+    from fprc.experiments.tracking import Track, describe_model
+
+    control, tracking = Control(**settings["control"]), Tracking(**settings["tracking"])
+    bench = Track(tracking, control, {}, settings["seed"])
+    reference, controller = reference_and_controller(name)
+    theta_d = bench.reference(reference)
+    p_i_kpa = control.k_in_kpa_per_deg * theta_d.max()
+    attributes, fitted = bench.describe(reference, controller), None
+    driver = feedforward_of(controller)
+    if driver and model:  # without a file the law refuses to start
+        fitted = _load(model, name, driver, settings)
+        attributes |= describe_model(fitted, model)
+    hint = f"; push the reservoir by hand from {tracking.pushes.quiet_s:g} s on"
+    return Experiment(
+        bench.law(theta_d, controller, fitted),
+        len(theta_d),
+        attributes,
+        {"p_exp_kpa": tracking.pressure_limit_kpa, "p_i_kpa": p_i_kpa},
+        bench.channels(controller),
+        hint if reference == DISTURBANCE else "",
+    )
+
+
+def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any:
+    """Load the model of an experiment, and check that it is the one in the name."""
+    from fprc.experiments.trained import refuse_other_data
+    from fprc.models import load_model
+
+    models, which = settings["models"], f"{file}, the model of {name}"
+    inputs, needed = entries(models)[driver].inputs, load_class(driver, models)
+    fitted = load_model(file, outside_classes(models))
+    if type(fitted) is not needed:
+        raise ConfigError(
+            f"{which}, is a {type(fitted).__name__}, must be a {needed.__name__}; give another "
+            "--model, or choose the experiment that is named after it"
+        )
+    if (columns := fitted.n_features_in_) != len(inputs):
+        raise ConfigError(
+            f"{which}, was fitted to {columns} inputs, must have {len(inputs)}, "
+            f"{in_words(inputs)}; train it again"
+        )
+    units = [unit_of(channel) for channel in ("p_target_kpa", *inputs)]
+    refuse_other_data(fitted, which, settings["control"]["sample_rate_hz"], units)
+    return fitted

@@ -41,12 +41,9 @@ _GIVES_UP = "Ctrl-C, or where it is ignored `kill`, gives up"
 def guard(request: Mapping[str, Any]) -> None:
     """Run a request in a child process and supervise it (see ``fprc.apparatus.process``).
 
-    Raises
-    ------
-    DeviceError
-        Another process holds the boards, or this is not Linux; nothing was started.
-    ControlError
-        The child failed, was killed or stopped responding; says whether the chambers are vented.
+    DeviceError: another process holds the boards, or this is not Linux; nothing was started.
+    ControlError: the child failed, was killed or stopped responding; says whether the chambers are
+    vented.
     """
     hardware = request["settings"]["hardware"]
     with locked(hardware) as locks:

@@ -1,19 +1,19 @@
 """The real rig behind the device protocol: valves, pressure sensors, angle sensors, and venting.
 
-``hardware`` is a mapping as in ``fprc.config.hardware.Hardware``. Whoever opens a part of it holds
-the locks of the boards, see ``fprc.apparatus.contec``.
+``hardware`` is a mapping as in ``fprc.config.hardware.Hardware``. The guardian's process holds the
+locks of the boards, see ``fprc.apparatus.contec``.
 """
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from functools import partial
 from itertools import cycle
 from typing import Any
 
 from fprc.apparatus.bendlabs import BendSensor, open_bus
-from fprc.apparatus.contec import Board, locked
+from fprc.apparatus.contec import Board
 from fprc.channels import Readings
 from fprc.errors import DeviceError
 
@@ -43,9 +43,7 @@ class Pneumatics:
 
     def __init__(self, hardware: Mapping[str, Any], *, reset: bool):
         boards, self._voltages = hardware["boards"], hardware["valves"]
-        names = "p_exp", "p_i", "p_o"
-        self._channels = [boards[f"{name}_input"] for name in names]
-        self._scales = [(hardware[n]["zero_v"], hardware[n]["gain_kpa_per_v"]) for n in names]
+        self._sensors = [(boards[f"{k}_input"], hardware[k]) for k in ("p_exp", "p_i", "p_o")]
         self._outputs = boards["main_output"], boards["reservoir_output"]
         # for a watchdog relay
         self._heartbeat, self._beat_v = boards["heartbeat_output"], cycle((5.0, 0.0))
@@ -64,9 +62,8 @@ class Pneumatics:
     def pressures(self) -> list[float]:
         """Return the present P_exp, P_i and P_o, kPa gauge."""
         self._inputs = self._inputs or self._open_inputs()
-        volts = self._inputs.read(1 + max(self._channels))
-        own = zip(self._channels, self._scales, strict=True)
-        return [(volts[channel] - zero) * gain for channel, (zero, gain) in own]
+        volts = self._inputs.read(1 + max(channel for channel, _ in self._sensors))
+        return [(volts[at] - own["zero_v"]) * own["gain_kpa_per_v"] for at, own in self._sensors]
 
     def write(self, main_v: float, reservoir_v: float) -> None:
         """Set both voltages; if both writes succeed, toggle the heartbeat output."""
@@ -158,20 +155,9 @@ def vent_from_outside(hardware: Mapping[str, Any], note: Callable[[str], None]) 
 class HardwareRig:
     """The paper's apparatus (Sec. II-B, Fig. 3).
 
-    Parameters
-    ----------
-    elapsed : callable
-        Returns the time since the start of the run, s, which becomes the time of a reading.
-    has_lock : bool
-        Whether this process has the locks of the boards already, or takes them until ``close``.
-    sleep, now : callable
-        Sleep function, and a monotonic clock, s.
-
-    Raises
-    ------
-    DeviceError
-        Another process has a board, and nothing was moved; or a part cannot be opened, and the
-        others are released, vented.
+    ``elapsed`` returns the time since the start of the run, s, which becomes the time of a reading;
+    ``sleep`` and ``now`` are a sleep function and a monotonic clock, s. DeviceError: a part cannot
+    be opened, and the others are released, vented.
     """
 
     def __init__(
@@ -179,24 +165,14 @@ class HardwareRig:
         hardware: Mapping[str, Any],
         elapsed: Callable[[], float],
         *,
-        has_lock: bool = False,
         sleep: Callable[[float], None] = time.sleep,
         now: Callable[[], float] = time.monotonic,
     ):
-        self._elapsed, self._sleep, self._now = elapsed, sleep, now
-        self._buses: dict[int, Any] = {}
-        self._sensors: list[BendSensor] = []
-        self._angles = [math.nan, math.nan]
-        with ExitStack() as held:
-            if not has_lock:
-                held.enter_context(locked(hardware))
-            self._pneumatics = Pneumatics(hardware, reset=True)
-            self._start(hardware, sleep)
-            self._locks = held.pop_all()
+        self._elapsed, self._buses = elapsed, dict[int, Any]()
+        self._sensors, self._angles = list[BendSensor](), [math.nan, math.nan]
+        self._pneumatics = Pneumatics(hardware, reset=True)
+        self._vent = partial(self._pneumatics.vent, sleep=sleep, now=now)
         self.write, self.safe = self._pneumatics.write, self._pneumatics.safe
-
-    def _start(self, hardware: Mapping[str, Any], sleep: Callable[[float], None]) -> None:
-        """Start the angle sensors; without one, vent and release the rest."""
         try:
             for place in filter(None, (hardware["theta"], hardware["phi"])):
                 calibration = dict(place)
@@ -207,16 +183,13 @@ class HardwareRig:
                 self._sensors[-1].start(sleep=sleep)
         except BaseException:
             with suppress(DeviceError):
-                _call_all([self._pneumatics.exhaust, *self._releases()])
+                self._end(self._pneumatics.exhaust)
             raise
 
     def read(self) -> Readings:
         """Return the latest reading of every sensor; NaN for a sensor that the rig lacks.
 
-        Raises
-        ------
-        DeviceError
-            A board or a sensor does not answer.
+        DeviceError: a board or a sensor does not answer.
         """
         stamp = self._elapsed()
         p_exp, p_i, p_o = self._pneumatics.pressures()
@@ -229,20 +202,14 @@ class HardwareRig:
     def close(self) -> None:
         """Vent, wait until readings confirm it, and release every part, even if a step fails.
 
-        Raises
-        ------
-        DeviceError
-            No reading confirms that both chambers are vented; the driver or a sensor reports
-            an error.
+        DeviceError: no reading confirms that both chambers are vented, or a part reports an error.
         """
-        vent = partial(self._pneumatics.vent, sleep=self._sleep, now=self._now)
-        with self._locks:
-            _call_all([vent, *self._releases()])
+        self._end(self._vent)
 
-    def _releases(self) -> Iterator[Callable[[], None]]:
-        yield self._pneumatics.release
-        yield from (sensor.shutdown for sensor in self._sensors)
-        yield from (bus.close for bus in self._buses.values())
+    def _end(self, vent: Callable[[], None]) -> None:
+        sensors = (sensor.shutdown for sensor in self._sensors)
+        buses = (bus.close for bus in self._buses.values())
+        _call_all([vent, self._pneumatics.release, *sensors, *buses])
 
 
 def _call_all(calls: Iterable[Callable[[], None]]) -> None:

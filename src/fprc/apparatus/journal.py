@@ -2,15 +2,14 @@
 
     header  samples  end mark
 
-Header and end mark are a marker (8 bytes) and a line: CRC-32, blank, JSON. A sample is its tick
-(uint64), one float64 per channel and a CRC-32 (uint32), all little-endian. The checksums of
-samples and end mark start from the header's checksum, so that those of another journal are
-rejected (after a power cut a disk may return an old page).
+Each part is a marker of 8 bytes, a CRC-32 (uint32), and content: a sample's tick (uint64) and one
+float64 per channel, all little-endian; or a line of JSON. The checksums of samples and end mark
+start from the header's checksum, so that those of another journal are rejected (after a power cut a
+disk may return an old page).
 """
 
 import json
 import os
-import re
 import struct
 import threading
 import zlib
@@ -22,22 +21,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.artifacts import refuse_output
+from fprc.artifacts import parse_object, refuse_output
 from fprc.errors import LogError
 from fprc.given import read_given
 from fprc.logs import write_raw
 
-#: Marker of the header; the digit is the version of the format.
-_MAGIC = b"\x89FPRCJ2\n"
-#: Marker of the end mark, at the place where a sample has its tick.
-_END = b"\x89FPRCE2\n"
-_NOT_ZERO = re.compile(rb"[^\0]")
-#: Encoding of a sample's CRC-32.
-_UINT32 = struct.Struct("<I")
+#: Marker of a part; the digit is the version of the format.
+_MARK = b"\x89FPRCJ3\n"
 #: What header and end mark must hold.
 _IN_HEADER = {"names": list, "started": str}
 _IN_END = {"samples": int, "reason": str, "statistics": dict}
-#: Largest journal: 16 h of ten channels at 200 Hz.
+#: Largest journal: 15 h of ten channels at 200 Hz.
 _LARGEST_BYTES = 1 << 30
 
 
@@ -64,15 +58,14 @@ class Journal:
         self.path, self.samples = path, 0
         started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
         self.attributes = started | dict(attributes)
-        line = _line(self.attributes | {"names": list(names)})
-        self._seed = int(line[:8], 16)
-        self._start = len(_MAGIC + line)
+        header = _part(_line(self.attributes | {"names": list(names)}), 0)
+        self._seed, self._bytes = _crc_of(header.removeprefix(_MARK)), len(header)
         self._record = struct.Struct(f"<Q{len(names)}d")
         self._problem = ""
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o644)
-            _write(self._file, _MAGIC + line)
+            _write(self._file, header)
             os.fsync(self._file)
             folder = os.open(path.parent, os.O_RDONLY)
             os.fsync(folder)
@@ -93,13 +86,14 @@ class Journal:
         """
         if self._problem:
             raise LogError(self._problem)
-        sample = self._record.pack(tick, *row)
+        part = _part(self._record.pack(tick, *row), self._seed)
         try:
-            _write(self._file, sample + _UINT32.pack(zlib.crc32(sample, self._seed)))
+            _write(self._file, part)
         except OSError as error:
             self._problem = self._unwritten("sample", error)
             raise LogError(self._problem) from error
         self.samples += 1
+        self._bytes += len(part)
 
     def close(self, reason: str = "", **statistics: Any) -> None:
         """Write the end mark and close the file; a second call does nothing.
@@ -114,7 +108,7 @@ class Journal:
         problem = self._problem or self._loss()
         content = {"reason": problem or reason, "statistics": statistics, "samples": self.samples}
         try:
-            _write(self._file, _END + _line(content, self._seed))
+            _write(self._file, _part(_line(content), self._seed))
             os.fsync(self._file)
         except OSError as error:
             problem = problem or self._unwritten("end mark after sample", error)
@@ -145,10 +139,9 @@ class Journal:
 
     def _loss(self) -> str:
         """Return an error text if the file was lost; empty if it is whole."""
-        written = self._start + self.samples * (self._record.size + _UINT32.size)
         with suppress(OSError):  # if it was moved or unmounted
             kept = os.fstat(self._file)
-            if os.path.samestat(self.path.stat(), kept) and kept.st_size >= written:
+            if os.path.samestat(self.path.stat(), kept) and kept.st_size >= self._bytes:
                 return ""
         return (
             f"{self.path} was deleted, moved, replaced, cut or unmounted during the run; leave it "
@@ -162,9 +155,30 @@ def _write(file: int, data: bytes) -> None:
         data = data[os.write(file, data) :]
 
 
-def _line(content: Mapping[str, Any], seed: int = 0) -> bytes:
-    text = json.dumps(content).encode("ascii")
-    return b"%08x %b\n" % (zlib.crc32(text, seed), text)
+def _line(content: Mapping[str, Any]) -> bytes:
+    return json.dumps(content).encode("ascii") + b"\n"
+
+
+def _part(content: bytes, seed: int) -> bytes:
+    return _MARK + zlib.crc32(content, seed).to_bytes(4, "little") + content
+
+
+def _crc_of(part: bytes) -> int:
+    return int.from_bytes(part[:4], "little")
+
+
+def _intact(part: bytes, end: int, seed: int) -> bytes:
+    """Return the content of a part up to an end; empty if it was cut, damaged or forged."""
+    return part[4:end] if zlib.crc32(part[4:end], seed) == _crc_of(part) else b""
+
+
+def _object(part: bytes, types: Mapping[str, type], seed: int = 0) -> dict[str, Any]:
+    """Return the JSON object of a part; empty if it has none with values of these types."""
+    with suppress(ValueError, RecursionError):
+        content = parse_object(_intact(part, part.find(b"\n", 4) + 1, seed).decode())
+        if all(type(content.get(name)) is kind for name, kind in types.items()):
+            return content
+    return {}
 
 
 class Findings(NamedTuple):
@@ -184,25 +198,31 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     what was found. LogError: it cannot be opened, is no journal, or its header is damaged.
     """
     data = read_given(path, error=LogError, most_bytes=_LARGEST_BYTES)
-    line = data[: data.find(b"\n", len(_MAGIC)) + 1]
-    header = _content(line.removeprefix(_MAGIC), _IN_HEADER) if data.startswith(_MAGIC) else None
-    names = header[0].pop("names") if header else []
-    if header is None or not names or not all(isinstance(name, str) for name in names):
+    _, header, *parts = data.split(_MARK) if data.startswith(_MARK) else (b"", b"")
+    attributes = _object(header, _IN_HEADER)
+    names = attributes.pop("names", [])
+    if not names or not all(isinstance(name, str) for name in names):
         raise LogError(
             f"{path}: not a journal of this version, or its header is damaged or cut; give the "
             "file *.journal beside the raw log, restore it, or run again"
         )
-    attributes, seed = header
-    record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),)), ("crc", "<u4")])
-    starts, end, cut = _find(data, len(line), record.itemsize, seed)
-    records = np.array([data[at : at + record.itemsize] for at in starts], "V").view(record)
+    record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),))])
+    samples, end, cut = list[bytes](), dict[str, Any](), False
+    for part in parts:
+        sample = _intact(part, 4 + record.itemsize, _crc_of(header))
+        if len(sample) == record.itemsize:
+            samples.append(sample)
+        elif end := _object(part, _IN_END, _crc_of(header)):
+            break
+        cut = len(part) != 4 + record.itemsize or not sample
+    records = np.frombuffer(b"".join(samples), record)
     # a disk that returns a page twice, or in another place, loses nothing
-    ticks, kept = np.unique(records["tick"].astype(np.int64), return_index=True)
+    ticks, kept = np.unique(records["tick"], return_index=True)
     channels = {name: records["row"][kept, j] for j, name in enumerate(names)}
     if end:
         lost, reasons = max(end["samples"] - kept.size, 0), [end["reason"]]
     else:
-        lost, ran = int(cut), int(ticks.max(initial=-1)) + 1
+        lost, ran = int(cut), int(ticks[-1]) + 1 if ticks.size else 0
         reasons = [
             "the end mark is missing: the program was killed, or the power failed and up to a "
             "second more is lost"
@@ -211,41 +231,8 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
             reasons.append(f"{ran - kept.size} of {ran} ticks have no sample")
     if lost:
         reasons.append(f"{lost} of {kept.size + lost} samples are lost")
-    reason, statistics = "; ".join(filter(None, reasons)), end["statistics"] if end else {}
-    return channels, attributes, Findings(kept.size, lost, end is not None, reason, statistics)
-
-
-def _find(
-    data: bytes, at: int, size: int, seed: int
-) -> tuple[list[int], dict[str, Any] | None, bool]:
-    """Return where samples begin, the end mark, and whether other bytes follow the last of these.
-
-    After bytes that are no sample, the next one is looked for at each byte: another program may
-    have written to the file.
-    """
-    starts, foreign = list[int](), False
-    while at < len(data):
-        sample = data[at : at + size]
-        if len(sample) == size and zlib.crc32(sample[:-4], seed) == _UINT32.unpack(sample[-4:])[0]:
-            starts.append(at)
-            foreign, at = False, at + size
-        elif sample.startswith(_END) and (end := _content(data[at + len(_END) :], _IN_END, seed)):
-            return starts, end[0], False
-        else:
-            other = _NOT_ZERO.search(data, at)  # a disk may return a long hole as zeros
-            foreign, at = True, max((other.start() if other else len(data)) - size + 1, at + 1)
-    return starts, None, foreign
-
-
-def _content(line: bytes, types: Mapping[str, type], seed: int = 0) -> tuple[Any, int] | None:
-    """Return the content of a line and its checksum; None if it was cut, damaged or forged."""
-    crc, _, text = line.rstrip(b"\n").partition(b" ")
-    right = zlib.crc32(text, seed)
-    with suppress(ValueError, RecursionError):
-        content = json.loads(text) if crc == b"%08x" % right else None
-        if isinstance(content, dict) and all(type(content.get(k)) is types[k] for k in types):
-            return content, right
-    return None
+    reason, statistics = "; ".join(filter(None, reasons)), end.get("statistics", {})
+    return channels, attributes, Findings(kept.size, lost, bool(end), reason, statistics)
 
 
 def recover(journal: Path | str, raw: Path | str) -> Findings:

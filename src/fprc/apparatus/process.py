@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from fprc.apparatus.check import check_rig
+from fprc.apparatus.command import plan
 from fprc.apparatus.journal import Journal, state_of
-from fprc.apparatus.programme import plan
 from fprc.apparatus.session import Guardian, on_rig
 from fprc.artifacts import refuse_output
 from fprc.channels import RAW_CHANNELS
@@ -51,12 +51,7 @@ def main() -> int:
 
 
 def record(
-    name: str,
-    raw: str,
-    *,
-    settings: Mapping[str, Any],
-    model: str = "",
-    guardian: Guardian,
+    name: str, raw: str, *, settings: Mapping[str, Any], model: str = "", guardian: Guardian
 ) -> None:
     """Run an experiment on the real rig and write its raw log.
 
@@ -65,16 +60,15 @@ def record(
     beside the journal under another name, or among the temporary files; the ControlError names it.
     DeviceError: a part cannot be opened.
     """
-    experiment = plan(name, settings, model)
+    law, samples, attributes, _, extra, hint = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
-    seconds = experiment.samples / settings["control"]["sample_rate_hz"]
-    log.info("%s, %.0f s; Ctrl-C stops it and vents%s", name, seconds, experiment.hint)
-    journal = Journal(path, experiment.channels, experiment.attributes)
-    extra = experiment.channels[len(RAW_CHANNELS) :]
+    seconds = samples / settings["control"]["sample_rate_hz"]
+    log.info("%s, %.0f s; Ctrl-C stops it and vents%s", name, seconds, hint)
+    journal = Journal(path, (*RAW_CHANNELS, *extra), attributes)
     try:
         channels, statistics, stopped, unvented = on_rig(
-            settings, experiment.law, experiment.samples, guardian, extra=extra, keep=journal.append
+            settings, law, samples, guardian, extra=extra, keep=journal.append
         )
     except BaseException as error:
         with suppress(LogError):
@@ -87,10 +81,10 @@ def record(
         if str(error) not in stopped:
             log.warning("%s", error)
     attributes = journal.attributes | state_of(stopped, statistics)
-    samples, rescued = len(channels["time_s"]), path.with_suffix(".rescued.h5")
+    recorded, rescued = len(channels["time_s"]), path.with_suffix(".rescued.h5")
     places = [rescued, Path(tempfile.gettempdir(), rescued.name)]
-    why, where = [stopped], f"{path} has what it can of the {samples} samples"
-    for place in [] if not samples else places if stopped else [Path(raw), *places]:
+    why, where = [stopped], f"{path} has what it can of the {recorded} samples"
+    for place in [] if not recorded else places if stopped else [Path(raw), *places]:
         try:
             place.parent.resolve(strict=True)  # a folder that is gone is not made again
             refuse_output(place, ".h5")
@@ -99,9 +93,9 @@ def record(
             why.append(str(error))
             continue
         if place == Path(raw):
-            log.info("%d samples, %d ticks missed; wrote %s", samples, statistics["overruns"], raw)
+            log.info("%d samples, %d ticks missed; wrote %s", recorded, statistics["overruns"], raw)
             return
-        where = f"{place} has the {samples} samples"
+        where = f"{place} has the {recorded} samples"
         break
     shown = "" if unvented else "; both chambers are vented, as their sensors show"
     raise ControlError("\n".join(filter(None, [*why, f"{where}{shown}"])))

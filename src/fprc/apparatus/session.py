@@ -18,7 +18,7 @@ from fprc.config.settings import Control
 from fprc.control import Law, RunAbortedError, run
 from fprc.control_laws import HIGHEST_V
 from fprc.devices import Device
-from fprc.errors import ControlError, DeviceError, SafetyError
+from fprc.errors import ControlError, DeviceError
 
 
 def _now_s() -> float:
@@ -29,9 +29,9 @@ def _now_s() -> float:
 class Metronome:
     """Ticks at start + k * period on a monotonic clock, so that lateness does not add up.
 
-    A tick that is late by a period or more is skipped: the loop continues with
-    the tick now due. The first tick is due one period after the first call.
-    ``overruns_in_a_row`` is the most that may be missed before the loop is on time again.
+    A tick that is late by a period or more is skipped: the loop continues with the tick now due.
+    The first tick is due one period after the first call. ``overruns_in_a_row`` is the most that
+    may be missed before the loop is on time again.
     """
 
     def __init__(
@@ -55,10 +55,7 @@ class Metronome:
     def wait_for(self, tick: int) -> int:
         """Wait until this tick is due; return the tick now due, a later one if some were missed.
 
-        Raises
-        ------
-        ControlError
-            More ticks than allowed were missed, with none on time between them.
+        ControlError: more were missed than allowed, with none on time between them.
         """
         if self._start_s is None:
             self._start_s = self._now() + self._period_s - tick * self._period_s
@@ -88,13 +85,12 @@ class Metronome:
 
 
 class CheckedRig:
-    """A rig whose readings and commands are checked at every sample.
+    """A rig whose readings and commands are checked at every sample against ``hardware.limits``.
 
     A reading stops the run if it is no number, is out of range, jumps further than the rig can
-    move between two samples, or stays constant for too long (a working sensor has noise).
-
-    The limits are those of ``hardware``. Those on jumps are per period: after a missed tick a
-    reading may change by more. Unless it ``moves``, no command is passed on.
+    move between two samples, or stays constant for too long (a working sensor has noise). Limits on
+    jumps are per period: after a missed tick a reading may change by more. Unless it ``moves``, no
+    command is passed on.
     """
 
     def __init__(
@@ -113,7 +109,7 @@ class CheckedRig:
         self._changed_s: dict[str, float] = {}
 
     def read(self) -> Readings:
-        """Return the readings; SafetyError lists each beyond its limits, with the limit's key."""
+        """Return the readings; ControlError lists each beyond its limits, with the limit's key."""
         now = self._device.read()
         last, self._last = self._last or now, now
         periods = max((now.time_s - last.time_s) / self._period_s, 1.0)
@@ -132,16 +128,18 @@ class CheckedRig:
             elif (held_s := now.time_s - self._changed_s[name]) > self._stale_s:
                 problems.append(f"{name} has been {value:g} for {held_s:.2f} s (stale_s)")
         if problems:
-            raise SafetyError(
+            raise ControlError(
                 "; ".join(problems) + "; check the sensor's cable, channel and calibration, and "
                 "hardware.limits"
             )
         return now
 
     def write(self, main_v: float, reservoir_v: float) -> None:
-        """Set the voltages of both valves; SafetyError, before any is written: not 0 to 10 V."""
+        """Set the voltages of both valves; ControlError, before any is written: not 0 to 10 V."""
         if not (0.0 <= main_v <= HIGHEST_V and 0.0 <= reservoir_v <= HIGHEST_V):
-            raise SafetyError(f"a valve takes 0 to {HIGHEST_V:g} V, not {main_v} and {reservoir_v}")
+            raise ControlError(
+                f"a valve takes 0 to {HIGHEST_V:g} V, not {main_v} and {reservoir_v}"
+            )
         if self._moves:
             self._device.write(main_v, reservoir_v)
 
@@ -216,12 +214,8 @@ def on_rig(
 
     Unless the law ``moves`` the rig, its voltages are not written. If the guardian is not there to
     vent in our place, we try until readings show it. ``law``, ``samples`` and ``recording`` are
-    those of ``fprc.control.run``.
-
-    Raises
-    ------
-    DeviceError
-        A part cannot be opened; or an unexpected exception came, and closing failed too.
+    those of ``fprc.control.run``. DeviceError: a part cannot be opened; or an unexpected exception
+    came, and closing failed too.
     """
     control, hardware = Control(**settings["control"]), settings["hardware"]
     period_s = 1.0 / control.sample_rate_hz
@@ -233,8 +227,7 @@ def on_rig(
 
     guardian.notify(OPENING)  # it then notices a call that hangs
     try:
-        # the locks are inherited from the guardian
-        opened = HardwareRig(hardware, clock.elapsed, has_lock=True, sleep=wait)
+        opened = HardwareRig(hardware, clock.elapsed, sleep=wait)
     except DeviceError:
         guardian.notify(SAFE)  # nothing was moved
         raise
@@ -243,9 +236,9 @@ def on_rig(
     stopped = unvented = ""
     try:
         device = CheckedRig(opened, hardware, period_s, moves=moves)
-        more = recording | {"neutral_v": hardware["valves"]["neutral_v"], "stop": guardian}
+        recording |= {"neutral_v": hardware["valves"]["neutral_v"], "stop": guardian}
         try:
-            channels = run(device, clock, law, samples, control, **more)
+            channels = run(device, clock, law, samples, control, **recording)
         except RunAbortedError as aborted:
             channels, stopped = aborted.channels, str(aborted)
         timing = clock.statistics()

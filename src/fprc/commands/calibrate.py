@@ -30,10 +30,8 @@ def calibrate_from_files(
 ) -> None:
     """Fit the simulated rig to what the paper prints and claims."""
     settings = from_files(files or local_files()).model_dump(mode="json")
-    path = ensemble or out
-    refuse_output(path, ".json" if ensemble else ".yaml")
-    printed = read_yaml(PUBLISHED)
-    rig = RigSettings(**on_rig(settings))
+    refuse_output(ensemble or out, ".json" if ensemble else ".yaml")
+    printed, rig = read_yaml(PUBLISHED), RigSettings(**on_rig(settings))
     how = {
         "validation": validation(settings, without="seed"),
         "calibration": settings["calibration"],
@@ -42,12 +40,9 @@ def calibrate_from_files(
     }
     with threadpool_limits(1):
         if ensemble:
-            found = {
-                "note": f"{WRITTEN} --ensemble",
-                **ensemble_around(printed, rig, MEMBERS, **how),
-            }
-            write_json(ensemble, found)
+            found = ensemble_around(printed, rig, MEMBERS, **how)
+            write_json(ensemble, {"note": f"{WRITTEN} --ensemble", **found})
         else:
             fitted, summary = fit_rig(printed, rig, **how)
             write_text(out, parameter_file(fitted, summary, Path(out).stem))
-    log.info("wrote %s", path)
+    log.info("wrote %s", ensemble or out)

@@ -124,17 +124,15 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
     ("log check", "commands.files:check_logs", """
         Check raw logs and say what is wrong with them.
 
-        The limits are the defaults; the expected sample rate is that of the log's
-        attributes. Exit code 1: a log cannot be used, or a check fails.
+        With the default limits. Exit code 1: a log cannot be used, or a check fails.
 
           fprc log check sweep.h5 complex.h5
     """, [_arg("paths", "FILE.h5", "raw log", nargs="+")]),
     ("log repair", "commands.files:repair", """
         Recover a raw log from the journal of a run.
 
-        Copies the readable samples to a new raw log and prints what is lost. Exit code
-        0: nothing is lost; 3: some is, or may be; 1: nothing is readable. A damaged
-        raw log is not repaired: use the journal of its run, which is beside it.
+        Prints what is lost. Exit code 0: nothing is lost; 3: some is, or may be; 1:
+        nothing is readable.
 
           fprc log repair sweep.journal --out sweep.h5
     """, [
@@ -144,11 +142,9 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
     ("readout", "recordings.readout:report_readout", """
         Say whether P_o of a recording is worth a second sensor.
 
-        Compares the best model of theta alone with the best one that also has P_o, on
-        parts of the recording that did not train them, and P_o with itself at other
-        times; then the paper's models. docs/own-data.md describes the map and the
-        answer. Writes `report.md`, `readout/answer.json` (every number) and two logs
-        for the workflow.
+        Compares the best model of theta alone with the best one that also has P_o.
+        docs/own-data.md describes the map and the answer. Writes `report.md`,
+        `readout/answer.json` (every number) and two logs for the workflow.
 
           fprc readout recording.csv --map map.yaml --out results/mine
     """, [
@@ -173,9 +169,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
     ("calibrate", "commands.calibrate:calibrate_from_files", """
         Fit the simulated rig to what the paper prints and claims.
 
-        Fits the free parameters of the rig, from their ranges alone, and writes a
-        parameter file; docs/rigs.md says how. Takes up to an hour. With
-        --ensemble it writes rigs around that of the configuration instead.
+        From the ranges of its parameters, in up to an hour; docs/rigs.md says how.
 
           fprc calibrate
           fprc calibrate mine.yaml --out config/rigs/mine.yaml

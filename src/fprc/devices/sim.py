@@ -10,7 +10,6 @@ from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, SENSORS, TRACKING_CHA
 from fprc.control_laws import NEUTRAL_V
 from fprc.errors import ControlError, SimulationError
 from fprc.rig.closed_loop import close_loop
-from fprc.rig.parameters import record
 from fprc.rig.simulator import (
     DIVERGED,
     NOISE_PER_TICK,
@@ -19,6 +18,7 @@ from fprc.rig.simulator import (
     draw_instruments,
     initial_state,
     parameters,
+    record,
 )
 
 if TYPE_CHECKING:
@@ -68,10 +68,7 @@ class SimulatedRig:
     def wait_for(self, tick: int) -> int:
         """Simulate up to this tick; no tick is ever missed.
 
-        Raises
-        ------
-        SimulationError
-            The state left its physical range; names the quantity and the time.
+        SimulationError: the state left its physical range; names the quantity and the time.
         """
         while self._tick < tick:
             self._advance(self._substeps)
@@ -105,8 +102,6 @@ class SimulatedRig:
 
         Parameters
         ----------
-        control : Control
-            Gains and limits.
         p_ff_kpa, theta_d_deg, push_kpa : ndarrays of shape (n_samples,)
             Feedforward, reference, and push on the reservoir, which is 0 by default.
         pressure_limit_kpa : float, default=inf
@@ -123,7 +118,7 @@ class SimulatedRig:
         ControlError
             P_ff is not finite.
         SimulationError
-            The state left its physical range; names the quantity and the time.
+            As ``wait_for``.
         """
         bad = np.flatnonzero(~np.isfinite(p_ff_kpa))
         if bad.size:

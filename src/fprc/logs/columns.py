@@ -1,6 +1,9 @@
-"""HDF5 files of channels of equal length, each with a unit and checksums."""
+"""HDF5 files of channels of equal length, each with a unit and checksums, and of attributes."""
 
 import errno
+import json
+import math
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -9,11 +12,10 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 
-from fprc.artifacts import replacing
+from fprc.artifacts import parse_object, replacing
 from fprc.channels import unit_of
 from fprc.errors import LogError
 from fprc.given import open_given
-from fprc.logs.attributes import as_written, read_attributes
 
 #: The first bytes of an HDF5 file; a model file has others.
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -27,6 +29,25 @@ _IN_MEMORY: dict[str, Any] = {
     "backing_store": False,
     "libver": ("v110", "v110"),
     "meta_block_size": 1,
+}
+
+#: Type of each known attribute; ``dict``: a JSON object. ``units`` belongs to a channel, all others
+#: to the file.
+_KINDS: dict[str, type] = {
+    **dict.fromkeys(("experiment", "source", "software", "started", "units"), str),
+    **dict.fromkeys(("controller", "reference", "model", "model_file", "model_sha256"), str),
+    **dict.fromkeys(("incomplete_reason", "imported_from", "imported_sha256"), str),
+    **dict.fromkeys(("sample_rate_hz", "settle_s", "imported_start_s"), float),
+    **dict.fromkeys(("seed", "lost_samples"), int),
+    **dict.fromkeys(("rig", "statistics", "notes", "recordings", "map"), dict),
+    "complete": bool,
+}
+_WORDS = {
+    str: "text",
+    bool: "true or false",
+    float: "a finite number",
+    int: "a whole number",
+    dict: "a JSON object",
 }
 
 
@@ -48,17 +69,31 @@ def write_columns(
     same content gives the same bytes. LogError: the name of a channel does not end in a unit.
     """
     with h5py.File("log", "w", **_IN_MEMORY) as file:
-        file.attrs.update({name: as_written(value) for name, value in attributes.items()})
+        file.attrs.update({name: _as_written(value) for name, value in attributes.items()})
         for name, values in channels.items():
             numbers = np.asarray(values, np.float64)
             # one chunk needs no index, which would have no checksum
             checked = {"chunks": numbers.shape, "fletcher32": True} if numbers.size else {}
             dataset = file.create_dataset(name, data=numbers, **checked)
-            dataset.attrs["units"] = as_written(unit_of(name))
+            dataset.attrs["units"] = _as_written(unit_of(name))
         file.flush()
         image = file.id.get_file_image()
     with replacing(path) as temporary:
         temporary.write_bytes(image)
+
+
+def _as_written(value: Any) -> Any:
+    """Return the form in which HDF5 stores an attribute: a number, or text of fixed length.
+
+    Anything but a number or text becomes JSON, in which NaN and infinity become null. Text of
+    variable length would lie outside the checksums of HDF5.
+    """
+    if not isinstance(value, str | bool | int | float | np.generic):
+        value = json.dumps(json.loads(json.dumps(value), parse_constant=lambda text: None))
+    if isinstance(value, str):
+        text = value.encode("utf-8", "backslashreplace")  # a name that is not UTF-8 has surrogates
+        return np.array(text, dtype=h5py.string_dtype("utf-8", max(len(text), 1)))
+    return value
 
 
 def read_columns(
@@ -119,11 +154,52 @@ def gather_columns(
                 f"channel {lengths[min(lengths)]}: {min(lengths)} samples, others have up to "
                 f"{max(lengths)}; record the log again"
             )
-        valid, wrong = read_attributes(file.attrs)
-        missing = [name for name in attributes if name not in file.attrs]
-        wrong += [f"attribute {name}: missing; see data/raw/README.md" for name in missing]
-    found = [f"{path}: {problem}" for problem in problems + wrong]
+        valid, wrong = _attributes(file.attrs)
+        problems += wrong
+        problems += [
+            f"attribute {name}: missing; see data/raw/README.md"
+            for name in attributes
+            if name not in file.attrs
+        ]
+    found = [f"{path}: {problem}" for problem in problems]
     return Columns(Path(path), channels, valid, present), found
+
+
+def _attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], list[str]]:
+    """Return the valid attributes of a file or dataset, and an error text for each invalid one.
+
+    Values are Python numbers and text; JSON is parsed. Attributes that are not in ``_KINDS``
+    and are neither a finite number nor text are skipped.
+    """
+    valid, problems = {}, []
+    for name in holder:
+        try:
+            valid[name] = _value(name, holder[name])
+        except (ValueError, TypeError, RecursionError) as error:
+            if name in _KINDS:
+                problems.append(
+                    f"attribute {name}: must be {_WORDS[_KINDS[name]]} ({error!s:.200}); see "
+                    "data/raw/README.md"
+                )
+    return valid, problems
+
+
+def _value(name: str, stored: Any) -> Any:
+    value = np.asarray(stored).item()  # of an array of several values, an error
+    if isinstance(value, str | bytes):  # of other programs also in other encodings
+        value = (value if isinstance(value, bytes) else os.fsencode(value)).decode("utf-8")
+    kind = _KINDS.get(name, type(value))
+    if kind is dict:
+        value = parse_object(value)
+        json.dumps(value, allow_nan=False)
+        if name == "notes" and not all(isinstance(note, str) for note in value.values()):
+            raise ValueError("each channel has a text")
+    # not isinstance, for which a bool is an int
+    elif type(value) not in ((float, int) if kind is float else (kind,)) or kind not in _WORDS:
+        raise TypeError(f"is of type {type(value).__name__}")
+    elif isinstance(value, float) and not math.isfinite(value):
+        raise ValueError("is not finite")
+    return value
 
 
 def _read(file: h5py.File, name: str) -> np.ndarray:
@@ -138,7 +214,7 @@ def _read(file: h5py.File, name: str) -> np.ndarray:
             f"is {dataset.dtype} of shape {dataset.shape}; must be one number per sample"
         )
     refuse_never_written(dataset)
-    unit = read_attributes(dataset.attrs)[0].get("units", "none")
+    unit = _attributes(dataset.attrs)[0].get("units", "none")
     if unit != unit_of(name):
         raise LogError(
             f"units are {unit}, must be {unit_of(name)}; convert the values and set the attribute"
@@ -157,6 +233,19 @@ def _read(file: h5py.File, name: str) -> np.ndarray:
             f"{bad.size}; cut them out or record again"
         )
     return values
+
+
+def refuse_never_written(dataset: h5py.Dataset) -> None:
+    """Raise LogError if some numbers of a dataset were never written.
+
+    For these the library returns fill values, of which a small file can declare any number.
+    """
+    status = dataset.id.get_space_status()
+    if dataset.size and status != h5py.h5d.SPACE_STATUS_ALLOCATED:
+        raise LogError(
+            f"declares {dataset.size:,} numbers, of which some or all were never written; record "
+            "the file again"
+        )
 
 
 def open_hdf5(path: Path) -> h5py.File:
@@ -201,16 +290,3 @@ def _opened(path: Path) -> Iterator[h5py.File]:
             f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged: "
             "restore it from a copy or its journal, or record it again"
         ) from error
-
-
-def refuse_never_written(dataset: h5py.Dataset) -> None:
-    """Raise LogError if some numbers of a dataset were never written.
-
-    For these the library returns fill values, of which a small file can declare any number.
-    """
-    status = dataset.id.get_space_status()
-    if dataset.size and status != h5py.h5d.SPACE_STATUS_ALLOCATED:
-        raise LogError(
-            f"declares {dataset.size:,} numbers, of which some or all were never written; record "
-            "the file again"
-        )

@@ -54,11 +54,8 @@ def warnings_of_run(log: Columns, limits: "Quality") -> list[str]:
 
 def warnings(record: Mapping[str, Any]) -> list[str]:
     """Return one line for each failed check of a quality record."""
-    return [
-        f"{record['log']}: {name}: {check['finding']}"
-        for name, check in record["checks"].items()
-        if not check["passed"]
-    ]
+    failed = {k: check for k, check in record["checks"].items() if not check["passed"]}
+    return [f"{record['log']}: {name}: {check['finding']}" for name, check in failed.items()]
 
 
 def other_quantity(name: str) -> str:
@@ -100,17 +97,16 @@ def _gaps(time_s: np.ndarray, limit_s: float) -> dict[str, Any]:
     gaps = np.flatnonzero(steps_s > limit_s) + 1
     begin = f"{gaps.size} gaps, the first before sample {gaps[0]}; " if gaps.size else ""
     finding = f"{begin}longest step {steps_s.max():.4g} s, limit {limit_s:.4g} s"
-    return {"passed": gaps.size == 0, "finding": finding}
+    return {"passed": not gaps.size, "finding": finding}
 
 
 def _outside(log: Columns, limits: "Quality") -> dict[str, Any]:
     counts, findings = {}, []
     for name, _, _, plausible, _ in CHANNELS:
-        other = substitute(name, log.attributes) is not None
-        if plausible is None or name not in log.channels or other:
+        values = log.channels.get(name)
+        if plausible is None or values is None or substitute(name, log.attributes) is not None:
             continue
         low, high = getattr(limits, plausible) if isinstance(plausible, str) else plausible
-        values = log.channels[name]
         outside = np.flatnonzero((values < low) | (values > high))
         counts[name] = int(outside.size)
         if outside.size:

@@ -33,25 +33,15 @@ def write_raw(path: Path | str, channels: Mapping[str, np.ndarray], /, **attribu
     if missing := [name for name in RAW_ATTRIBUTES if name not in described]:
         raise LogError(f"{path}: a raw log needs {in_words(missing)}; give each as an argument")
     described = {name: described[name] for name in RAW_ATTRIBUTES} | described
-    measured = {
-        name: values
-        for name, values in channels.items()
-        if not (len(values) and np.isnan(values).all())
-    }
+    lacking = {name for name, values in channels.items() if len(values) and np.isnan(values).all()}
+    measured = {name: values for name, values in channels.items() if name not in lacking}
     write_columns(path, measured, described)
 
 
 def read_raw(
     path: Path | str, *, experiment: str | None, sample_rate_hz: float | None, rate_tolerance: float
 ) -> Columns:
-    """Read a raw log and check it.
-
-    Parameters
-    ----------
-    experiment : str or None
-        Expected experiment; None accepts any.
-    sample_rate_hz : float or None
-        Expected rate; None uses the rate in the log's attributes.
+    """Read a raw log and check it; None accepts any experiment, and the rate that the log gives.
 
     Raises
     ------

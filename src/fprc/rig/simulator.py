@@ -1,24 +1,34 @@
 """The whole rig as one state that is advanced tick by tick.
 
-Two valves, the bending actuator, the dual-PAM reservoir and the sensors; each
-equation is in a separate module. Integration is semi-implicit Euler.
+Two valves, the bending actuator, the dual-PAM reservoir and the sensors. Integration is
+semi-implicit Euler.
 """
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from fprc.channels import CHANNELS
 from fprc.compiled import kernel
-from fprc.rig.bending import angular_acceleration, relax
-from fprc.rig.chamber import ATMOSPHERE_KPA, pressure_rate, sealed_pressure
 from fprc.rig.friction import LAWS, friction
-from fprc.rig.parameters import record
-from fprc.rig.reservoir import bending_rate, passive_volume, squeeze_rate
-from fprc.rig.sensors import converted, pressure_voltage, quantise
-from fprc.rig.valve import mass_flow, opening, spool_acceleration
+from fprc.rig.mechanics import (
+    angular_acceleration,
+    bending_rate,
+    passive_volume,
+    relax,
+    squeeze_rate,
+)
+from fprc.rig.pneumatics import (
+    ATMOSPHERE_KPA,
+    mass_flow,
+    opening,
+    pressure_rate,
+    sealed_pressure,
+    spool_acceleration,
+)
 
 #: Standard normal numbers per tick: noise of three pressure sensors, the drift, the slow error of
 #: the bend sensor, and noise of up to two samples of both angles.
@@ -30,6 +40,34 @@ SAMPLE = np.dtype([(channel.name, float) for channel in CHANNELS])
 #: Codes that ``advance`` returns when a quantity leaves its physical range.
 DIVERGED = {1: "pressure of the main chamber", 2: "pressure of PAM A", 3: "bending angle",
             4: "volume of PAM B", 5: "spool of a valve"}  # fmt: skip
+
+
+def record(settings: Mapping[str, Any]) -> np.ndarray:
+    """Pack nested numbers into a structured array of shape (1,).
+
+    Numbers become float64 fields, sequences fixed-length arrays, mappings nested records; names
+    and order are kept, in Python and in compiled code.
+    """
+    values, fields = _packed(settings)
+    return np.array([values], dtype=_layout(fields))
+
+
+@cache
+def _layout(fields: tuple[Any, ...]) -> np.dtype:
+    # one object per layout: numba compares two equal dtypes for longer than a tick takes
+    return np.dtype(
+        [(name, np.float64 if of is None else _layout(of), shape) for name, of, shape in fields]
+    )
+
+
+def _packed(settings: Mapping[str, Any]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """Return the numbers, and the name, fields (None of a number) and shape of each entry."""
+    values, fields = [], []
+    for name, value in settings.items():
+        numbers, of = _packed(value) if isinstance(value, Mapping) else (value, None)
+        values.append(numbers)
+        fields.append((name, of, () if of else np.shape(value)))
+    return tuple(values), tuple(fields)
 
 
 def parameters(rig: Mapping[str, Any]) -> np.ndarray:
@@ -216,6 +254,30 @@ def _bend_sample(state, rig, noise, column):
         state.bend_next_s += 1.0 / sensor.rate_hz
         column += 1
     return column
+
+
+@kernel
+def quantise(value, step):
+    """Round to the nearest multiple of ``step``."""
+    return math.floor(value / step + 0.5) * step
+
+
+@kernel
+def pressure_voltage(sensor, p_kpa, gain_error, offset_error, bow_error, noise_kpa):
+    """Output of a pressure transducer, V, before the converter.
+
+    The errors are shares of full scale; the bow is a parabola, zero at both ends of the range.
+    """
+    x = p_kpa / sensor.full_scale_kpa
+    x += gain_error * x + offset_error + bow_error * 4.0 * x * (1.0 - x)
+    x += noise_kpa / sensor.full_scale_kpa
+    return sensor.zero_v + sensor.span_v * x
+
+
+@kernel
+def converted(voltage, step_v, limit_v):
+    """Voltage after a converter of the given step, clipped to +- its limit."""
+    return quantise(min(max(voltage, -limit_v), limit_v), step_v)
 
 
 @kernel

@@ -21,9 +21,9 @@ ATTRIBUTES = {
     "software": "fprc test", "rig": {"boards": {"library": "θ"}}, "reference": "sine",
     "path": "mine", "channels": "mine",
 }  # fmt: skip
-SIZE = 8 + 8 * len(NAMES) + 4
-# as data/raw/README.md documents them
-MAGIC, END = b"\x89FPRCJ2\n", b"\x89FPRCE2\n"
+# as data/raw/README.md documents it
+MARK = b"\x89FPRCJ3\n"
+SIZE = len(MARK) + 4 + 8 + 8 * len(NAMES)
 
 
 def row(k):
@@ -50,7 +50,7 @@ def closed(tmp_path_factory):
         path = tmp_path_factory.mktemp("closed") / f"{name}.journal"
         write(path, overruns=3)
         data = path.read_bytes()
-        start = data.index(struct.pack("<Qd", 1, 1 / 200.0)) - SIZE
+        start = data.index(MARK, 1)
         end = start + 20 * SIZE
         files.append((data[:start], data[start:end], data[end:]))
     return *files[0], files[1][1]
@@ -184,8 +184,8 @@ def test_any_damage_leaves_the_other_samples(closed, tmp_path_factory, cut, flip
     if findings.closed:
         assert findings.lost == 20 - len(ticks)
         assert (findings.reason == "") is (ticks == list(range(20)))
-    if not touched:  # of the end mark the line end is not needed
-        assert findings.closed is (len(damaged) >= len(data) - 1)
+    if not touched:
+        assert findings.closed is (len(damaged) == len(data))
 
 
 #: What a disk or another program makes of the samples ``s``, with those of another journal ``o``,
@@ -203,7 +203,7 @@ CHANGES = {
     "zeros instead": (lambda s, o: s[:3 * SIZE] + bytes(2 * SIZE + 9) + s[5 * SIZE + 9:],
                       [3, 4, 5]),
     "bytes taken out": (lambda s, o: s[:6 * SIZE + 9] + s[8 * SIZE + 30:], [6, 7, 8]),
-    "a mark of the end": (lambda s, o: s[:6 * SIZE] + END + b"0 {}\n" + s[6 * SIZE:], []),
+    "a mark of the end": (lambda s, o: s[:6 * SIZE] + MARK + b"1234{}\n" + s[6 * SIZE:], []),
 }  # fmt: skip
 
 
@@ -228,10 +228,9 @@ FORGED = [
 
 @pytest.mark.parametrize("text", FORGED)
 def test_forged_header_is_refused_in_a_line(text, path, capsys):
-    row = struct.pack("<Qdd", 0, 1.0, 2.0)
-    line = b"%08x %b\n" % (zlib.crc32(text), text)
-    crc = struct.pack("<I", zlib.crc32(row, zlib.crc32(text)))
-    path.write_bytes(MAGIC + line + row + crc)
+    row, crc = struct.pack("<Qdd", 0, 1.0, 2.0), zlib.crc32(text + b"\n")
+    parts = [(crc, text + b"\n"), (zlib.crc32(row, crc), row)]
+    path.write_bytes(b"".join(MARK + struct.pack("<I", crc) + content for crc, content in parts))
     copy = path.with_name("copy.h5")
     assert main(["log", "repair", str(path), "--out", str(copy)]) == 1
     said = capsys.readouterr().err

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fprc.apparatus import command
-from fprc.apparatus.programme import names, plan
-from fprc.channels import RAW_CHANNELS, Readings
+from fprc.apparatus.command import names, plan
+from fprc.channels import Readings
 from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
 from fprc.experiments.data import Data
@@ -27,7 +27,7 @@ def test_every_name_can_be_planned_and_only_the_disturbance_asks_to_push(setting
         assert (described["experiment"], described["source"]) == (name, "rig")
         assert described["rig"]["hardware"] == settings["hardware"]
         row = experiment.law(0, NOW)
-        assert len(RAW_CHANNELS) + len(row) - 2 == len(experiment.channels)
+        assert len(row) - 2 == len(experiment.extra)
         assert np.isfinite(row).all()
         experiment.law(experiment.samples - 1, NOW)
         with pytest.raises(IndexError):

@@ -15,7 +15,7 @@ from fprc.apparatus.guardian import HEARTBEAT
 from fprc.apparatus.session import CheckedRig, Guardian, Metronome
 from fprc.channels import Readings
 from fprc.config import Settings
-from fprc.errors import ControlError, DeviceError, SafetyError
+from fprc.errors import ControlError, DeviceError
 
 # --- the clock --------------------------------------------------------------------------------
 
@@ -131,7 +131,7 @@ class Watched:
         return now
 
     def refusal(self, **values):
-        with pytest.raises(SafetyError) as caught:
+        with pytest.raises(ControlError) as caught:
             self.read(**values)
         return str(caught.value)
 
@@ -147,7 +147,7 @@ def test_every_reading_is_stopped_beyond_either_limit_and_if_it_is_no_number(lim
 
 
 def test_first_reading_is_checked_too(limits):
-    with pytest.raises(SafetyError, match=r"p_o_kpa = 100\.0 is outside 120 to 400"):
+    with pytest.raises(ControlError, match=r"p_o_kpa = 100\.0 is outside 120 to 400"):
         Watched(limits | {"p_o_kpa": (120.0, 400.0)})  # PAM B was not filled
 
 
@@ -180,7 +180,7 @@ def test_reservoir_without_angle_sensor_is_not_asked_for_one(limits):
 @pytest.mark.parametrize("at", [0, 1])
 def test_voltage_that_no_valve_takes_is_never_written(limits, wrong, at):
     rig = Watched(limits)
-    with pytest.raises(SafetyError):
+    with pytest.raises(ControlError):
         rig.checked.write(*[(wrong, 5.0), (5.0, wrong)][at])
     rig.rig.write.assert_not_called()
 

@@ -8,13 +8,10 @@ from scipy.integrate import solve_ivp
 
 from fprc.config import Settings
 from fprc.devices.sim import SimulatedRig
-from fprc.rig.bending import angular_acceleration
 from fprc.rig.friction import bouc_wen
-from fprc.rig.parameters import record
-from fprc.rig.reservoir import squeeze_rate
-from fprc.rig.sensors import pressure_voltage
-from fprc.rig.simulator import draw_instruments
-from fprc.rig.valve import mass_flow
+from fprc.rig.mechanics import angular_acceleration, squeeze_rate
+from fprc.rig.pneumatics import mass_flow
+from fprc.rig.simulator import draw_instruments, pressure_voltage, record
 
 ATMOSPHERE_KPA = 101.325
 RIG = Settings().rig

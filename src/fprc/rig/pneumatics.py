@@ -1,8 +1,10 @@
-"""Proportional valve: second-order spool, dead zone, ISO 6358 flow."""
+"""Gas: through a proportional valve (spool, dead zone, ISO 6358 flow), and in a chamber."""
 
 import math
 
 from fprc.compiled import kernel
+
+ATMOSPHERE_KPA = 101.325
 
 #: Pressure ratio above which a line replaces the ISO 6358 flow, whose slope is infinite at equal
 #: pressures.
@@ -51,3 +53,22 @@ def mass_flow(conductance, upstream_kpa_abs, downstream_kpa_abs, critical_ratio)
         return conductance * upstream_kpa_abs * flow_function(ratio, critical_ratio)
     ratio = upstream_kpa_abs / downstream_kpa_abs
     return -conductance * downstream_kpa_abs * flow_function(ratio, critical_ratio)
+
+
+@kernel
+def pressure_rate(p_kpa_abs, flow_ml_per_s, volume_ml, volume_rate_ml_per_s, polytropic_index):
+    """Rate of the absolute pressure, kPa/s: p' = n (q p_atm - p V') / V."""
+    return (
+        polytropic_index
+        * (flow_ml_per_s * ATMOSPHERE_KPA - p_kpa_abs * volume_rate_ml_per_s)
+        / volume_ml
+    )
+
+
+@kernel
+def sealed_pressure(gas_kpa_ml, volume_ml):
+    """Gauge pressure of a sealed chamber at the room's temperature, kPa.
+
+    ``gas_kpa_ml`` is m R T of the enclosed gas.
+    """
+    return gas_kpa_ml / volume_ml - ATMOSPHERE_KPA
