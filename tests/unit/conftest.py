@@ -85,9 +85,9 @@ def make_data():
 
     def make(folder, name, settings, seed):
         raw, data, quality = (str(folder / f"{name}{end}") for end in (".h5", ".data.h5", ".json"))
-        signal = settings["experiments"][name]
+        signals = {name: settings["experiments"][name]}
         rig = {"control": of_pressures(settings), "rig": settings["rig"]}
-        validate_call(record)(raw, experiment=name, signal=signal, seed=seed, **rig)
+        validate_call(record)([raw], signals=signals, seed=seed, **rig)
         validate_call(preprocess)(
             [raw], data, quality, experiment=name, target="command", sample_rate_hz=200.0,
             limits=settings["quality"],

@@ -24,16 +24,3 @@ def table(name):
 def figure(name, *numbers):
     """Return the files of a figure; with "csv" also the numbers that it shows."""
     return [f"{RESULTS}/figures/{name}.{kind}" for kind in ("pdf", "png", *numbers)]
-
-
-def behind(shown):
-    """Return what results are made from, for their targets.
-
-    Otherwise a result of an earlier run would count as complete after a job has failed, since
-    Snakemake removes only the outputs of that job.
-    """
-    if shown in (rules.draw_without_data, rules.tabulate_seeds):
-        return shown.input
-    if shown is rules.draw_loops:
-        return [*shown.input, *(PLAN.data if PLAN.records else []), *DRIVEN_BY]
-    return [*shown.input, *PLAN.data]

@@ -1,7 +1,6 @@
 # Raw logs, and what is selected from them: the hysteresis experiments of Sec. II-B and the closed
 # loops of Sec. IV.
 
-TRACKED = [*REFERENCES, DISTURBANCE]
 #: The models that drive the closed loops; logs that were recorded elsewhere need none.
 DRIVEN_BY = (
     [PLAN.judged("sweep", model)["fitted"] for model in PLAN.feedforward] if PLAN.records else []
@@ -12,19 +11,18 @@ if PLAN.on_simulated_rig:
 
     rule record:
         output:
-            raw=f"{RAW}/{{experiment}}.h5",
+            raw=[f"{RAW}/{experiment}.h5" for experiment in SETTINGS["experiments"]],
         log:
-            f"{RESULTS}/logs/record_{{experiment}}.log",
+            f"{RESULTS}/logs/record.log",
         params:
             stage="stages.record.record",
             code=computes(),
-            experiment="{experiment}",
-            signal=lambda wildcards: SETTINGS["experiments"][wildcards.experiment],
+            signals=SETTINGS["experiments"],
             control=of_pressures(SETTINGS),
             rig=SETTINGS["rig"],
             seed=SETTINGS["seed"],
         message:
-            "Experiment {wildcards.experiment} on the simulated rig"
+            "Hysteresis experiments on the simulated rig"
         script:
             "../scripts/stage.py"
 
@@ -34,7 +32,7 @@ if PLAN.on_simulated_rig:
         output:
             raw=[
                 f"{RAW}/{run_log(reference, controller)}.h5"
-                for reference in TRACKED
+                for reference in (*REFERENCES, DISTURBANCE)
                 for controller in PLAN.controllers
             ],
         log:
@@ -43,10 +41,7 @@ if PLAN.on_simulated_rig:
             **pick(SETTINGS, "tracking", "control", "rig", "seed"),
             stage="stages.record.track",
             code=computes(*PLAN.feedforward),
-            references=TRACKED,
-            names=PLAN.feedforward,
-            controllers=PLAN.controllers,
-            classes=pick(SETTINGS["models"], "others"),
+            others=SETTINGS["models"]["others"],
         message:
             "Closed loops: every reference with every controller"
         script:

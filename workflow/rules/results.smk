@@ -76,13 +76,7 @@ rule tabulate_seeds:
         models=PLAN.replicates("models"),
         loops=PLAN.replicates("control"),
     output:
-        **PLAN.possible(
-            seeds=[
-                file
-                for name in ("table2_seeds", "table3_seeds", "table4_seeds")
-                for file in table(f"tables/{name}")
-            ]
-        ),
+        **PLAN.possible(seeds=sum((table(f"tables/table{n}_seeds") for n in (2, 3, 4)), [])),
     log:
         f"{RESULTS}/logs/tabulate_seeds.log",
     params:
@@ -205,23 +199,25 @@ rule ledger:
         "../scripts/stage.py"
 
 
-#: Rules whose named outputs are targets, in the order of the report.
-SHOWN = (
-    "draw_without_data tabulate_models draw_loops tabulate_times tabulate_seeds draw_hysteresis "
-    "draw_training draw_weights draw_grids ledger"
-)
+#: Rules whose named outputs are targets, in the order of the report; and what they are made from,
+#: beside their inputs. Otherwise a result of an earlier run would count as complete after a job has
+#: failed, since Snakemake removes only the outputs of that job.
+SHOWN = {
+    "draw_without_data": [],
+    "tabulate_models": PLAN.data,
+    "draw_loops": [*(PLAN.data if PLAN.records else []), *DRIVEN_BY],
+    "tabulate_times": PLAN.data,
+    "tabulate_seeds": [],
+    **dict.fromkeys(("draw_hysteresis", "draw_training", "draw_weights"), PLAN.data),
+    **dict.fromkeys(("draw_grids", "ledger"), PLAN.data),
+}
 MADE, TARGETS = {}, {}
-for name in SHOWN.split():
+for name, behind in SHOWN.items():
     shown = getattr(rules, name)
     for target, files in shown.output.items():
-        MADE[target], TARGETS[target] = list(files), [*files, *behind(shown)]
+        MADE[target], TARGETS[target] = list(files), [*files, *shown.input, *behind]
 #: Tables of the report; the claims have a place of their own.
-PAGES = [
-    file
-    for files in MADE.values()
-    for file in files
-    if file.endswith(".json") and "claims" not in file
-]
+PAGES = [file for files in MADE.values() for file in files if re.search(r"table.*\.json$", file)]
 #: Figures of the report, with the sources of their data.
 DRAWN = {
     file: PLAN.source_of(target)

@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 from fprc import __version__
 from fprc.artifacts import refuse_output, replacing, write_text
 from fprc.config import Settings, from_files, local_files
-from fprc.config.settings import Control
+from fprc.config.settings import Control, Signal
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
 from fprc.evaluation import rmse
@@ -40,14 +40,9 @@ def simulate(
     refuse_output(out, ".h5")
     settings = _settings(config, seed=seed, rig=rig)
     whole, signal = settings.model_dump(mode="json"), dict(settings.experiments)[experiment]
-    record(
-        out,
-        experiment=experiment,
-        signal=signal,
-        control=Control(**of_pressures(whole)),
-        rig=whole["rig"],
-        seed=settings.seed,
-    )
+    control = Control(**of_pressures(whole))
+    signals: dict[str, Signal] = {experiment: signal}
+    record([out], signals=signals, control=control, rig=whole["rig"], seed=settings.seed)
     return (
         f"{out}: {experiment}, {signal.duration_s:g} s at {settings.control.sample_rate_hz:g} Hz, "
         f"on the simulated rig {settings.fitted.name}, seed {settings.seed}\n"

@@ -72,13 +72,12 @@ class Track(NamedTuple):
 
     def law(self, theta_d: np.ndarray, controller: str, model: SequenceModel | None) -> Law:
         """Return the law of a controller; its model, which it may need, is reset."""
-        driver = feedforward_of(controller)
-        used = model if driver else None
-        if used:
+        used, online = None, None
+        if driver := feedforward_of(controller):
+            if (used := model) is None:
+                raise ControlError(f"{controller} needs a fitted {driver}; give --model its file")
             used.reset()
-        elif driver:
-            raise ControlError(f"{controller} needs a fitted {driver}; give --model its file")
-        online = self.online(used) if used and self.control.feedforward.adapt else None
+            online = self.online(used) if self.control.feedforward.adapt else None
         limit_kpa, feedback = self.tracking.pressure_limit_kpa, has_feedback(controller)
         return tracking_law(
             theta_d, self.control, limit_kpa, model=used, online=online, feedback=feedback

@@ -2,76 +2,73 @@
 
 import logging
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-from fprc.config.section import Section
 from fprc.config.settings import Control, Signal
 from fprc.config.tracking import Tracking
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import Track, describe_model, tracking_rmse
 from fprc.logs import write_raw
 from fprc.models import load_model
+from fprc.paper import reference_and_controller
 from fprc.registry import feedforward_of, outside_classes
 
 log = logging.getLogger(__name__)
 
 
 def record(
-    raw: str,
+    raw: Sequence[str],
     *,
-    experiment: str,
-    signal: Signal,
+    signals: Mapping[str, Signal],
     control: Control,
     rig: Mapping[str, Any],
     seed: int,
 ) -> None:
-    """Record one hysteresis experiment (Sec. II-B)."""
-    channels = acquire(experiment, signal, control, rig, seed)
-    write_raw(
-        raw, channels, experiment=experiment, source="sim", seed=seed,
-        sample_rate_hz=control.sample_rate_hz,
-        rig={"rig": rig, "control": _given(control), "signal": _given(signal)},
-    )  # fmt: skip
-    log.info("simulated %d samples, wrote %s", len(channels["time_s"]), raw)
-
-
-def _given(section: Section) -> dict[str, Any]:
-    return section.model_dump(mode="json", exclude_unset=True)
+    """Record hysteresis experiments (Sec. II-B), each with its signal into its file."""
+    for path, (experiment, signal) in zip(raw, signals.items(), strict=True):
+        channels = acquire(experiment, signal, control, rig, seed)
+        read = {
+            "control": control.model_dump(mode="json", exclude_unset=True),
+            "signal": signal.model_dump(mode="json", exclude_unset=True),
+        }
+        write_raw(
+            path, channels, experiment=experiment, source="sim", seed=seed,
+            sample_rate_hz=control.sample_rate_hz, rig={"rig": rig, **read},
+        )  # fmt: skip
+        log.info("simulated %d samples, wrote %s", len(channels["time_s"]), path)
 
 
 def track(
     models: Sequence[str],
     raw: Sequence[str],
     *,
-    references: Sequence[str],
-    names: Sequence[str],
-    controllers: Sequence[str],
     tracking: Tracking,
     control: Control,
     rig: Mapping[str, Any],
     seed: int,
-    classes: Mapping[str, Any] | None = None,
+    others: Mapping[str, Any],
 ) -> None:
-    """Follow every reference with every controller (Sec. IV), and write one raw log per run.
+    """Follow references with controllers (Sec. IV), and write one raw log per run.
 
-    ``raw`` are the logs of the first reference for each controller, then of the second, and so on;
-    ``classes`` is the section ``models`` of the configuration, for models from outside.
-
-    Raises
-    ------
-    ControlError
-        A reference is impossible, or a model gives no finite P_ff.
+    The names of the ``raw`` logs say which runs they are. ``models`` are those of the controllers,
+    in their order, ``others`` is the section ``models.others``.
     """
-    files = dict(zip(names, models, strict=True))
-    outside = outside_classes(classes or {})
+    runs: dict[str, dict[str, str]] = {}
+    for path in raw:
+        reference, controller = reference_and_controller(Path(path).stem)
+        runs.setdefault(reference, {})[controller] = path
+    driven = filter(None, map(feedforward_of, next(iter(runs.values()))))
+    files = dict(zip(dict.fromkeys(driven), models, strict=True))
+    outside = outside_classes({"others": others})
     fitted = {name: load_model(path, outside) for name, path in files.items()}
-    bench, runs = Track(tracking, control, rig, seed), iter(raw)
-    for reference in references:
-        for controller, channels in bench.follow(reference, controllers, fitted).items():
+    bench = Track(tracking, control, rig, seed)
+    for reference, paths in runs.items():
+        for controller, channels in bench.follow(reference, [*paths], fitted).items():
             described = bench.describe(reference, controller)
             described |= {"source": "sim", "rig": {"rig": rig, **described["rig"]}}
             if feedforward := feedforward_of(controller):
                 described |= describe_model(fitted[feedforward], files[feedforward])
-            write_raw(next(runs), channels, **described)
+            write_raw(paths[controller], channels, **described)
             rmse_deg = tracking_rmse(channels, described["settle_s"])
             log.info("%s, %s: RMSE %.3f deg", reference, controller, rmse_deg)

@@ -49,16 +49,15 @@ def write_report(
     ``ledger`` is empty if no claims were judged; tables are JSON, figures PNG. ``sources`` are
     those of the figures' data, ``missing`` the results that the data do not allow, with reasons.
     """
-    folder, texts = Path(html).parent, read_yaml(_HERE / "captions.yaml")
-    shown = [_figure(*drawn, texts, folder) for drawn in zip(figures, sources, strict=True)]
-    pages = {Path(page).stem: _page(page, settings["fitted"], folder) for page in tables}
+    folder, captions = Path(html).parent, read_yaml(_HERE / "captions.yaml")
+    shown = [_figure(*drawn, captions, folder) for drawn in zip(figures, sources, strict=True)]
+    pages = {Path(page).stem: _page(page, settings["fitted"]["to"], folder) for page in tables}
     # a table of one seed is folded up below the same one over seeds
     for name in [name for name in pages if f"{name}_seeds" in pages]:
         one = pages[name]
         over = {"title": f"{one['title']}, over seeds", "short": one["short"], "one_seed": one}
         pages[name] = pages.pop(f"{name}_seeds") | over
         one["short"] += " with one seed"
-    parts = {part["anchor"]: part for part in (*pages.values(), *shown)}
     drawn_from = set(sources) - {"none"}
     judged: Any = read_json(ledger[0]) if ledger else {"claims": [], "note": ""}
     code, here = Path(fprc.__path__[0]) / "claims" / "paper.py", Path.cwd()
@@ -80,11 +79,11 @@ def write_report(
         code=quote(os.path.relpath(code, folder)) if beside else "",
         ledger={"short": "Claims"} | _origin(ledger[0], folder, ".json", ".csv") if ledger else {},
         missing=missing,
+        parts={part["anchor"]: part for part in (*pages.values(), *shown)},
         configuration=pages.pop("table1", None),
         pages=pages.values(),
-        lines=_lines(pages),
+        lines=[_line(pages[name]) for name in ("table2", "table4") if name in pages],
         figures=shown,
-        parts=parts,
         settings=settings,
         changed=_changed(settings),
         yaml=yaml.safe_dump(dict(settings), sort_keys=False),
@@ -114,45 +113,36 @@ def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     }
 
 
-def _lines(pages: Mapping[str, Mapping[str, Any]]) -> dict[str, tuple[str, str]]:
-    """Return of Tables II and IV what a reader asks first, by anchor: what it is, and numbers."""
-    found = {}
-    for name in sorted({"table2", "table4"} & pages.keys()):
-        table = pd.DataFrame(pages[name]["table"]["data"], columns=pages[name]["table"]["columns"])
-        if name == "table2":
-            cells = table.set_index(table.columns[0]).iloc[-1].filter(like="ours")
-            what = f"{cells.name} of the models {table.columns[0].partition(' ')[2]}"
-        else:
-            ours = table[table["Whose"] == "ours"].set_index(table.columns[0])
-            cells = ours["Sweep" if "Sweep" in ours else ours.columns[-1]]
-            what = f"RMSE of tracking, {str(cells.name).lower()} [deg]"
-        # the means, without interval or deviation
-        numbers = [f"{key.partition(',')[0]} {re.split(' [(±]', cell)[0]}"
-                   for key, cell in cells.items()]  # fmt: skip
-        found[pages[name]["anchor"]] = what, ", ".join(numbers)
-    return found
+def _line(page: Mapping[str, Any]) -> tuple[Mapping[str, Any], str, str]:
+    """Return of Table II or IV what a reader asks first: what it is, and numbers."""
+    table = pd.DataFrame(page["table"]["data"], columns=page["table"]["columns"])
+    first = table.columns[0]
+    if page["anchor"].startswith("table2"):
+        cells = table.set_index(first).iloc[-1].filter(like="ours")
+        what = f"{cells.name} of the models {first.partition(' ')[2]}"
+    else:
+        ours = table[table["Whose"] == "ours"].set_index(first)
+        cells = ours["Sweep" if "Sweep" in ours else ours.columns[-1]]
+        what = f"RMSE of tracking, {str(cells.name).lower()} [deg]"
+    # the means, without interval or deviation
+    means = [f"{key.partition(',')[0]} {re.split(' [(±]', cell)[0]}" for key, cell in cells.items()]
+    return page, what, ", ".join(means)
 
 
-def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+def _page(path: str, fitted_to: Sequence[str], folder: Path) -> dict[str, Any]:
     """Return a table, with whether the rig was fitted to it or to some of its rows."""
-    table, name = read_json(path), Path(path).stem
-    to = set(fitted["to"])
-
-    def kind(term: str) -> str:
-        return "fitted" if term in to else "predicted"
-
-    kinds: dict[str, str] = {}
+    table, name, kinds = read_json(path), Path(path).stem, []
     if name.startswith("table4"):
-        closed = "half fitted" if "closed_sweep" in to else "predicted"
-        kinds = {"FPRC": kind("open_loop"), "FPRC+PD": closed}
+        kinds = ["fitted" if "open_loop" in fitted_to else "predicted"]
+        kinds += ["half fitted" if "closed_sweep" in fitted_to else "predicted"]
     elif name.removesuffix("_seeds") in ("table2", "table3"):
-        kinds = {"FPRC": kind("tables")}
-    same = len(set(kinds.values())) < 2
+        kinds = ["fitted" if "tables" in fitted_to else "predicted"]
+    mixed = len(set(kinds)) > 1
     return {
         "anchor": name,
         "short": table["title"].partition(". ")[0],
-        "kind": next(iter(kinds.values()), "") if same else "half fitted",
-        "rows": {} if same else kinds,
+        "kind": "half fitted" if mixed else "".join(kinds[:1]),
+        "rows": dict(zip(("FPRC", "FPRC+PD"), kinds, strict=True)) if mixed else {},
         "title": table["title"],
         "note": table["note"][:1].upper() + table["note"][1:],
         "table": table,
@@ -164,19 +154,17 @@ def _page(path: str, fitted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path) -> dict[str, Any]:
     with Image.open(picture) as image:
         width, height = image.size
-    origin = _origin(picture, folder, ".csv", ".pdf")
-    target, stem = origin["target"], Path(picture).stem.partition("_")[2]
+    origin, stem = _origin(picture, folder, ".csv", ".pdf"), Path(picture).stem.partition("_")[2]
     # sine_0p2 reads sine, 0.2 Hz
     words = re.sub(r"_(\d)p(\d)", r", \1.\2 Hz", stem).replace("_", " ")
-    name = re.sub(r"\b(esn|fprc)\b", lambda match: match[0].upper(), words)
     return {
-        "anchor": target,
-        "short": title_of_result(target),
-        "name": name,
+        "anchor": origin["target"],
+        "short": title_of_result(origin["target"]),
+        "name": re.sub(r"\b(esn|fprc)\b", lambda match: match[0].upper(), words),
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
         "width": width,
         "height": height,
-        "caption": captions[target],
+        "caption": captions[origin["target"]],
         "data": SOURCES.get(source, "drawing, no data"),
         **origin,
     }
@@ -184,13 +172,8 @@ def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path
 
 def _origin(path: str, folder: Path, *kinds: str) -> dict[str, Any]:
     """Return the target that makes a result, and links to its files from the page's folder."""
-    files, stem = map(Path(path).with_suffix, kinds), Path(path).stem
-    known = {"table2_timing": "timing"} | dict.fromkeys([stem] * stem.endswith("_seeds"), "seeds")
-    return {
-        "target": known.get(stem, re.sub(r"^fig0?(\d+)_.*", r"fig\1", stem)),
-        "files": {
-            file.suffix[1:].upper(): quote(os.path.relpath(file, folder))
-            for file in files
-            if file.exists()
-        },
-    }
+    stem = Path(path).stem.replace("table2_timing", "timing")
+    target = "seeds" if stem.endswith("_seeds") else re.sub(r"^fig0?(\d+)_.*", r"fig\1", stem)
+    files = [file for file in map(Path(path).with_suffix, kinds) if file.exists()]
+    links = {file.suffix[1:].upper(): quote(os.path.relpath(file, folder)) for file in files}
+    return {"target": target, "files": links}

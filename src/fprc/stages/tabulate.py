@@ -74,9 +74,8 @@ def tabulate_seeds(
     models: Sequence[str], loops: Sequence[str], seeds: Sequence[str], *, feedback: str
 ) -> None:
     """Tables II, III and IV over further seeds, from their reports; ``feedback`` in words."""
-    printed = read_yaml(PUBLISHED)
+    printed, each = read_yaml(PUBLISHED), len(seeds) // 3
     reports, tracked = ([read_json(path) for path in paths] for paths in (models, loops))
-    each = len(seeds) // 3
     about = (
         f"mean and its 95 % interval over {len(reports)} further seeds.\n"
         f"Data: {SOURCES[reports[0]['source']]}"
@@ -87,8 +86,8 @@ def tabulate_seeds(
             f"{about}; each seed is another draw of sensors, noise and models. "
             f"{tables.over_starts(reports, trained_on)}"
         )
-        page = tables.comparison_page(table)
-        write_table(table, page, note, *seeds[k * each :][:each], title=title)
+        files = seeds[k * each :][:each]
+        write_table(table, tables.comparison_page(table), note, *files, title=title)
     table = tracking.tracking_over_seeds(tracked, printed)
     note = f"{about}. {feedback} {tracking.over_starts(tracked)}"
     title = f"{tracking.TITLE}, over seeds"
@@ -127,8 +126,7 @@ def write_ledger(
     """
     of_seeds = ([read_json(path) for path in paths] for paths in (replicates, grids, controls))
     results = Results._make([*of_seeds, read_json(times), read_json(times_over_n_c)])
-    members = read_json(MEMBERS)
-    ledger = judge_claims(results, read_yaml(PUBLISHED), fitted, members=members)
+    ledger = judge_claims(results, read_yaml(PUBLISHED), fitted, members=read_json(MEMBERS))
     origin = (
         f"The rig {fitted['name']} was fitted to {fit_in_words(fitted)}; the other claims were not "
         "part of the fit. A verdict is undecided where the 95 % interval of the mean over noise "
@@ -136,9 +134,9 @@ def write_ledger(
         "the claim holds with one seed, and the middle 95 % of their numbers; what holds on all of "
         "them and no fit decides is not informative."
     )
-    json, csv = claims
-    source, reasons = results.controls[0]["source"], read_yaml(TEXTS)["not_tested"]
-    write_json(json, {"source": source, "note": origin, "claims": ledger, "not_tested": reasons})
-    write_csv(csv, pd.DataFrame(ledger).drop(columns=["statements", "shown_in"]))
+    about = {"source": results.controls[0]["source"], "note": origin}
+    untested = read_yaml(TEXTS)["not_tested"]
+    write_json(claims[0], about | {"claims": ledger, "not_tested": untested})
+    write_csv(claims[1], pd.DataFrame(ledger).drop(columns=["statements", "shown_in"]))
     for row in ledger:
         log.info("%s: %s", row["id"], row["verdict"])

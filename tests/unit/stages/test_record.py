@@ -8,7 +8,7 @@ from fprc.channels import needed_by
 from fprc.config import Settings
 from fprc.logs import read_columns
 from fprc.models import load_model
-from fprc.paper import CONTROLLERS
+from fprc.paper import CONTROLLERS, run_log
 from fprc.stages.record import track
 
 NAMES = needed_by("sim", tracking=True)
@@ -25,9 +25,8 @@ def settings():
 
 
 def follow(folder, model, settings, controllers=CONTROLLERS, reference="sine_0p5", **more):
-    paths = [str(folder / f"{name}.h5") for name in controllers]
-    chosen = {"references": [reference], "controllers": controllers, "seed": 1} | settings | more
-    validate_call(track)([model], paths, names=["fprc"], **chosen)
+    paths = [str(folder / f"{run_log(reference, name)}.h5") for name in controllers]
+    validate_call(track)([model], paths, **{"others": {}, "seed": 1} | settings | more)
     return {name: read_columns(path, NAMES) for name, path in zip(controllers, paths, strict=True)}
 
 
