@@ -62,13 +62,35 @@ class Calibration(Section):
     )
     ranges: dict[str, tuple[float, float]] = Field(
         {
+            # at 0.03 V/kPa, a dead zone of 0.03 leaves 5 kPa of a command
+            "valve.dead_zone": (0.005, 0.03),
+            # a relaxation within a period of the sweep, and creep
+            "bending.relaxation_time_s.0": (0.1, 1.0),
+            "bending.relaxation_time_s.1": (4.0, 30.0),
+            # loops of Figs. 4 and 5 are rounded and widen with pressure: slip on several scales
+            "bending.friction_per_kpa": (0.04, 0.25),
+            "bending.slip_distance_deg.0": (0.5, 2.0),
+            "bending.slip_distance_deg.1": (2.0, 5.0),
+            "bending.slip_distance_deg.2": (5.0, 10.0),
+            "bending.slip_distance_deg.3": (10.0, 25.0),
+            "bending.slip_weight.0": (0.1, 0.4),
+            "bending.slip_weight.1": (0.1, 0.4),
+            "bending.slip_weight.2": (0.1, 0.4),
+            "reservoir.friction_per_kpa": (0.04, 0.4),
+            "reservoir.slip_distance_ml.0": (0.05, 0.3),
+            "reservoir.slip_distance_ml.1": (0.3, 1.0),
+            "reservoir.slip_distance_ml.2": (1.0, 3.0),
+            "reservoir.slip_weight.0": (0.1, 0.45),
+            "reservoir.slip_weight.1": (0.1, 0.45),
+            # a lag below 0.05 s at most stiffnesses
+            "reservoir.squeeze_damping_kpa_s_per_ml": (0.3, 2.0),
+            "reservoir.squeeze_stiffness_kpa_per_ml": (12.0, 80.0),
+            # print needs hardly any drift; noise of the size of the data sheets
             "drift.sigma_kpa": (0.0, 0.8),
             "drift.time_s": (5.0, 60.0),
             "pressure_sensor.noise_kpa": (0.02, 1.0),
             "bend_sensor.noise_deg": (0.01, 0.2),
             "bend_sensor.slow_error_deg": (0.05, 0.5),
-            "reservoir.squeeze_damping_kpa_s_per_ml": (0.3, 2.0),
-            "reservoir.squeeze_stiffness_kpa_per_ml": (12.0, 80.0),
         },
         description="narrower ranges than the physical ones, by free parameter",
     )
@@ -79,7 +101,7 @@ class Calibration(Section):
         "least a fifth below FPRC, margin that it is below FPRC with gains half again as large, "
         "closed_sweep for its printed error in the sweep",
     )
-    seed: int = quantity(2, (0, 1000), "seed of the drawn rigs and of all noise in the fit")
+    seed: int = quantity(3, (0, 1000), "seed of the drawn rigs and of all noise in the fit")
     members: int = quantity(60, (1, 10_000), "drawn rigs with plausible loops that are judged")
     starts: int = quantity(8, (1, 1000), "searches, which begin at the best of them")
     rounds: int = quantity(2, (1, 1000), "rounds of each search until the worse half ends")

@@ -39,8 +39,8 @@ log = logging.getLogger(__name__)
 
 #: A fitted rig may become the default if on seeds that no fit has seen its 18 errors are within 5 %
 #: of print in the median and 15 % at most, open-loop Table IV within 15 %, closed-loop Table IV
-#: within 20 % in the median and 35 % at most, and feedback helps with gains half again as large. A
-#: fit says how its rig does on seeds of its own.
+#: within 20 % in the median and 35 % at most, and feedback helps with gains half again as large. Of
+#: several, the one of the least misfit does. A fit says how its rig does on seeds of its own.
 LIMITS = {
     "median": 0.05,
     "largest": 0.15,
