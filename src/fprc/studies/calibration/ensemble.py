@@ -22,9 +22,10 @@ log = logging.getLogger(__name__)
 #: Largest deviations of the 12 errors of Tables II and III from print, in the median and of any.
 MEDIAN, LARGEST = 0.08, 0.25
 
-#: Standard deviation of the rigs that are drawn, in normal units of the ranges; how many are drawn
-#: at most for each that is needed; offset of their seeds from those of a fit.
-_SPREAD, _DRAWN, _SEEDS = 0.08, 10, 5000
+#: Standard deviation of the rigs that are drawn, in normal units of the ranges, so that a third of
+#: them fit; how many are drawn at most for each that is needed; offset of their seeds from those
+#: of a fit.
+_SPREAD, _DRAWN, _SEEDS = 0.25, 10, 5000
 
 
 def ensemble_around(
