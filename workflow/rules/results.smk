@@ -208,8 +208,9 @@ SHOWN = {
     "draw_loops": [*(PLAN.data if PLAN.records else []), *DRIVEN_BY],
     "tabulate_times": PLAN.data,
     "tabulate_seeds": [],
-    **dict.fromkeys(("draw_hysteresis", "draw_training", "draw_weights"), PLAN.data),
-    **dict.fromkeys(("draw_grids", "ledger"), PLAN.data),
+    **dict.fromkeys(
+        "draw_hysteresis draw_training draw_weights draw_grids ledger".split(), PLAN.data
+    ),
 }
 MADE, TARGETS = {}, {}
 for name, behind in SHOWN.items():
@@ -217,7 +218,7 @@ for name, behind in SHOWN.items():
     for target, files in shown.output.items():
         MADE[target], TARGETS[target] = list(files), [*files, *shown.input, *behind]
 #: Tables of the report; the claims have a place of their own.
-PAGES = [file for files in MADE.values() for file in files if re.search(r"table.*\.json$", file)]
+PAGES = [file for name in MADE if name != "claims" for file in MADE[name] if file.endswith(".json")]
 #: Figures of the report, with the sources of their data.
 DRAWN = {
     file: PLAN.source_of(target)

@@ -63,7 +63,7 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
             f"{path}: columns have unequal numbers of samples ({unequal}); name the clock of each, "
             "as `time: column`"
         )
-    count = max(lengths.values(), default=0)
+    count = max(lengths.values() or map(len, picked.values()))
     stamps = np.arange(count) / time.rate_hz if time.rate_hz else picked["time"]
     rows = np.array([stamps, *(picked[name] for name in shared)])
     usable = np.isfinite(rows if mapping.skip_unusable else rows[:1]).all(axis=0)

@@ -22,14 +22,14 @@ from fprc.recordings.table import Table
 LARGEST_TEXT_BYTES = 256 << 20
 #: Accepted separators and their names; a blank stands for any run of blanks and tabs.
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
-#: Mapping[int, str] that are looked at to find the separator and where the table begins.
+#: Lines that are looked at to find the separator and where the table begins.
 _TRIED = 300
 #: Most lines that are no samples, as a share of the table; more mean that it was misunderstood.
 _MOST_UNUSABLE = 0.1
 #: Encodings tried if a text is not Unicode: spreadsheets in Japan and China write them.
 _ENCODINGS = ("cp932", "gb18030")
-#: How a comment begins.
-_COMMENT = re.compile(r"\s*(?:#|%|//|sep=)")
+#: How a comment begins; ``#DIV/0!`` and the like are values that Excel could not compute.
+_COMMENT = re.compile(r"\s*(?:#(?!N/A|NV\b|[A-ZÄÖÜ/0]+[!?])|%|//|sep=)")
 #: A name, and the unit behind it, in a header that blanks separate.
 _WITH_BRACKET = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")
 #: First field of a line that has the unit of each column.
@@ -118,8 +118,9 @@ def _table_of(
     place, mark, split = _best(lines, separator, decimal, header_line, data_line)
     kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
     if place.score[0] < 0.5 and (worded := _without_words(lines)):
-        lines, kind = worded, "text with a name before each number"
+        (lines, *header), kind = worded, "text with a name before each number"
         place, mark, split = _best(lines, "\t", decimal)
+        place = Place(*place[:3], *header)
     if not place.width:
         raise LogError(
             f"{path}: no samples; the file has no lines of plain numbers, or csv.header_line or "
@@ -203,8 +204,10 @@ def _splitter(mark: str, serial: bool) -> Callable[[str], list[str]]:
     return split
 
 
-def _without_words(lines: Mapping[int, str]) -> dict[int, str] | None:
-    """Return lines that name each number as rows below names and units; None for others."""
+def _without_words(
+    lines: Mapping[int, str],
+) -> tuple[dict[int, str], list[str], list[str]] | None:
+    """Return lines that name each number as rows of numbers, names and units; None for others."""
     found = {n: _NAMED.findall(line) for n, line in islice(lines.items(), _TRIED)}
     labels = Counter(tuple(part[0] for part in parts) for parts in found.values() if parts)
     names, count = (labels.most_common(1) or [((), 0)])[0]
@@ -213,12 +216,13 @@ def _without_words(lines: Mapping[int, str]) -> dict[int, str] | None:
     first = next(n for n, parts in found.items() if tuple(part[0] for part in parts) == names)
     units = [part[2] for part in found[first]]
     stamped = bool(STAMP.fullmatch(lines[first].split()[0]))
-    tabbed = {-1: ["time"][:stamped] + [*names], 0: [""][:stamped] + units}
+    tabbed = {}
     for n, line in lines.items():
         parts = _NAMED.findall(line)
         same = tuple(part[0] for part in parts) == names
-        tabbed[n] = [*line.split()[:stamped], *(part[1] for part in parts)] if same else [line]
-    return {n: "\t".join(fields) for n, fields in tabbed.items()}
+        fields = [*line.split()[:stamped], *(part[1] for part in parts)] if same else [line]
+        tabbed[n] = "\t".join(fields)
+    return tabbed, ["time"][:stamped] + [*names], [""][:stamped] + units
 
 
 def _locate(
@@ -257,6 +261,8 @@ def _locate(
         width -= 1
     above = [n for n in rows if n < first and any(rows[n]) and n == (header_line or n)]
     names, units = _header([(rows[n], lines[n]) for n in reversed(above)], width)
+    if not names and len(asked := rows.get(header_line or 0, [])) >= width:
+        names = asked[:width]  # the caller says so, though they are numbers
     cells = [cell for fields in table.values() for cell in fields[:width]]
     share = sum(map(is_value, cells)) / len(cells)
     if width == 1 and (share < 1.0 or (decimal is None and any("," in cell for cell in cells))):

@@ -172,6 +172,9 @@ def test_last_line_without_a_line_end_is_left_out_with_a_note(table, last):
         ("t,x\n7,8\nt,x\ns,mm\n0,1.5\n1,2.5\n", {"header_line": 3, "data_line": 5},
          {"t": [0, 1], "x": [1.5, 2.5]}),
         ("t,x,who\n0,1,me\n1,2,me\n", {}, {"t": [0, 1], "x": [1, 2]}),
+        ("t,2\n0,1\n1,3\n", {"header_line": 1}, {"t": [0, 1], "2": [1, 3]}),
+        ("x,t\n" + "7,0\n" * 19 + "#DIV/0!,1\n", {}, {"x": [*[7] * 19, None], "t": [*[0] * 19, 1]}),
+        ("a=1 ok p=2 on\n" * 9, {}, {"a": [1] * 9, "p": [2] * 9}),
     ],
 )  # fmt: skip
 def test_columns_have_the_names_above_them(table, text, options, expected):
