@@ -12,17 +12,21 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     """Compile ``function`` with numba and cache the machine code on disk, where numba does.
 
     numba drops a cached kernel when its file changes, but not when another file changes that
-    defines a function it calls. The cache is therefore stamped with a hash of this file, of
-    ``fprc.control_laws``, and of all sources of the kernel's package. A kernel must not call a
+    defines a function it calls. The names of the cache's files therefore have a hash of this file,
+    of ``fprc.control_laws``, and of all sources of the kernel's package. A kernel must not call a
     kernel of another package. If no folder can be written, each process compiles again.
     """
     options |= {"error_model": "numpy"}
     try:
+        Path.home()  # without one, numba would make a folder named ~
         compiled = numba.njit(cache=True, **options)(function)
-    except RuntimeError:  # numba found no such folder
+    except RuntimeError:  # there is none, or numba found no folder
         return numba.njit(**options)(function)
-    cache = compiled._cache  # noqa: SLF001  # numba has no public name for it
-    cache._cache_file._source_stamp = _stamp(Path(function.__code__.co_filename).parent)  # noqa: SLF001
+    cache, stamp = compiled._cache, _stamp(Path(function.__code__.co_filename).parent)  # noqa: SLF001
+    # numba has no public names for these. A stamp alone would not do: after a full disk or a kill
+    # between its writes, a new index names the machine code of the old sources
+    name = f"{cache._impl.filename_base}.{stamp[:16]}"  # noqa: SLF001
+    cache._cache_file = type(cache._cache_file)(cache.cache_path, name, stamp)  # noqa: SLF001
     load = cache.load_overload
 
     def load_or_forget(*arguments: Any) -> Any:

@@ -3,6 +3,7 @@ import shutil
 
 import numba
 import pytest
+from numba.core.caching import IndexDataCacheFile
 
 from fprc import compiled, control_laws, rig
 
@@ -15,7 +16,7 @@ def default_cache(monkeypatch):
 
 @pytest.fixture
 def package(tmp_path):
-    """Copy of the rig package's sources, which the cache folder is named after."""
+    """Copy of the rig package's sources, which its cached files are named after."""
     copy = tmp_path / "rig"
     shutil.copytree(rig.__path__[0], copy, ignore=shutil.ignore_patterns("__pycache__"))
     return copy
@@ -55,6 +56,10 @@ def test_cache_goes_with_any_source_of_the_package_the_laws_or_how_it_is_compile
     folder = package if source == "friction" else tmp_path
     with open(folder / f"{source}.py", "a", encoding="utf-8") as file:
         file.write("# changed\n")
+    with monkeypatch.context() as full_disk:
+        full_disk.setattr(IndexDataCacheFile, "_save_data", lambda *_: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            kernel_of()(1.0)
     assert [hits(kernel_of()), hits(kernel_of())] == [0, 1]
 
 

@@ -162,7 +162,7 @@ def _memory(basis: np.ndarray, own: np.ndarray, past: np.ndarray) -> np.ndarray:
     """Return the share of each lagged input that states add to the own taps, on unseen blocks."""
     both = np.column_stack([np.ones(len(own)), own, basis * np.sqrt(len(own))])
     blocks = np.array_split(np.arange(len(own)), _BLOCKS)
-    moments = np.array([both[block].T @ np.hstack([both, past])[block] for block in blocks])
+    moments = np.array([both[block].T @ np.hstack([both[block], past[block]]) for block in blocks])
     left = np.zeros((2, past.shape[1]))
     for block, of_block in zip(blocks, moments, strict=True):
         grams, targets = np.split(moments.sum(axis=0) - of_block, [both.shape[1]], axis=1)

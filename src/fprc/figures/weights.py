@@ -20,8 +20,6 @@ _LIMITS: dict[str, dict[str, Any]] = {
 }
 #: Columns of the averages, each drawn as one bar, and the bars' names.
 _AVERAGES = {"mean_of_feature": "mean", "published_mean_of_feature": "paper"}
-#: Of the shades of a feature's taps, from the latest on.
-_OPACITY = [1.0 - 0.15 * lag for lag in range(7)]
 
 
 def weight_shares(report: Mapping[str, Any], published: Mapping[str, Any]) -> DataFrame:
@@ -56,9 +54,10 @@ def draw_shares(table: DataFrame) -> Figure:
     fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.8)
     shares = table.pivot(index="rule", columns=["feature", "lag"], values="share")[list(_LABELS)]
     rules, edges = list(shares.index), shares.cumsum(axis=1)
+    opacity = [max(1.0 - 0.15 * lag, 0.1) for lag in range(table["lag"].max() + 1)]
     for (feature, lag), share in shares.items():
         ax.bar(rules, share, bottom=edges[feature, lag] - share, width=0.8,
-               color=_COLOURS[feature], alpha=_OPACITY[lag], linewidth=0)  # fmt: skip
+               color=_COLOURS[feature], alpha=opacity[lag], linewidth=0)  # fmt: skip
     for feature, look in zip(("p_o", "bias"), _LIMITS.values(), strict=True):
         edge = edges[feature].iloc[:, -1]
         ax.hlines(edge, edge.index - 0.4, edge.index + 0.4, color=style.MARK, **look)
@@ -80,7 +79,7 @@ def draw_shares(table: DataFrame) -> Figure:
     taps = table.groupby("feature")["lag"].max()
     marks: list[Any] = [
         tuple(Patch(color=_COLOURS[name], alpha=shade, linewidth=0)
-              for shade in _OPACITY[: taps[name] + 1])
+              for shade in opacity[: taps[name] + 1])
         for name in _LABELS
     ]  # fmt: skip
     marks += [Line2D([], [], color=style.MARK, **look) for look in _LIMITS.values()]

@@ -1,7 +1,7 @@
 """What P_o is worth, and what FPRC's readout is worth: claims, tables, pages and the figure."""
 
 from collections.abc import Mapping, Sequence
-from itertools import product
+from itertools import cycle, product
 from pathlib import Path
 from typing import Any
 
@@ -248,7 +248,7 @@ def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     rows = {pair: row for row, pair in enumerate(parts)}
     names = table["family"].unique()
     shifts = dict(zip(names, np.linspace(-0.4, 0.4, len(names) + 2)[1:-1], strict=True))
-    looks = dict(zip(names, _FAMILIES, strict=False))
+    looks = dict(zip(names, cycle(_FAMILIES), strict=False))
     for name, (marker, colour) in looks.items():
         ax.plot([], [], marker, color=colour, markersize=4, label=escape.figure(family_title(name)))
     ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
@@ -256,13 +256,11 @@ def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     ax.axvline(1.0, color="0.6", linewidth=0.6)
     for row in table.itertuples():
         marker, colour = looks[row.family]
-        at, arms = (
-            rows[row.id, row.part] + shifts[row.family],
-            (row.mean - row.low, row.high - row.mean),
-        )
-        ax.errorbar(row.mean, at, xerr=np.transpose([arms]), fmt=marker, color=colour, markersize=4,
-                    linewidth=0.8,
-                    markerfacecolor="white" if row.verdict == "undecided" else colour)  # fmt: skip
+        face = "white" if row.verdict == "undecided" else colour
+        at = rows[row.id, row.part] + shifts[row.family]
+        arms = [[row.mean - row.low], [row.high - row.mean]]
+        ax.errorbar(row.mean, at, xerr=arms, fmt=marker, color=colour, markersize=4,
+                    linewidth=0.8, markerfacecolor=face)  # fmt: skip
     ax.set_xscale("log")
     ratios = (0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5)
     ax.set_xticks(ratios, [f"{ratio:g}" for ratio in ratios])
