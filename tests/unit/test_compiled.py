@@ -25,6 +25,7 @@ def package(tmp_path):
 @pytest.fixture
 def kernel_of(package):
     """Compile a function of one of the package's modules."""
+    alive = []  # no module of this name can be imported: numba finds it while a kernel lives
 
     def build():
         path = package / "of_one_line.py"
@@ -33,7 +34,8 @@ def kernel_of(package):
         spec = importlib.util.spec_from_file_location(path.stem, path)
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
-        return compiled.kernel(module.f)
+        alive.append(compiled.kernel(module.f))
+        return alive[-1]
 
     return build
 
