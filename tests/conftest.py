@@ -129,8 +129,8 @@ def live_by(monkeypatch):
             if sessions and sessions[-1].tick >= 0:  # the session begins once the rig is open
                 bench.wait(seconds)
 
-        def open_rig(hardware, elapsed, *, sleep):
-            return HardwareRig(hardware, elapsed, sleep=wait, now=lambda: waited_s[0])
+        def open_rig(*arguments, sleep, **named):
+            return HardwareRig(*arguments, **named, sleep=wait, now=lambda: waited_s[0])
 
         monkeypatch.setattr(session, "Metronome", begin)
         monkeypatch.setattr(session, "HardwareRig", open_rig)

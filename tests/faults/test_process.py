@@ -135,7 +135,6 @@ class Program:
         # a sample is complete once both valves are written; the journal gets it just after
         assert samples >= 20
         assert 0 <= (end - 2) // 2 - samples <= lost
-        return rows[end:]
 
 
 @pytest.fixture
@@ -160,7 +159,8 @@ def test_run_that_ends_well_leaves_a_log_that_can_be_read(start, rig):
     assert code == 0, output
     channels, attributes, findings = program.journal()
     assert findings.reason == ""
-    assert findings.samples + findings.statistics["overruns"] == 200
+    # on a busy machine, the last ticks that were missed may be beyond the end
+    assert findings.samples <= 200 <= findings.samples + findings.statistics["overruns"]
     log = read_raw(program.raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.9)
     assert set(log.channels) == set(RAW_CHANNELS)
     for name, values in log.channels.items():
@@ -168,8 +168,12 @@ def test_run_that_ends_well_leaves_a_log_that_can_be_read(start, rig):
     assert (log.attributes["source"], attributes["source"]) == ("rig", "rig")
     assert np.ptp(log.channels["p_exp_kpa"]) > 50.0
     assert rig.opened == 0
-    rows = program.ended_vented(findings.samples)
-    assert rows == [(0, 5.0), (1, 5.0)] + VENTED * (len(rows) // 2 - 1)
+    valves = [log.channels[name].astype("f4") for name in ("valve_main_v", "valve_reservoir_v")]
+    written = [row for pair in zip(*valves, strict=True) for row in enumerate(pair)]
+    rows = [row[1:] for row in rig.logged()]
+    end = VENTED * (len(rows) // 2 - len(written) // 2 - 2)
+    assert end
+    assert rows == VENTED + written + [(0, 5.0), (1, 5.0)] + end
 
 
 def send(name, *, loop=False, group=False):

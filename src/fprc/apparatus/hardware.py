@@ -1,19 +1,19 @@
 """The real rig behind the device protocol: valves, pressure sensors, angle sensors, and venting.
 
-``hardware`` is a mapping as in ``fprc.config.hardware.Hardware``. The guardian's process holds the
-locks of the boards, see ``fprc.apparatus.contec``.
+``hardware`` is a mapping as in ``fprc.config.hardware.Hardware``. Whoever opens a part of it holds
+the locks of the boards, see ``fprc.apparatus.contec``.
 """
 
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import partial
 from itertools import cycle
 from typing import Any
 
 from fprc.apparatus.bendlabs import BendSensor, open_bus
-from fprc.apparatus.contec import Board
+from fprc.apparatus.contec import Board, locked
 from fprc.channels import Readings
 from fprc.errors import DeviceError
 
@@ -156,8 +156,10 @@ class HardwareRig:
     """The paper's apparatus (Sec. II-B, Fig. 3).
 
     ``elapsed`` returns the time since the start of the run, s, which becomes the time of a reading;
-    ``sleep`` and ``now`` are a sleep function and a monotonic clock, s. DeviceError: a part cannot
-    be opened, and the others are released, vented.
+    ``sleep`` and ``now`` are a sleep function and a monotonic clock, s. Unless this process
+    ``has_lock`` of the boards already, it takes the locks until ``close``. DeviceError: another
+    process has a board, and nothing was moved; or a part cannot be opened, and the others are
+    released, vented.
     """
 
     def __init__(
@@ -165,12 +167,17 @@ class HardwareRig:
         hardware: Mapping[str, Any],
         elapsed: Callable[[], float],
         *,
+        has_lock: bool = False,
         sleep: Callable[[float], None] = time.sleep,
         now: Callable[[], float] = time.monotonic,
     ):
         self._elapsed, self._buses = elapsed, dict[int, Any]()
         self._sensors, self._angles = list[BendSensor](), [math.nan, math.nan]
-        self._pneumatics = Pneumatics(hardware, reset=True)
+        with ExitStack() as locks:
+            if not has_lock:
+                locks.enter_context(locked(hardware))
+            self._pneumatics = Pneumatics(hardware, reset=True)
+            self._locks = locks.pop_all()
         self._vent = partial(self._pneumatics.vent, sleep=sleep, now=now)
         self.write, self.safe = self._pneumatics.write, self._pneumatics.safe
         try:
@@ -209,7 +216,8 @@ class HardwareRig:
     def _end(self, vent: Callable[[], None]) -> None:
         sensors = (sensor.shutdown for sensor in self._sensors)
         buses = (bus.close for bus in self._buses.values())
-        _call_all([vent, self._pneumatics.release, *sensors, *buses])
+        with self._locks:
+            _call_all([vent, self._pneumatics.release, *sensors, *buses])
 
 
 def _call_all(calls: Iterable[Callable[[], None]]) -> None:

@@ -238,14 +238,18 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
 def recover(journal: Path | str, raw: Path | str) -> Findings:
     """Write the readable samples of a journal as a raw log; the journal is not changed.
 
-    Errors are those of ``read_journal`` and ``refuse_output``; LogError also if there is no sample.
+    Errors are those of ``read_journal`` and ``refuse_output``; LogError also if there is no sample,
+    or a forged header or end mark has what no log can hold.
     """
     refuse_output(raw, ".h5")
     channels, attributes, findings = read_journal(journal)
     if not findings.samples:
         raise LogError(f"{journal}: no sample can be read; nothing was written")
     state = state_of(findings.reason, findings.statistics, findings.lost)
-    write_raw(raw, channels, **attributes | state)
+    try:
+        write_raw(raw, channels, **attributes | state)
+    except (TypeError, ValueError) as error:
+        raise LogError(f"{journal}: what it says of the run fits no log ({error})") from error
     return findings
 
 

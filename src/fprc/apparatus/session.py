@@ -227,7 +227,8 @@ def on_rig(
 
     guardian.notify(OPENING)  # it then notices a call that hangs
     try:
-        opened = HardwareRig(hardware, clock.elapsed, sleep=wait)
+        # the locks are inherited from the guardian
+        opened = HardwareRig(hardware, clock.elapsed, has_lock=True, sleep=wait)
     except DeviceError:
         guardian.notify(SAFE)  # nothing was moved
         raise

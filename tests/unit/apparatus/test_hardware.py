@@ -6,6 +6,7 @@ import pytest
 
 from fprc.apparatus import hardware as module
 from fprc.apparatus.bendlabs import open_bus
+from fprc.apparatus.contec import locked
 from fprc.apparatus.hardware import HardwareRig
 from fprc.errors import DeviceError
 
@@ -26,7 +27,7 @@ def build(bench, hardware, monkeypatch):
         return bus
 
     def build(wait=bench.wait):
-        return HardwareRig(hardware, bench.elapsed, sleep=wait, now=bench.elapsed)
+        return HardwareRig(hardware, bench.elapsed, has_lock=True, sleep=wait, now=bench.elapsed)
 
     monkeypatch.setattr(module, "open_bus", open_and_keep)
     build.buses = {}
@@ -83,6 +84,17 @@ def test_rig_without_an_angle_sensor_is_vented_and_released(bench, build):
         build()
     assert written(bench) == 2 * [(0, 0.0), (1, 0.0)]
     assert (bench.shared.opened, build.buses[1].close.call_count) == (0, 1)
+
+
+def test_rig_that_another_program_has_is_refused_before_any_call_of_the_driver(bench, hardware):
+    rig = HardwareRig(hardware, bench.elapsed, sleep=bench.wait, now=bench.elapsed)
+    calls = bench.shared.calls
+    with pytest.raises(DeviceError, match="in use"):
+        HardwareRig(hardware, bench.elapsed)
+    assert bench.shared.calls == calls
+    rig.close()
+    with locked(hardware):
+        pass
 
 
 def test_heart_beats_at_every_sample_that_reached_both_valves_and_at_no_other(

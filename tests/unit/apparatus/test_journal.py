@@ -223,6 +223,8 @@ FORGED = [
     b"[]", b"5", b"{", b"[" * 5000, b'{"started": "x"}', b'{"started": "x", "names": [5]}',
     b'{"started": "x", "names": []}', b'{"started": "x", "names": ["a", "b"]}', b"NaN", b"\xff",
     b'{"started": "x", "names": ["a", "a"], "experiment": [], "source": "rig"}',
+    b'{"started": "x", "names": ["/", "a"], "experiment": "sweep", "source": "rig", "rig": {}, '
+    b'"sample_rate_hz": 200, "seed": 1, "software": "x"}',
 ]  # fmt: skip
 
 
