@@ -139,9 +139,10 @@ class Journal:
 
     def _loss(self) -> str:
         """Return an error text if the file was lost; empty if it is whole."""
+        written = self._bytes  # before its size is asked for: the loop goes on to append
         with suppress(OSError):  # if it was moved or unmounted
             kept = os.fstat(self._file)
-            if os.path.samestat(self.path.stat(), kept) and kept.st_size >= self._bytes:
+            if os.path.samestat(self.path.stat(), kept) and kept.st_size >= written:
                 return ""
         return (
             f"{self.path} was deleted, moved, replaced, cut or unmounted during the run; leave it "

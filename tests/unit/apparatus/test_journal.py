@@ -97,6 +97,20 @@ def test_samples_are_brought_to_the_disk_while_the_run_goes_on(path, monkeypatch
     journal.close()
 
 
+def test_sample_that_is_appended_during_a_check_is_no_loss(path, monkeypatch):
+    journal, fstat = Journal(path, NAMES, ATTRIBUTES), os.fstat
+
+    def fstat_then_append(file):
+        found = fstat(file)
+        journal.append(0, row(0))
+        return found
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fstat", fstat_then_append)
+        journal.close()
+    assert read_ticks(path)[0] == [0]
+
+
 def broken(file):
     raise OSError(errno.EIO, "Input/output error")
 
