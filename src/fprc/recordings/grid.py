@@ -15,7 +15,11 @@ from fprc.recordings.table import Column, joined_clocks
 #: Texts that stand for a missing value, in lower case.
 _MISSING = {"", "-nan", "nan", "na", "n/a", "#n/a", "#na", "<na>", "null", "none", "1.#qnan",
             "-1.#ind", "--", "-"}  # fmt: skip
-_NUMBER = re.compile(r"(?i)[+-]?(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[ed][+-]?\d+)?|inf(?:inity)?)")
+#: With one mark, or with another that groups thousands, as 1.234,5.
+_NUMBER = re.compile(
+    r"(?i)[+-]?(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[ed][+-]?\d+)?|inf(?:inity)?"
+    r"|\d{1,3}(?:(?:\.\d{3})+,|(?:,\d{3})+\.)\d+)"
+)
 #: A number in which marks may group thousands; no digit before them is a 0.
 _GROUPED = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,]\d{3})+\s*")
 _CLOCK_TIME = re.compile(r"(?:(\d{1,3}):)?(\d{1,3}):(\d\d)(?:[.,:](\d+))?\s*([AaPp][Mm])?")
@@ -95,10 +99,12 @@ def _numbers(texts: Sequence[str], mark: str | None) -> tuple[np.ndarray, list[i
     if not re.search(r"[^0-9eE+.\-]", joined) and (mark == "." or "." not in joined):
         with suppress(ValueError):
             return np.array(texts, np.float64), []
-    values, bad = np.full(len(texts), np.nan), []
+    values, bad, other = np.full(len(texts), np.nan), [], ".,"[mark == "."]
     for k, text in enumerate(texts):
-        if _NUMBER.fullmatch(text) and not set(text) & set(".,") - {mark}:
-            values[k] = float(text.replace(",", ".").lower().replace("d", "e"))
+        grouped = mark and -1 < text.find(other) < text.find(mark)
+        plain = text.replace(other, "") if grouped else text
+        if _NUMBER.fullmatch(text) and not set(plain) & set(".,") - {mark}:
+            values[k] = float(plain.replace(",", ".").lower().replace("d", "e"))
         elif text.lower() not in _MISSING:
             bad.append(k)
     return values, bad

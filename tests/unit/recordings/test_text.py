@@ -139,6 +139,9 @@ DECIMALS = {
     "point for thousands?": ("t;p\n0;50.000\n1;50.125\n", None, None),
     "both in a column": ("t;p\n0;1.5\n1;1,5\n", None, None),
     "underscores": ("t,p\n0,1\n1,1_0\n", None, None),
+    "points group thousands": ("t;p\n0,5;990,5\n1,5;1.000,25\n", None, [990.5, 1000.25]),
+    "points that group nothing": ("t;p\n0,5;990,5\n1,5;10.00,25\n", None, None),
+    "points that group, declared": ("t;p\n0;1.000,5\n1;2.000,5\n", ".", None),
     "declared otherwise": ("t;p\n0;50.000\n1;5,5\n", ",", None),
 }
 
