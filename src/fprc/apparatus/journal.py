@@ -209,8 +209,9 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
         )
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),))])
     samples, end, cut = list[bytes](), dict[str, Any](), False
-    for part in parts:
-        sample = _intact(part, 4 + record.itemsize, _crc_of(header))
+    for n, part in enumerate(parts):
+        whole = _MARK.join(parts[n : n + 2])  # the marker may be among the bytes of a sample
+        sample = _intact(whole, 4 + record.itemsize, _crc_of(header))
         if len(sample) == record.itemsize:
             samples.append(sample)
         elif end := _object(part, _IN_END, _crc_of(header)):

@@ -233,6 +233,17 @@ def test_damage_costs_no_other_sample_and_is_counted(closed, path, change, lost,
     assert is_closed or (f"{len(lost)} of 20 ticks" in findings.reason) is bool(lost)
 
 
+def test_marker_among_the_numbers_of_a_sample_costs_none(path):
+    (number,) = struct.unpack("<d", MARK)
+    journal = Journal(path, NAMES, ATTRIBUTES)
+    for k in range(3):
+        journal.append(k, [*row(k)[:3], number, *row(k)[4:]])
+    journal.close()
+    channels, _, findings = read_journal(path)
+    assert (findings.samples, findings.reason) == (3, "")
+    assert channels[NAMES[3]].tolist() == [number] * 3
+
+
 FORGED = [
     b"[]", b"5", b"{", b"[" * 5000, b'{"started": "x"}', b'{"started": "x", "names": [5]}',
     b'{"started": "x", "names": []}', b'{"started": "x", "names": ["a", "b"]}', b"NaN", b"\xff",
