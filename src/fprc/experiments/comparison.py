@@ -109,31 +109,6 @@ def _seen(train: Data, test: Data, expected: np.ndarray, predicted: np.ndarray) 
     return rmse(expected[known], predicted[known]) if known.any() else float("nan")
 
 
-def errors_over_starts(
-    logs: Mapping[str, Data], validation: CrossValidation, starts: int
-) -> tuple[dict[str, dict[str, list[float]]], list[SequenceModel]]:
-    """Return RMSEs of FPRC whose fuzzy c-means begins at several random places, kPa.
-
-    Each start trains on the same rows, those of the first fold, and clusters once. The errors are
-    by the log that trained and by phase; the models are those that the sweep trained.
-    """
-    samples = {key: data.samples("fprc", validation.models) for key, data in logs.items()}
-    prepared = prepare(build("fprc", validation.models, validation.seed), samples)
-    seeds = np.random.SeedSequence(validation.seed).generate_state(starts).tolist()
-    errors, readouts = {}, {}
-    for train, test in DIRECTIONS:
-        part, _ = validation.split_rows(logs[train])[0]
-        readouts[train] = [
-            prepared.readout(train, part, random_state=seed, restarts=1) for seed in seeds
-        ]
-        errors[train] = {
-            "train": [prepared.error(readout, train, part) for readout in readouts[train]],
-            "test": [prepared.error(readout, test) for readout in readouts[train]],
-        }
-    models = map(prepared.fitted, readouts["sweep"])
-    return errors, [trained_on(m, logs["sweep"], "fprc", validation.models) for m in models]
-
-
 def evaluate_grids(
     data: Mapping[str, Data], values: Mapping[str, Any], validation: CrossValidation,
     folds: int | None = None,

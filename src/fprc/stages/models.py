@@ -11,20 +11,15 @@ from fprc.experiments.comparison import (
     CrossValidation,
     compare_models,
     cross_validate_both,
-    errors_over_starts,
     evaluate_grids,
 )
 from fprc.experiments.data import models_for, read_data, refuse_mixture
 from fprc.experiments.hysteresis import RigSettings, simulate
-from fprc.experiments.tracking import Track, measure_control, tracking_errors
+from fprc.experiments.tracking import Track, measure_control
 from fprc.logs import write_columns
 from fprc.models import save_model
-from fprc.paper import DIRECTIONS, GRID_MODELS, REFERENCES
+from fprc.paper import DIRECTIONS, GRID_MODELS
 from fprc.registry import build, controllers, outside_classes
-
-#: Places where the fuzzy c-means of FPRC begins, to see how much its errors depend on them; and how
-#: many of these also track the references of Table IV: a loop costs more than an error.
-_STARTS, _TRACKED = 10, 5
 
 
 def judge(
@@ -128,16 +123,8 @@ def replicate(
     how, data = validation, simulate(on_rig, validation.seed)
     comparison, models = compare_models(data, how)
     described = {"seed": how.seed, "source": "sim"}
-    starts, started = errors_over_starts(data, how, _STARTS)
-    write_json(compared, described | comparison | {"fprc_rmse_over_starts": starts})
+    write_json(compared, described | comparison)
     write_json(cells, described | evaluate_grids(data, values, how, folds=1))
     bench = Track(tracking, on_rig.control, on_rig.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
-    loops = {"fprc": 0.0, "fprc_pd": 1.0}
-    tracked = [tracking_errors(bench, model, loops) for model in started[:_TRACKED]]
-    over_starts = {
-        f"{reference}/{name}": [errors[name][reference] for errors in tracked]
-        for reference in REFERENCES
-        for name in loops
-    }
-    write_json(measures, described | measured | {"fprc_rmse_over_starts": over_starts})
+    write_json(measures, described | measured)

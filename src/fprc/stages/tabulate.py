@@ -82,15 +82,11 @@ def tabulate_seeds(
     )
     for k, (trained_on, title) in enumerate(tables.TITLES.items()):
         table = tables.over_seeds(reports, printed, trained_on)
-        note = (
-            f"{about}; each seed is another draw of sensors, noise and models. "
-            f"{tables.over_starts(reports, trained_on)}"
-        )
+        note = f"{about}; each seed is another draw of sensors, noise and models."
         files = seeds[k * each :][:each]
         write_table(table, tables.comparison_page(table), note, *files, title=title)
     table = tracking.tracking_over_seeds(tracked, printed)
-    note = f"{about}. {feedback} {tracking.over_starts(tracked)}"
-    title = f"{tracking.TITLE}, over seeds"
+    note, title = f"{about}. {feedback}", f"{tracking.TITLE}, over seeds"
     write_table(table, tracking.tracking_page(table), note, *seeds[-each:], title=title)
 
 

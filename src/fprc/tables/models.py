@@ -81,21 +81,6 @@ def over_seeds(
     return table[[*table.columns.drop(last), *last]]
 
 
-def over_starts(replicates: Sequence[Mapping[str, Any]], trained_on: str) -> str:
-    """Return a sentence on how much FPRC's errors depend on where its clustering begins."""
-    train, test = (
-        np.array([report["fprc_rmse_over_starts"][trained_on][phase] for report in replicates])
-        for phase in ("train", "test")
-    )
-    spreads = [errors.std(axis=1, ddof=1).mean() for errors in (train, test)]
-    return (
-        f"Where FPRC's clustering begins, among {test.shape[1]} starts on the same rows, changes "
-        f"its training RMSE by {spreads[0]:.2g} and its test RMSE by {spreads[1]:.2g} kPa "
-        f"(standard deviation within a seed); on one seed the best and the worst start are "
-        f"{np.ptp(test, axis=1).max():.2g} kPa apart in the test."
-    )
-
-
 def means_of(samples: pd.DataFrame, *keys: str, count: str = "seeds") -> pd.DataFrame:
     """Return the mean of ``value`` for each value of the keys, tidy.
 

@@ -64,23 +64,6 @@ def tracking_over_seeds(
     return _beside_print(table.assign(source=replicates[0]["source"]), published)
 
 
-def over_starts(replicates: Sequence[Mapping[str, Any]]) -> str:
-    """Return a sentence on how much Table IV depends on where FPRC's clustering begins."""
-    found = [run for report in replicates for run in report["fprc_rmse_over_starts"].items()]
-    opened, closed = (
-        100.0
-        * np.mean([np.std(of, ddof=1) / np.mean(of) for run, of in found if run.endswith(law)])
-        for law in ("/fprc", "/fprc_pd")
-    )
-    worst = max(max(of) / min(of) for _, of in found)
-    return (
-        f"Where FPRC's clustering begins, among {len(found[0][1])} starts on the same rows, "
-        f"changes the RMSE of FPRC by {opened:.1f} % and that of FPRC+PD by {closed:.1f} % "
-        "(standard deviation within a seed, mean over the references that the paper prints); at "
-        f"most, the worst start's is {worst:.2f} times the best one's."
-    )
-
-
 def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return Table IV as the paper prints it, ours beside the published numbers."""
     page = []

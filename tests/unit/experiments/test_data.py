@@ -5,16 +5,10 @@ import pytest
 
 from fprc.errors import LogError
 from fprc.evaluation import evaluate
-from fprc.experiments.comparison import (
-    CrossValidation,
-    compare_models,
-    errors_over_starts,
-    evaluate_grids,
-)
+from fprc.experiments.comparison import CrossValidation, compare_models, evaluate_grids
 from fprc.experiments.data import Data, join, read_data, select_channels
 from fprc.logs import Columns, write_columns
 from fprc.logs.quality import other_quantity
-from fprc.models import Learning, Online
 from fprc.registry import build
 
 MODELS = {
@@ -110,12 +104,6 @@ def test_tables_restart_features_at_each_recording(joined):
         error = (np.concatenate([model.predict(X[:60]), model.predict(X[60:])]) - y)[trains]
         expected = np.sqrt(np.mean(error**2))
         assert report["train_rmse_kpa"][report["best_fold"]] == pytest.approx(expected, abs=1e-9)
-
-
-def test_models_of_all_starts_can_learn_online(joined):
-    logs = {"sweep": joined, "complex": recording(110, experiment="complex")}
-    _, started = errors_over_starts(logs, VALIDATION, 2)
-    assert [Online(model, Learning(), 0.005).learned.any() for model in started] == [False] * 2
 
 
 @pytest.mark.parametrize("folds", [1, None])

@@ -6,17 +6,10 @@ from pydantic import validate_call
 
 from fprc.artifacts import read_json
 from fprc.config import Settings
-from fprc.config.settings import Control
-from fprc.config.tracking import Tracking
-from fprc.experiments.comparison import CrossValidation
 from fprc.experiments.data import read_data
-from fprc.experiments.hysteresis import RigSettings, simulate
-from fprc.experiments.tracking import Track, tracking_rmse
 from fprc.logs import read_columns
 from fprc.models import load_model
-from fprc.paper import REFERENCES
 from fprc.plan import arguments
-from fprc.registry import build
 from fprc.stages.draw import draw_weights
 from fprc.stages.models import judge, replicate
 
@@ -114,48 +107,3 @@ def test_weights_are_those_of_the_main_run_with_that_seed(
         rows = shown[shown["feature"] == feature]
         assert_allclose(rows["share"], np.ravel(rules), rtol=1e-5)
         assert set(rows["mean_of_feature"].round(5)) == {round(ours["mean_share"][feature], 5)}
-
-
-def fourth_start(log, on_rig, validation):
-    """Fit the readout by itself, on the rows of the first fold, from the fourth start."""
-    logs, how = simulate(RigSettings(**on_rig), SEED), CrossValidation(**validation)
-    model, (X, y, _) = build("fprc", how.models, SEED), logs[log].samples("fprc")
-    features, part = model.make_features().fit(X), how.split_rows(logs[log])[0][0]
-    seed = int(np.random.SeedSequence(SEED).generate_state(10)[3])
-    readout = model.make_readout().set_params(random_state=seed)
-    readout.fit(features.transform(X)[part], y[part])
-    return logs, model, features, readout, part
-
-
-def test_starts_train_on_one_fold_and_differ_from_each_other(errors, on_rig, validation):
-    found = read_json(errors)["fprc_rmse_over_starts"]
-    for log in ("sweep", "complex"):
-        assert {phase: len(set(found[log][phase])) for phase in found[log]} == {
-            "train": 10,
-            "test": 10,
-        }
-    logs, _, features, readout, part = fourth_start("complex", on_rig, validation)
-    (X, y, _), (other, expected, _) = (logs[name].samples("fprc") for name in ("complex", "sweep"))
-    tested = readout.predict(features.transform(other)) - expected
-    trained = readout.predict(features.transform(X)[part]) - y[part]
-    for phase, wrong in (("train", trained), ("test", tested)):
-        assert found["complex"][phase][3] == pytest.approx(np.sqrt(np.mean(wrong**2)))
-
-
-def test_starts_drive_the_loops_of_table_4(errors, settings, on_rig, validation):
-    """The loop of the real rig, sample by sample, gives the errors that compiled code gave."""
-    found = read_json(errors.replace("compared", "measures"))["fprc_rmse_over_starts"]
-    assert {run: len(rmses) for run, rmses in found.items()} == {
-        f"{reference}/{controller}": 5
-        for reference in REFERENCES
-        for controller in ("fprc", "fprc_pd")
-    }
-    _, model, features, readout, _ = fourth_start("sweep", on_rig, validation)
-    bench = Track(
-        Tracking(**settings["tracking"]), Control(**settings["control"]), settings["rig"], SEED
-    )
-    for run in ("sweep/fprc", "complex/fprc_pd"):
-        reference, name = run.split("/")
-        fitted = {"fprc": model.assembled(features, readout)}
-        followed = bench.follow(reference, [name], fitted)[name]
-        assert found[run][3] == pytest.approx(tracking_rmse(followed, SETTLE_S), rel=1e-6)
