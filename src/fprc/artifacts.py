@@ -9,8 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from fprc.errors import FprcError, OutputError
-from fprc.given import read_given
+from fprc.errors import OutputError
 
 
 @contextmanager
@@ -80,25 +79,6 @@ def write_text(path: Path | str, text: str) -> None:
 def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
     """Write a JSON file; raise ValueError if the content holds NaN or infinity."""
     write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
-
-
-def read_json(path: Path | str) -> dict[str, Any]:
-    """Read a JSON file that holds an object; raise FprcError if it was cut or is something else."""
-    try:
-        return parse_object(read_given(path, most_bytes=1 << 28).decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise FprcError(
-            f"{path}: {error}; it was damaged or edited: delete it, then repeat the command that "
-            "made it"
-        ) from error
-
-
-def parse_object(text: str) -> dict[str, Any]:
-    """Parse a JSON object; raise ValueError, or RecursionError, for any other text."""
-    content = json.loads(text)
-    if not isinstance(content, dict):
-        raise ValueError("must be a JSON object")
-    return content
 
 
 def write_csv(path: Path | str, table: Any) -> None:

@@ -28,7 +28,7 @@ SHOWS = _named(
 #: Those of what no rule of the paper runs, or what only passes on files and settings.
 ELSEWHERE = _named(
     "__init__ __main__ apparatus cli commands config datasets errors fingerprint given plan "
-    "recordings studies yaml_file"
+    "recordings studies"
 )
 
 

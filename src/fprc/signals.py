@@ -8,8 +8,7 @@ import numpy as np
 from fprc.errors import EvaluationError
 
 if TYPE_CHECKING:
-    from fprc.config.settings import Signal
-    from fprc.config.tracking import Reference
+    from fprc.config.settings import Reference, Signal
 
 
 def sample_times(duration_s: float, sample_rate_hz: float) -> np.ndarray:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from fprc.artifacts import read_json
 from fprc.cli import main
+from fprc.given import read_json
 
 ROOT = Path(__file__).parents[2]
 DATASETS = ROOT.parent / "shared" / "datasets"

@@ -15,7 +15,7 @@ from fprc.experiments.hysteresis import acquire
 from fprc.figures import style
 from fprc.logs import write_raw
 from fprc.models import FPRC, save_model
-from fprc.plan.arguments import of_pressures
+from fprc.plan import of_pressures
 from fprc.stages.record import record
 
 # `make quick` asks for fewer examples, .ci/weekly for more

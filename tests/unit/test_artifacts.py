@@ -8,15 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.artifacts import (
-    read_json,
-    refuse_output,
-    replacing,
-    write_csv,
-    write_json,
-    write_text,
-)
+from fprc.artifacts import refuse_output, replacing, write_csv, write_json, write_text
 from fprc.errors import FprcError, OutputError
+from fprc.given import read_json
 
 
 def names(folder):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fprc.cli import main
-from fprc.config import reference
+from fprc.config import load
 
 pytestmark = pytest.mark.slow
 
@@ -62,7 +62,7 @@ def test_unreadable_log_is_named_and_the_next_one_still_judged(
 
 
 def test_interrupt_ends_the_command_without_a_traceback(monkeypatch, capsys):
-    monkeypatch.setattr(reference, "defaults", Mock(side_effect=KeyboardInterrupt))
+    monkeypatch.setattr(load, "defaults", Mock(side_effect=KeyboardInterrupt))
     assert main(["config", "defaults"]) == 130
     assert capsys.readouterr().err == "stopped; finished results are kept\n"
 
@@ -94,7 +94,7 @@ def test_messages_go_to_the_standard_error_of_each_command(monkeypatch, capsys):
         logging.getLogger("fprc.some.module").info("ours")
         logging.getLogger("matplotlib").info("of another library")
 
-    monkeypatch.setattr(reference, "defaults", say)
+    monkeypatch.setattr(load, "defaults", say)
     for _ in range(2):
         assert main(["config", "defaults"]) == 0
         assert capsys.readouterr().err == "ours\n"

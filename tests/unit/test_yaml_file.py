@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.errors import ConfigError
-from fprc.yaml_file import read_yaml
+from fprc.given import read_yaml
 
 KEYS = st.from_regex("[a-z]{1,5}", fullmatch=True)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from fprc.yaml_file import read_yaml
+from fprc.given import read_yaml
 
 ROOT = Path(__file__).parents[2]
 STUDIES = ("--snakefile", "workflow/studies/Snakefile")

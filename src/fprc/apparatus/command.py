@@ -8,9 +8,8 @@ from fprc import __version__
 from fprc.apparatus.guardian import guard
 from fprc.artifacts import refuse_output
 from fprc.channels import unit_of
-from fprc.config import from_files, local_files
-from fprc.config.settings import Control, Signal
-from fprc.config.tracking import Tracking
+from fprc.config import from_files
+from fprc.config.settings import Control, Signal, Tracking
 from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError, ControlError
 from fprc.escape import in_words
@@ -75,7 +74,7 @@ def record(
 
 
 def _settings(files: Sequence[str]) -> dict[str, Any]:
-    return from_files(files or local_files()).model_dump(mode="json")
+    return from_files(files).model_dump(mode="json")
 
 
 class Experiment(NamedTuple):

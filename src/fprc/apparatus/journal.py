@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.artifacts import parse_object, refuse_output
+from fprc.artifacts import refuse_output
 from fprc.errors import LogError
-from fprc.given import read_given
+from fprc.given import parse_object, read_given
 from fprc.logs import write_raw
 
 #: Marker of a part; the digit is the version of the format.

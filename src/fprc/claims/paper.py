@@ -14,9 +14,9 @@ from scipy.stats import spearmanr
 
 from fprc.claims import TEXTS
 from fprc.claims.claim import PHASES, Claim, Printed, Results, Statement
+from fprc.given import read_yaml
 from fprc.paper import LOOPS, MODELS, PRINTED, REFERENCE_NAMES, REFERENCES
 from fprc.registry import controller_title, title_of
-from fprc.yaml_file import read_yaml
 
 Below = partial(Statement, high=1.0)
 Above = partial(Statement, low=1.0)

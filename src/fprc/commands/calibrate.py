@@ -8,13 +8,13 @@ from joblib import effective_n_jobs
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import refuse_output, write_json, write_text
-from fprc.config import PUBLISHED, from_files, local_files
+from fprc.config import PUBLISHED, from_files
 from fprc.experiments.hysteresis import RigSettings
-from fprc.plan.arguments import on_rig, validation
+from fprc.given import read_yaml
+from fprc.plan import on_rig, validation
 from fprc.studies.calibration.ensemble import ensemble_around
 from fprc.studies.calibration.fit import fit_rig
 from fprc.studies.calibration.rig_file import WRITTEN, parameter_file
-from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 
@@ -29,7 +29,7 @@ def calibrate_from_files(
     ensemble: str | None = None,
 ) -> None:
     """Fit the simulated rig to what the paper prints and claims."""
-    settings = from_files(files or local_files()).model_dump(mode="json")
+    settings = from_files(files).model_dump(mode="json")
     refuse_output(ensemble or out, ".json" if ensemble else ".yaml")
     printed, rig = read_yaml(PUBLISHED), RigSettings(**on_rig(settings))
     how = {

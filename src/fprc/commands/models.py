@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from fprc import __version__
 from fprc.artifacts import refuse_output, replacing, write_text
-from fprc.config import Settings, from_files, local_files
+from fprc.config import Settings, from_files
 from fprc.config.settings import Control, Signal
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
@@ -22,7 +22,7 @@ from fprc.experiments.trained import refuse_other_data, trained_on
 from fprc.given import refuse_repeats
 from fprc.models import SequenceModel, load_model, save_model
 from fprc.models.c_header import c_header
-from fprc.plan.arguments import of_pressures, validation
+from fprc.plan import of_pressures, validation
 from fprc.provenance import sha256
 from fprc.registry import build, entries, entry_of, load_class, outside_classes
 from fprc.stages.record import record
@@ -128,7 +128,7 @@ def export(model: str, *, c: str, learn: bool = False, config: Sequence[str] = (
 def _settings(files: Sequence[str], **chosen: Any) -> Settings:
     """Return the settings of the files, or of the current folder, with what was chosen beside."""
     over = {name: value for name, value in chosen.items() if value is not None}
-    return from_files(files or local_files(), over)
+    return from_files(files, over)
 
 
 def _read(logs: Sequence[str], settings: Settings, inputs: tuple[str, ...]) -> Data:

@@ -159,8 +159,8 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
 
           fprc config check config/config.yaml mine.yaml
     """, [_arg("files", "FILE", "configuration, YAML", nargs="+")]),
-    ("config defaults", "config.reference:defaults", "Print config/config.yaml.", []),
-    ("config reference", "config.reference:reference", "Print docs/configuration.md.", []),
+    ("config defaults", "config.load:defaults", "Print config/config.yaml.", []),
+    ("config reference", "config.load:reference", "Print docs/configuration.md.", []),
     ("config rig", "commands.files:show_rig", """
         Print the parameters of a fitted rig.
 

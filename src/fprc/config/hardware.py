@@ -1,6 +1,8 @@
 """The real rig: boards, sensors, limits. Used only with ``source: rig``."""
 
-from pydantic import Field, field_validator, model_validator
+from collections.abc import Iterator
+
+from pydantic import Field
 
 from fprc.config.section import Rising, Section, quantity
 
@@ -21,13 +23,11 @@ class Boards(Section):
         "channel that toggles between 0 and 5 V at every sample, for a watchdog relay that vents "
         "when the toggling stops; null: no relay")
 
-    @model_validator(mode="after")
-    def _each_has_its_own(self) -> "Boards":
+    def _problems(self) -> Iterator[str]:
         for kind in ("input", "output", "device"):
             given = [value for name, value in self if name.endswith(f"_{kind}")]
             if len(set(given)) < len(given):
-                raise ValueError(f"{kind}s {given} are not different; give each its own")
-        return self
+                yield f"{kind}s {given} are not different; give each its own"
 
 
 class Transducer(Section):
@@ -45,12 +45,9 @@ class AngleSensor(Section):
     offset_deg: float = quantity(0, (-180, 180), "added after the gain")
     gain: float = quantity(1, (-10, 10), "factor on the reading, before the offset")
 
-    @field_validator("gain")
-    @classmethod
-    def _reads_something(cls, gain: float) -> float:
-        if abs(gain) < 0.1:
-            raise ValueError(f"{gain}: must be 0.1 or more, or -0.1 or less")
-        return gain
+    def _problems(self) -> Iterator[str]:
+        if abs(self.gain) < 0.1:
+            yield f"gain = {self.gain} must be 0.1 or more, or -0.1 or less"
 
 
 class Valves(Section):
@@ -78,14 +75,11 @@ class Limits(Section):
     stale_s: float = quantity(0.25, (0.01, 10), "longest time without a new value from a sensor")
     overruns_in_a_row: int = quantity(5, (0, 1000), "missed ticks allowed in a row", unit="ticks")
 
-    @field_validator("p_exp_kpa", "p_i_kpa")
-    @classmethod
-    def _hold_a_vented_chamber(cls, limits: tuple[float, float]) -> tuple[float, float]:
-        if not limits[0] < 0.0 < limits[1]:
-            raise ValueError(
-                f"{limits} excludes 0 kPa, the reading of a vented chamber; begin below 0"
-            )
-        return limits
+    def _problems(self) -> Iterator[str]:
+        for name in ("p_exp_kpa", "p_i_kpa"):
+            low, high = getattr(self, name)
+            if not low < 0.0 < high:
+                yield f"{name} excludes 0 kPa, the reading of a vented chamber; begin below 0"
 
 
 class Loop(Section):
@@ -114,26 +108,18 @@ class Hardware(Section):
     loop: Loop = Loop()
     # fmt: on
 
-    @model_validator(mode="after")
-    def _sensor_faults_are_detectable(self) -> "Hardware":
-        problems = []
+    def _problems(self) -> Iterator[str]:
+        remedy = "check zero_v, gain_kpa_per_v and limits"
         for name in ("p_exp", "p_i", "p_o"):
             sensor, (low, high) = getattr(self, name), getattr(self.limits, f"{name}_kpa")
             off, full = ((volts - sensor.zero_v) * sensor.gain_kpa_per_v for volts in (0.0, 5.0))
             if off >= min(low, -self.valves.vented_kpa):
-                problems.append(f"{name}: with a broken cable, 0 V, it reads a valid {off:g} kPa")
+                yield f"{name}: with a broken cable, 0 V, it reads a valid {off:g} kPa; {remedy}"
             if full <= high:
-                problems.append(f"{name}: at its full 5 V it reads {full:g} kPa, below its limit")
-        if problems:
-            raise ValueError(f"{'; '.join(problems)}; check zero_v, gain_kpa_per_v and limits")
-        return self
-
-    @model_validator(mode="after")
-    def _sensors_differ(self) -> "Hardware":
+                yield f"{name}: at its full 5 V it reads {full:g} kPa, below its limit; {remedy}"
         theta, phi = self.theta, self.phi
         if phi and (theta.bus, theta.address) == (phi.bus, phi.address):
-            raise ValueError(
+            yield (
                 f"theta and phi share address {theta.address:#x} on I2C bus {theta.bus}; give one "
                 "sensor another address or bus, or set phi: null if there is none"
             )
-        return self

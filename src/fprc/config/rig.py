@@ -4,27 +4,22 @@ The source ``fitted`` means that no data sheet gives the value; the files in ``r
 with which the rig reproduces the paper.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from fprc.config.section import NotEmpty, Section, fields, limit_of, quantity
 
 
-def _elements(*pairs: tuple[str, str]) -> Any:
-    """Return the check that lists of elements match in length, and that their weights sum to 1."""
-
-    def match(section: Any) -> Any:
-        for pair in pairs:
-            sizes = {len(getattr(section, name)) for name in pair}
-            if len(sizes) > 1:
-                raise ValueError(f"{' and '.join(pair)} differ in length; give each element both")
-        if abs(sum(section.slip_weight) - 1.0) > 1e-9:
-            raise ValueError(f"slip_weight sums to {sum(section.slip_weight):.6g}; must be 1")
-        return section
-
-    return model_validator(mode="after")(match)
+def _unmatched(section: Section, *pairs: tuple[str, str]) -> Iterator[str]:
+    """Yield which lists of elements differ in length, and weights that do not sum to 1."""
+    values = dict(section)
+    for one, other in pairs:
+        if len(values[one]) != len(values[other]):
+            yield f"{one} and {other} differ in length; give each element both"
+    if abs(sum(values["slip_weight"]) - 1.0) > 1e-9:
+        yield f"slip_weight sums to {sum(values['slip_weight']):.6g}; must be 1"
 
 
 def stiffest_squeeze(rig: Mapping[str, Any]) -> float:
@@ -119,10 +114,9 @@ class Bending(Section):
     stop_damping_kpa_s_per_deg: float = quantity(0.2, (0, 0.4),
         "damping of the straight actuator below 0 deg", "a firm stop")
 
-    _match = _elements(
-        ("relaxation_stiffness_kpa_per_deg", "relaxation_time_s"),
-        ("slip_distance_deg", "slip_weight"),
-    )
+    def _problems(self) -> Iterator[str]:
+        branches = ("relaxation_stiffness_kpa_per_deg", "relaxation_time_s")
+        return _unmatched(self, branches, ("slip_distance_deg", "slip_weight"))
 
 
 class Drift(Section):
@@ -158,7 +152,8 @@ class Reservoir(Section):
         "volume that the reservoir's bending takes from PAM B",
         "weak, as the paper explains the robustness of P_o")
 
-    _match = _elements(("slip_distance_ml", "slip_weight"))
+    def _problems(self) -> Iterator[str]:
+        return _unmatched(self, ("slip_distance_ml", "slip_weight"))
 
 
 class PressureSensor(Section):
@@ -209,23 +204,21 @@ class Rig(Section):
     converter: Converter = Converter()
     # fmt: on
 
-    @model_validator(mode="after")
-    def _squeeze_is_resolved_and_has_no_lag(self) -> "Rig":
+    def _problems(self) -> Iterator[str]:
         rig = self.model_dump()
         share = self.step_s * stiffest_squeeze(rig) / self.reservoir.squeeze_damping_kpa_s_per_ml
         if share > 0.5:
-            raise ValueError(
+            yield (
                 f"the reservoir's squeeze covers {share:.2g} of the distance to equilibrium in one "
                 "integration step, must be at most 0.5; reduce step_s, or raise "
                 "slip_distance_ml or squeeze_damping_kpa_s_per_ml"
             )
         if (lag := squeeze_lag(rig)) > LONGEST_LAG_S:
-            raise ValueError(
+            yield (
                 f"the reservoir's squeeze lags by {lag:.2g} s, must be at most {LONGEST_LAG_S} s, "
                 "since its loops do not depend on frequency; reduce squeeze_damping_kpa_s_per_ml "
                 "or raise squeeze_stiffness_kpa_per_ml"
             )
-        return self
 
 
 def free_ranges(

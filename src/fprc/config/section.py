@@ -1,10 +1,17 @@
 """Base class of the configuration's sections, and helpers that declare their keys."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from types import UnionType
 from typing import Annotated, Any, Self, TypeVar, Union, get_args, get_origin
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic.fields import FieldInfo
 
 from fprc.limits import Limit
@@ -12,12 +19,8 @@ from fprc.limits import Limit
 T = TypeVar("T")
 
 
-class Section(BaseModel):
+class Section(BaseModel, extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True):
     """A group of settings; unknown keys, infinities and NaN are errors."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, validate_default=True
-    )
 
     def changed(self, **values: Any) -> Self:
         """Return a copy with other values, which are not checked."""
@@ -27,10 +30,20 @@ class Section(BaseModel):
     @classmethod
     def _no_truth_values_as_numbers(cls, value: Any, info: ValidationInfo) -> Any:
         parts = value if isinstance(value, (list, tuple)) else [value]
-        is_flag = cls.model_fields[str(info.field_name)].annotation is bool
-        if not is_flag and any(isinstance(part, bool) for part in parts):
+        field = cls.model_fields[str(info.field_name)]
+        if field.annotation is not bool and any(isinstance(part, bool) for part in parts):
             raise ValueError("must not be true or false")
         return value
+
+    def _problems(self) -> Iterable[str]:
+        """Yield what does not go together in this section."""
+        return ()
+
+    @model_validator(mode="after")
+    def _goes_together(self) -> Self:
+        if problems := [*self._problems()]:
+            raise ValueError("\n  ".join(problems))
+        return self
 
 
 def quantity(

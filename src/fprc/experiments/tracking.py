@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc.channels import LEARNING_CHANNELS, TRACKING_CHANNELS
-from fprc.config.settings import Control
-from fprc.config.tracking import Tracking
+from fprc.config.settings import Control, Tracking
 from fprc.control import Law, refuse_impossible, tracking_law
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError

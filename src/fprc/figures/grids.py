@@ -14,12 +14,11 @@ from matplotlib.ticker import MaxNLocator
 from pandas import DataFrame, concat
 
 from fprc import escape
-from fprc.artifacts import read_json
 from fprc.figures import style
+from fprc.given import read_json, read_yaml
 from fprc.intervals import mean_and_std
 from fprc.paper import GRID_SETTINGS, PUBLISHED
 from fprc.registry import title_of
-from fprc.yaml_file import read_yaml
 
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
 #: Panels of Fig. 10: title, and label and base of the axis of the setting.

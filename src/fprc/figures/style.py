@@ -3,7 +3,6 @@
 A colour is a signal, a grey and a line style are a model or a controller, a marker is a phase.
 """
 
-import re
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,7 +18,6 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 from pandas import DataFrame
 
-from fprc import escape
 from fprc.artifacts import replacing, write_csv
 from fprc.paper import SOURCES
 
@@ -100,13 +98,6 @@ def figure(
     plt.rcParams.update(_STYLE)
     size = width_in, height_in
     return plt.subplots(rows, columns, figsize=size, layout="constrained", **options)
-
-
-def symbols(text: str) -> str:
-    """Return text of ours with the paper's symbols typeset, as theta_d, P_o, P_ff and n_c."""
-    text = re.sub(r"\b(theta|P|n)_([a-z]{2,})", r"$\1_\\mathrm{\2}$", escape.figure(text))
-    text = re.sub(r"\b(theta|P|n)_([a-z])\b", r"$\1_{\2}$", text)
-    return text.replace("$theta", r"$\theta")
 
 
 def shade(ax: Axes, name: str, first_s: float, last_s: float) -> None:

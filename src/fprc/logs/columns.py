@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 
-from fprc.artifacts import parse_object, replacing
+from fprc.artifacts import replacing
 from fprc.channels import unit_of
 from fprc.errors import LogError
-from fprc.given import open_given
+from fprc.given import open_given, parse_object
 
 #: The first bytes of an HDF5 file; a model file has others.
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"

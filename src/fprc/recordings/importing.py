@@ -9,9 +9,9 @@ from fprc.channels import TARGETS, unit_of
 from fprc.config.load import explained
 from fprc.config.section import Section
 from fprc.errors import ConfigError
+from fprc.given import read_yaml
 from fprc.logs.quality import other_quantity
 from fprc.recordings.names import SECONDS, factor_of
-from fprc.yaml_file import read_yaml
 
 #: Text that YAML may have parsed as a number, as in ``unit: 1`` and ``column: 3``.
 Text = Annotated[str, Field(coerce_numbers_to_str=True)]

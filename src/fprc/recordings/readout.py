@@ -9,16 +9,16 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import read_json, refuse_output, write_json, write_text
+from fprc.artifacts import refuse_output, write_json, write_text
 from fprc.channels import TARGETS
-from fprc.config import from_files
+from fprc.config import check, from_files
 from fprc.errors import ConfigError, LogError
 from fprc.evaluation.rates import PAPER_HZ, settings_at
 from fprc.evaluation.sides import PURGE_S, PURGES, SHIFTS, WARM_UP_S, Recordings
-from fprc.given import refuse_repeats
+from fprc.given import read_json, refuse_repeats
 from fprc.logs.quality import noted_unit
 from fprc.paper import SOURCES
-from fprc.plan.arguments import paper_models
+from fprc.plan import paper_models
 from fprc.provenance import sha256
 from fprc.recordings import answer
 from fprc.recordings.clock import rate_of
@@ -50,7 +50,7 @@ def report_readout(
     sample between training and test is lost.
     """
     import_module("tabulate")  # pandas imports it at the end, when it writes a table
-    given = from_files(config)
+    given = from_files(config) if config else check({})
     settings = given.model_dump(mode="json")
     refuse_repeats([source, *train], "what is judged on its training samples proves nothing")
     mapping = read_map(map_)

@@ -10,13 +10,13 @@ from fprc.errors import LogError
 from fprc.experiments.comparison import CrossValidation, weight_shares
 from fprc.experiments.data import read_data
 from fprc.figures import loops, style, weights
+from fprc.given import read_yaml
 from fprc.logs import read_run
 from fprc.logs.columns import read_each
 from fprc.logs.quality import warnings_of_run
 from fprc.paper import DISTURBANCE, LOOPS, PUBLISHED, REFERENCES, SOURCES
 from fprc.tables import tracking
 from fprc.tables.text import failed, write_table
-from fprc.yaml_file import read_yaml
 
 
 def draw_weights(train: str, fig9: Sequence[str], *, validation: CrossValidation) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fprc.artifacts import replacing, write_json
-from fprc.config.tracking import Tracking
+from fprc.config.settings import Tracking
 from fprc.evaluation import time_models
 from fprc.evaluation.timing import machine
 from fprc.experiments.comparison import (

@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fprc.config.settings import Control, Signal
-from fprc.config.tracking import Tracking
+from fprc.config.settings import Control, Signal, Tracking
 from fprc.experiments.hysteresis import acquire
 from fprc.experiments.tracking import Track, describe_model, tracking_rmse
 from fprc.logs import write_raw

@@ -16,14 +16,14 @@ from markupsafe import Markup, escape
 from PIL import Image
 
 import fprc
-from fprc.artifacts import read_json, write_text
+from fprc.artifacts import write_text
 from fprc.claims.ledger import holding
 from fprc.config import Settings
 from fprc.escape import in_words, typeset
+from fprc.given import read_json, read_yaml
 from fprc.paper import SOURCES
-from fprc.plan.plan import title_of_result
+from fprc.plan import title_of_result
 from fprc.provenance import commit_of, hash_of, versions
-from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 

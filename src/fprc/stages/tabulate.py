@@ -8,18 +8,18 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.artifacts import read_json, replacing, write_csv, write_json
+from fprc.artifacts import replacing, write_csv, write_json
 from fprc.claims import MEMBERS, TEXTS
 from fprc.claims.claim import Results
 from fprc.claims.ledger import fit_in_words, judge_claims
 from fprc.figures import DRAWINGS
+from fprc.given import read_json, read_yaml
 from fprc.logs.quality import warnings
 from fprc.paper import PUBLISHED, SOURCES
 from fprc.registry import title_of
 from fprc.tables import models as tables
 from fprc.tables import tracking
 from fprc.tables.text import failed, write_table
-from fprc.yaml_file import read_yaml
 
 log = logging.getLogger(__name__)
 

@@ -10,9 +10,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from fprc import escape
-from fprc.artifacts import read_json, write_csv, write_text
+from fprc.artifacts import write_csv, write_text
 from fprc.evaluation.paired import EQUIVALENT_WITHIN
 from fprc.figures import style
+from fprc.given import read_json
 from fprc.paper import SOURCES
 from fprc.registry import SIDES, title_of
 from fprc.studies.verdicts import Claim, Numbers, Pair, claims_page, decide, family_title, wide
@@ -269,7 +270,8 @@ def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     high = np.nanmax([table["high"].max(), EQUIVALENT_WITHIN]) * 1.03
     ax.set_xlim(max(low, 1 / _WIDEST), min(high, _WIDEST))
     # what is measured is on a second line
-    pairs = [style.symbols(part).replace(" (", "\n", 1).removesuffix(")") for _, part in rows]
+    pairs = [escape.typeset(escape.figure(part), tex=True) for _, part in rows]
+    pairs = [part.replace(" (", "\n", 1).removesuffix(")") for part in pairs]
     ax.set_yticks(range(len(rows)), pairs)
     ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
     ax.tick_params(axis="y", length=0)

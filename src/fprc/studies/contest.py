@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.config.tracking import Tracking
+from fprc.config.settings import Tracking
 from fprc.errors import FprcError, in_one_line
 from fprc.evaluation import rmse
 from fprc.evaluation.capacity import filtered_capacity

@@ -8,20 +8,20 @@ from typing import Any, NamedTuple
 
 from joblib import Parallel, delayed, parallel_config
 
-from fprc.artifacts import read_json, write_json
+from fprc.artifacts import write_json
 from fprc.claims.claim import Results
 from fprc.claims.ledger import members_of
 from fprc.claims.paper import CLAIMS
 from fprc.config.rig import Rig
-from fprc.config.tracking import Tracking
+from fprc.config.settings import Tracking
 from fprc.errors import FprcError, in_one_line
 from fprc.experiments.comparison import CrossValidation, compare_models
 from fprc.experiments.hysteresis import RigSettings, simulate
 from fprc.experiments.tracking import Track, measure_control
+from fprc.given import read_json, read_yaml
 from fprc.registry import controllers
 from fprc.stages.run import stage_of
 from fprc.studies.calibration.space import with_values
-from fprc.yaml_file import read_yaml
 
 
 class Unit(NamedTuple):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fprc.config.tracking import Tracking
+from fprc.config.settings import Tracking
 from fprc.experiments.hysteresis import simulate
 from fprc.experiments.tracking import Track, columns_for, tracking_errors
 from fprc.models import SequenceModel

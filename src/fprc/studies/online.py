@@ -7,8 +7,8 @@ from typing import Any
 import pandas as pd
 from matplotlib.ticker import LogLocator, NullLocator
 
-from fprc.artifacts import read_json
 from fprc.figures import style
+from fprc.given import read_json
 from fprc.paper import REFERENCES, SOURCES
 from fprc.registry import title_of
 from fprc.signals import rms

@@ -12,11 +12,11 @@ from typing import Any
 
 import pandas as pd
 
-from fprc.artifacts import read_json, replacing, write_text
+from fprc.artifacts import replacing, write_text
 from fprc.claims.ledger import KINDS, changed_verdicts, holding
 from fprc.errors import FprcError
 from fprc.escape import typeset
-from fprc.yaml_file import read_yaml
+from fprc.given import read_json, read_yaml
 
 log = logging.getLogger(__name__)
 

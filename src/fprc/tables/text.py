@@ -54,8 +54,7 @@ def latex(page: pd.DataFrame, title: str, label: str) -> str:
     caption = re.sub(r"([&%$#_{}])", r"\\\1", caption[:1].upper() + caption[1:])
     text = page.to_latex(index=False, escape=True, caption=caption, label=f"tab:{label}")
     text = text.replace(r"\begin{table}", "\\begin{table}\n\\centering")
-    text = re.sub(r"\b(theta|P|n)\\_([a-z]+)", r"$\1_\\mathrm{\2}$", text)
-    return text.replace("$theta_", r"$\theta_")
+    return escape.typeset(text, tex=True)
 
 
 def failed(lines: Sequence[str]) -> str:

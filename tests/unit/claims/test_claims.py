@@ -27,7 +27,7 @@ from fprc.config.rig import squeeze_lag
 from fprc.experiments.hysteresis import RigSettings, simulate
 from fprc.experiments.measures import measure_hysteresis
 from fprc.paper import LOOPS, REFERENCES
-from fprc.plan.arguments import on_rig
+from fprc.plan import on_rig
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 SCALES = (0.99, 1.0, 1.02)  # of the errors, a seed each

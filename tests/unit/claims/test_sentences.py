@@ -8,7 +8,7 @@ import yaml
 from fprc.claims import TEXTS
 from fprc.claims.paper import CLAIMS
 from fprc.config import PUBLISHED
-from fprc.plan.plan import NEEDS
+from fprc.plan import NEEDS
 from fprc.studies.beyond import CLAIMS as BEYOND
 
 ROWS = yaml.safe_load(Path(__file__).with_name("sentences.yaml").read_text(encoding="utf-8"))

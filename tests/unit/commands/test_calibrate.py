@@ -6,7 +6,7 @@ from fprc.cli import main
 from fprc.commands import calibrate as command
 from fprc.config import PUBLISHED, from_files
 from fprc.config.rig import Rig
-from fprc.yaml_file import read_yaml
+from fprc.given import read_yaml
 
 CONFIG = Path(__file__).parents[3] / "config"
 FILES = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]

@@ -10,7 +10,7 @@ from fprc.config import from_files
 from fprc.logs import read_columns
 from fprc.models import load_model
 from fprc.models.storage import packed
-from fprc.plan.arguments import validation
+from fprc.plan import validation
 from fprc.stages.models import judge
 
 pytestmark = pytest.mark.slow

@@ -71,7 +71,7 @@ NAN, INFINITY = float("nan"), float("inf")
      ("control.feedforward.limit_kpa", 501.0, ""),
      ("models", 3, ""), ("models", None, ""), ("rig", ["dry"], ""),
      ("models.others.mine", {"estimator": 5, "inputs": ["theta_deg"]}, ".estimator"),
-     ("models.others.mine", {"estimator": "a.B", "inputs": ["p_o_kpa"]}, ".inputs"),
+     ("models.others.mine", {"estimator": "a.B", "inputs": ["p_o_kpa"]}, ""),
      ("models.others.mine", {"inputs": ["theta_deg"]}, ".estimator"),
      ("models.others.mine", {"estimator": "a.B", "settings": {"a": [1]}}, ".settings.a"),
      ("models.others.mine", {"estimator": "a.B", "settings": {"a": NAN}}, ".settings.a")],
@@ -120,14 +120,14 @@ def test_squeeze_lags_by_its_damping_over_its_stiffness():
         ({"valves": {"neutral_v": 5.0, "vent_v": 5.0}}, "valves", "vent_v"),
         ({"valves": {"neutral_v": 4.5, "vent_v": 2.6}}, "valves", "vent_v"),
         # limits that leave out a vented chamber
-        ({"limits": {"p_exp_kpa": (0.0, 400.0)}}, "limits.p_exp_kpa", ""),
-        ({"limits": {"p_i_kpa": (-90.0, -10.0)}}, "limits.p_i_kpa", ""),
+        ({"limits": {"p_exp_kpa": (0.0, 400.0)}}, "limits", "p_exp_kpa"),
+        ({"limits": {"p_i_kpa": (-90.0, -10.0)}}, "limits", "p_i_kpa"),
         # a sensor that would hide a fault
         ({"p_exp": {"zero_v": 0.0}}, "", "p_exp: with a broken cable"),
         ({"p_exp": {"gain_kpa_per_v": 100.0}}, "", "p_exp: at its full 5 V it reads 400"),
         ({"p_o": {"zero_v": 3.5}}, "", "p_o: at its full 5 V"),
         ({"p_exp": {"gain_kpa_per_v": 2.5}}, "p_exp.gain_kpa_per_v", ""),
-        ({"theta": {"gain": 0}}, "theta.gain", ""),
+        ({"theta": {"gain": 0}}, "theta", "gain"),
         ({"phi": {"address": 0x12}}, "", "0x12"),
         # wiring and names
         ({"boards": {"main_output": 5, "heartbeat_output": 5}}, "boards", "output"),

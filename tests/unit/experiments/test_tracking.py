@@ -3,7 +3,7 @@ import pytest
 from sklearn.ensemble import HistGradientBoostingRegressor
 
 from fprc.config import Settings
-from fprc.config.tracking import Pushes
+from fprc.config.settings import Pushes
 from fprc.control import run
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 import yaml
 
-from fprc.artifacts import read_json
 from fprc.cli import main
+from fprc.given import read_json
 from fprc.logs import read_columns, write_columns
 from fprc.recordings import answer
 

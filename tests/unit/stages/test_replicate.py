@@ -4,12 +4,12 @@ import pytest
 from numpy.testing import assert_allclose
 from pydantic import validate_call
 
-from fprc.artifacts import read_json
+from fprc import plan
 from fprc.config import Settings
 from fprc.experiments.data import read_data
+from fprc.given import read_json
 from fprc.logs import read_columns
 from fprc.models import load_model
-from fprc.plan import arguments
 from fprc.stages.draw import draw_weights
 from fprc.stages.models import judge, replicate
 
@@ -39,12 +39,12 @@ def settings():
 
 @pytest.fixture(scope="module")
 def validation(settings):
-    return arguments.validation(settings, folds=2, seed=SEED)
+    return plan.validation(settings, folds=2, seed=SEED)
 
 
 @pytest.fixture(scope="module")
 def on_rig(settings):
-    return arguments.on_rig(settings)
+    return plan.on_rig(settings)
 
 
 @pytest.fixture(scope="module")

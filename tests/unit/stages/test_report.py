@@ -14,11 +14,11 @@ from PIL import Image
 import fprc
 from fprc.artifacts import write_json
 from fprc.config import Settings
+from fprc.given import read_yaml
 from fprc.provenance import hash_of
 from fprc.stages import report
 from fprc.stages.report import symbols, write_report
 from fprc.tables.text import write_table
-from fprc.yaml_file import read_yaml
 
 DOI = "https://doi.org/10.1109/LRA.2024.3523229"
 DEFAULTS = Settings().model_dump(mode="json")

@@ -1,7 +1,7 @@
 import pytest
 
 from fprc.config import Settings
-from fprc.plan.arguments import on_rig
+from fprc.plan import on_rig
 
 
 @pytest.fixture

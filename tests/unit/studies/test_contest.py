@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fprc.config import Settings
-from fprc.config.tracking import Tracking
+from fprc.config.settings import Tracking
 from fprc.evaluation import rmse
 from fprc.experiments.hysteresis import RigSettings, simulate
 from fprc.experiments.tracking import Track, tracking_errors

@@ -6,12 +6,11 @@ import pytest
 
 from fprc.artifacts import write_json
 from fprc.config import Settings
-from fprc.config.settings import Control, Feedforward
-from fprc.config.tracking import Tracking
+from fprc.config.settings import Control, Feedforward, Tracking
 from fprc.experiments.tracking import Track
 from fprc.models import FPRC
 from fprc.paper import REFERENCES
-from fprc.plan.arguments import on_rig
+from fprc.plan import on_rig
 from fprc.studies import online as pages
 from fprc.studies.family import unit_of
 from fprc.studies.learning import (

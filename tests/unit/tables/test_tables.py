@@ -281,10 +281,10 @@ def test_page_has_title_and_note_in_every_form(tmp_path):
         "columns": list(page.columns), "data": page.to_numpy().tolist(),
     }  # fmt: skip
     assert [line for line in tex.splitlines() if line.endswith(r"\\")] == [
-        r"Error of $P_\mathrm{o}$ [\%] & Ours \\",
+        r"Error of $P_o$ [\%] & Ours \\",
         r"FPRC \& more & 1.0 ± 0.1 \\",
-        r"$n_\mathrm{c}$ & 2 \\",
+        r"$n_c$ & 2 \\",
     ]
-    assert r"\caption{5 \% of $\theta_\mathrm{d}$}" in tex
+    assert r"\caption{5 \% of $\theta_d$}" in tex
     assert r"\label{tab:table}" in tex
     assert [tex.count(rule) for rule in ("toprule", "midrule", "bottomrule")] == [1, 1, 1]

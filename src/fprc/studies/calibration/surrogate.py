@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from sklearn.base import RegressorMixin
 
-from fprc.config.tracking import Tracking
+from fprc.config.settings import Tracking
 from fprc.evaluation.crossval import Prepared, prepare
 from fprc.experiments.comparison import (
     CrossValidation,

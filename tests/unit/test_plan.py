@@ -10,7 +10,7 @@ from fprc.config import Settings, check
 from fprc.errors import LogError
 from fprc.logs import Columns
 from fprc.paper import EXPERIMENTS, run_log
-from fprc.plan.plan import Plan, read_plan
+from fprc.plan import Plan, read_plan
 
 MODELS = ("esn", "fprc", "fuzzy_linear")
 OF_RIGS = {"seeds", "claims"}

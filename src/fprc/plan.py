@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fprc.channels import CHANNELS
 from fprc.config import Settings
@@ -12,7 +12,10 @@ from fprc.escape import in_words
 from fprc.logs import Columns, read_columns
 from fprc.logs.columns import read_each
 from fprc.paper import DISTURBANCE, EXPERIMENTS, LOOPS, REFERENCES, run_log
-from fprc.registry import controllers, entries, feedforward_of, outside_classes
+from fprc.registry import controllers, entries, feedforward_of, outside_classes, settings_of
+
+#: The settings as plain data, of which a stage gets only what it reads.
+Sections = Mapping[str, Any]
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
 TRAINING = EXPERIMENTS[0]
@@ -198,3 +201,51 @@ def read_plan(settings: Settings) -> Plan:
             "there, or set folders.raw; see docs/own-data.md"
         )
     return plan
+
+
+def pick(section: Sections, *names: str) -> dict[str, Any]:
+    """Return some keys of a section."""
+    return {name: section[name] for name in names}
+
+
+def paper_models(settings: Sections) -> dict[str, Any]:
+    """Return the section ``models`` without the models from outside the package."""
+    return {**settings["models"], "others": {}}
+
+
+def validation(
+    settings: Sections, model: str | None = None, *, without: str = "", **changed: Any
+) -> dict[str, Any]:
+    """Return the arguments of ``CrossValidation`` for one model, or for all of them.
+
+    ``without`` is an argument that the stage adds itself; ``changed`` differ from the settings.
+    """
+    models = settings_of(model, settings["models"]) if model else settings["models"]
+    how = pick(settings["evaluation"], "folds", "split", "purge_s") | pick(settings, "seed")
+    arguments = {"models": models, **how, **changed}
+    return {name: value for name, value in arguments.items() if name != without}
+
+
+def of_pressures(settings: Sections) -> dict[str, Any]:
+    """Return the section ``control`` without what tracks an angle."""
+    tracks = ("feedback", "pd", "feedforward")
+    return {name: value for name, value in settings["control"].items() if name not in tracks}
+
+
+def feedback_in_words(settings: Sections) -> str:
+    """Return a sentence on the PD controller, for the notes of tables."""
+    if settings["source"] == "recorded":
+        return "The controllers are those of the logs."
+    control = settings["control"]
+    kp, kd = control["pd"].values()
+    law = {"positional": "=", "incremental": "is the running sum of"}[control["feedback"]]
+    return f"PD: P_fb {law} kp e + kd de/dt, with {kp:g} kPa/deg and {kd:g} kPa s/deg."
+
+
+def on_rig(settings: Sections) -> dict[str, Any]:
+    """Return the arguments of ``RigSettings``."""
+    return {
+        **pick(settings, "rig", "control"),
+        "signals": settings["experiments"],
+        "target": settings["evaluation"]["target"],
+    }

@@ -3,7 +3,7 @@
 from fprc.config import Settings
 from fprc.experiments.comparison import CrossValidation
 from fprc.experiments.hysteresis import RigSettings
-from fprc.plan.arguments import feedback_in_words, of_pressures, on_rig, paper_models, validation
+from fprc.plan import feedback_in_words, of_pressures, on_rig, paper_models, validation
 
 SETTINGS = Settings().model_dump(mode="json")
 SETTINGS["models"]["others"] = {"mine": {"estimator": "my.Model", "inputs": [], "settings": {}}}

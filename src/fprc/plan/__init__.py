@@ -1,1 +1,0 @@
-"""The results, what they are made of, and which of them can be made from the existing logs."""
