@@ -24,12 +24,7 @@ def clamp(value: float, low: float, high: float) -> float:
 
 
 def pressure_step(
-    error_kpa: float,
-    integral_kpa_s: float,
-    kp: float,
-    ki: float,
-    period_s: float,
-    neutral_v: float,
+    error_kpa: float, integral_kpa_s: float, kp: float, ki: float, period_s: float, neutral_v: float
 ) -> tuple[float, float]:
     """Return the voltage of a valve, and the integral of its pressure error.
 
@@ -62,46 +57,23 @@ def believe(belief: Any, theta_deg: float, fastest_deg: float) -> bool:
 
 
 def learn_step(
-    weights: Any,
-    covariance: Any,
-    prior: Any,
-    regressors: Any,
-    base_kpa: float,
-    error_deg: float,
-    theta_deg: float,
-    p_ff_kpa: float,
-    p_fb_kpa: float,
-    high: float,
-    kpa_per_deg: float,
-    stop_deg: float,
-    limit_kpa: float,
-    mixing: float,
-    gains: Any,
-) -> None:
+    weights: Any, covariance: Any, prior: Any, regressors: Any, base_kpa: float, error_deg: float,
+    theta_deg: float, p_ff_kpa: float, p_fb_kpa: float, high: float, kpa_per_deg: float,
+    stop_deg: float, limit_kpa: float, mixing: float, gains: Any,
+) -> None:  # fmt: skip
     """Make one step of recursive least squares, in place; see ``fprc.models.Online``.
 
-    Nothing is learned where the actuator is at its stop: there its angle does not depend on the
-    pressure. A command that was at a limit, and a learned part that has reached its own, are only
-    led back: the command, also from the stop, by an error of more than ``stop_deg``.
+    ``weights``, to be added to the trained ones, are what was learned. ``covariance`` and ``prior``
+    are symmetric: after the update the covariance moves towards the prior by the share ``mixing``,
+    so that it and the gains stay below it. ``regressors``, ``base_kpa``, ``p_ff_kpa`` and
+    ``p_fb_kpa`` are of the sample some time ago which this sample's angle follows from: what
+    multiplies the weights, P_ff as the model was trained and as it was commanded, and P_fb.
+    theta_d - theta and theta are of this sample; ``gains`` is overwritten.
 
-    Parameters
-    ----------
-    weights : ndarray of shape (n_weights,)
-        What was learned, to be added to the trained weights.
-    covariance, prior : ndarray of shape (n_weights, n_weights)
-        Symmetric. After the update the covariance moves towards the prior by the share ``mixing``:
-        it stays below the prior, and so do the gains.
-    regressors, base_kpa, p_ff_kpa, p_fb_kpa
-        Of the sample some time ago which this sample's angle follows from: of shape (n_weights,),
-        P_ff as the model was trained and as it was commanded, and P_fb.
-    error_deg, theta_deg : float
-        theta_d - theta, and theta, of this sample.
-    high, limit_kpa : float
-        Highest P_d = P_ff + P_fb, whose lowest is 0; most that learning adds to P_ff, or takes.
-    kpa_per_deg, stop_deg : float
-        Pressure that a degree needs; largest angle at the stop.
-    gains : ndarray of shape (n_weights,)
-        Overwritten.
+    Nothing is learned where the actuator is at its stop, up to ``stop_deg``: there its angle does
+    not depend on the pressure. A command that was at a limit, 0 or ``high``, and a learned part
+    that has reached its own, ``limit_kpa``, are only led back: the command, also from the stop, by
+    an error of more than ``stop_deg``. A degree needs ``kpa_per_deg``.
     """
     if not abs(error_deg) <= LARGEST_ERROR_DEG:
         return
@@ -139,17 +111,9 @@ def learn_step(
 
 
 def pd_step(
-    error_deg: float,
-    last_deg: float,
-    p_fb_kpa: float,
-    p_ff_kpa: float,
-    incremental: bool,
-    kp: float,
-    kd: float,
-    period_s: float,
-    low: float,
-    high: float,
-) -> float:
+    error_deg: float, last_deg: float, p_fb_kpa: float, p_ff_kpa: float, incremental: bool,
+    kp: float, kd: float, period_s: float, low: float, high: float,
+) -> float:  # fmt: skip
     """Return P_fb of a sample, kPa; see ``fprc.control.PD``.
 
     ``last_deg`` and ``p_fb_kpa`` are error and P_fb of the sample before; at the first sample, the

@@ -10,7 +10,7 @@ from fprc.channels import unit_of
 from fprc.config import check
 from fprc.errors import ConfigError
 from fprc.escape import in_words
-from fprc.experiments.hysteresis import RUNS, acquire
+from fprc.experiments.data import RUNS, acquire
 
 _DESCRIPTION = """\
 Hysteresis of a soft bending actuator

@@ -9,7 +9,7 @@ from fprc.apparatus import process
 from fprc.apparatus.journal import read_journal
 from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, SENSORS, TRACKING_CHANNELS
 from fprc.config.settings import Control, Signal, Tracking
-from fprc.experiments.hysteresis import acquire
+from fprc.experiments.data import acquire
 from fprc.experiments.tracking import TRACKING_RUNS, Track
 from fprc.logs import read_columns, read_raw, read_run
 from fprc.models import FPRC, load_model, save_model

@@ -10,8 +10,7 @@ from pydantic import validate_call
 
 from fprc.artifacts import write_csv
 from fprc.config import Settings
-from fprc.experiments.data import preprocess
-from fprc.experiments.hysteresis import acquire
+from fprc.experiments.data import acquire, preprocess
 from fprc.figures import style
 from fprc.logs import write_raw
 from fprc.models import FPRC, save_model

@@ -2,7 +2,7 @@
 
 from fprc.config import Settings
 from fprc.experiments.comparison import CrossValidation
-from fprc.experiments.hysteresis import RigSettings
+from fprc.experiments.data import RigSettings
 from fprc.plan import feedback_in_words, of_pressures, on_rig, paper_models, validation
 
 SETTINGS = Settings().model_dump(mode="json")

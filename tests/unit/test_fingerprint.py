@@ -44,9 +44,10 @@ COMPUTING = {"shared", "studies", *MODELS}
     ("name", "expected"),
     [("models/esn.py", {"esn"}), ("models/fprc.py", {"fprc", "fuzzy_linear"}),
      ("models/competitors.py", set()), ("models/features.py", COMPUTING),
-     ("rig/friction.py", COMPUTING), ("stages/models.py", COMPUTING), ("stages/draw.py", {"shows"}),
-     ("figures/style.py", {"shows"}), ("studies/family.py", {"studies"}),
-     ("studies/beyond.py", {"shows"}), ("commands/files.py", set())],
+     ("rig/mechanics.py", COMPUTING), ("stages/models.py", COMPUTING),
+     ("stages/draw.py", {"shows"}), ("figures/style.py", {"shows"}),
+     ("studies/family.py", {"studies"}), ("studies/beyond.py", {"shows"}),
+     ("commands/files.py", set())],
 )  # fmt: skip
 def test_edit_of_a_module_changes_what_runs_it(changed, name, expected):
     assert changed(name, "# a comment, and\ndef documented():\n    pass") == expected

@@ -64,7 +64,7 @@ NOTHING = [
 EDITS = {
     "comment, docstring, code that no rule runs": (NOTHING, {}),
     "ESN": ([("models/esn.py", "\n\n\n@", "\n\nEDITED = 1\n\n\n@")], ESN),
-    "what computes": ([("rig/friction.py", "return force", "return 1.0 * force")], RIG),
+    "what computes": ([("rig/mechanics.py", "return force", "return 1.0 * force")], RIG),
     "what shows": ([("figures/hysteresis.py", "style.COLUMN_IN, 2.4", "style.COLUMN_IN, 2.5")],
                    jobs(*SHOWN, "draw_weights")),
 }  # fmt: skip

@@ -163,7 +163,7 @@ def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
 
 def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any:
     """Load the model of an experiment, and check that it is the one in the name."""
-    from fprc.experiments.trained import refuse_other_data
+    from fprc.experiments.data import refuse_other_data
     from fprc.models import load_model
 
     models, which = settings["models"], f"{file}, the model of {name}"

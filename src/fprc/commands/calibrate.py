@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import refuse_output, write_json, write_text
 from fprc.config import PUBLISHED, from_files
-from fprc.experiments.hysteresis import RigSettings
+from fprc.experiments.data import RigSettings
 from fprc.given import read_yaml
 from fprc.plan import on_rig, validation
 from fprc.studies.calibration.ensemble import ensemble_around

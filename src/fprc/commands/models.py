@@ -16,9 +16,8 @@ from fprc.escape import in_words
 from fprc.evaluation import rmse
 from fprc.evaluation.crossval import learn, refusals_of
 from fprc.experiments.comparison import CrossValidation
-from fprc.experiments.data import Data, read_recordings
+from fprc.experiments.data import Data, read_recordings, refuse_other_data, trained_on
 from fprc.experiments.tracking import Track
-from fprc.experiments.trained import refuse_other_data, trained_on
 from fprc.given import refuse_repeats
 from fprc.models import SequenceModel, load_model, save_model
 from fprc.models.c_header import c_header

@@ -61,15 +61,14 @@ class Prepared(NamedTuple):
     rows: Mapping[str, np.ndarray]  #: features of each log, of shape (n_samples, n_features)
     y: Mapping[str, np.ndarray]  #: P_exp of each log, kPa
 
-    def readout(self, log: str, part: Any = slice(None), **changed: Any) -> BaseEstimator:
-        """Return the readout, with parameters changed, fitted to a log or a part of its rows."""
+    def readout(self, log: str) -> BaseEstimator:
+        """Return the readout fitted to a log."""
         with refusals_of(self.model):
-            unfitted = self.model.make_readout().set_params(**changed)
-            return unfitted.fit(self.rows[log][part], self.y[log][part])
+            return self.model.make_readout().fit(self.rows[log], self.y[log])
 
-    def error(self, readout: BaseEstimator, log: str, part: Any = slice(None)) -> float:
-        """Return the RMSE of a fitted readout on a log or on a ``part`` of its rows, kPa."""
-        return rmse(self.y[log][part], readout.predict(self.rows[log][part]))
+    def error(self, readout: BaseEstimator, log: str) -> float:
+        """Return the RMSE of a fitted readout on a log, kPa."""
+        return rmse(self.y[log], readout.predict(self.rows[log]))
 
     def fitted(self, readout: BaseEstimator) -> SequenceModel:
         """Return the fitted model with that readout."""
@@ -80,8 +79,8 @@ class Prepared(NamedTuple):
 
         A random readout has its own seed in every fold, which no other seed shares.
         """
-        rows = [self.rows[log]]
-        return _cross_validated(self.model, self.features, lambda: rows, self.y[log], folds)
+        blocks = [self.rows[log]]
+        return _cross_validated(self.model, self.features, lambda: blocks, self.y[log], folds)
 
 
 def prepare(model: SequenceModel, logs: Mapping[str, Samples]) -> Prepared:
@@ -99,8 +98,6 @@ def prepare(model: SequenceModel, logs: Mapping[str, Samples]) -> Prepared:
 def learn(model: SequenceModel, samples: Samples, folds: Sequence[Fold]) -> CrossValidated:
     """Cross-validate a model on one log; of a ridge regression's features a block is in memory."""
     X, y, *lengths = samples
-    if not isinstance(model.make_readout(), RidgeReadout) or not _is_partition(folds, len(y)):
-        return prepare(model, {"train": samples}).cross_validated("train", folds)
     with refusals_of(model):
         features = model.make_features().fit(X)
     return _cross_validated(model, features, lambda: features.blocks(X, *lengths), y, folds)
@@ -133,7 +130,7 @@ def _cross_validated(
         if isinstance(readout, RidgeReadout) and _is_partition(folds, len(y)):
             readouts = readout.fit_complements(blocks(), y, [validation for _, validation in folds])
         else:
-            (rows,) = blocks()
+            rows = np.concatenate([block.copy() for block in blocks()])  # it is overwritten
             readouts = [
                 _with_seed_of(clone(readout), i).fit(rows[train], y[train])
                 for i, (train, _) in enumerate(folds)

@@ -45,13 +45,9 @@ class Part(NamedTuple):
         """Return the mean and the ends of the interval that errs with probability ``level``.
 
         Units that share training data resemble each other. Their n values then have the variance
-        s^2 (1/n + overlap) of the mean, not s^2 / n. This is an approximation: no
-        unbiased estimate of that variance exists for one cross-validation.
-
-        References
-        ----------
-        Nadeau and Bengio, Machine Learning 52 (2003); Bouckaert and Frank, PAKDD 2004; Bengio and
-        Grandvalet, Journal of Machine Learning Research 5 (2004), on the bias.
+        s^2 (1/n + overlap) of the mean, not s^2 / n (Nadeau and Bengio, Machine Learning 52, 2003).
+        This is an approximation: no unbiased estimate of that variance exists for one
+        cross-validation (Bengio and Grandvalet, Journal of Machine Learning Research 5, 2004).
         """
         values = np.array([*self.values.values()])
         return interval_of_mean(values, 1.0 - level, math.sqrt(1.0 + values.size * self.overlap))
@@ -97,20 +93,12 @@ def decide_together(
     of 200 random subsets with ``left_out`` (fewer than 7) units fewer give the same verdict at the
     same level.
 
-    Returns
-    -------
-    list of dict
-        One for each part of a claim: ``part``, its text, ``mean``, ``low`` and ``high``; of a claim
-        that is not judged one, in which these are None. Of the claim ``id`` and text, ``claim``;
-        ``verdict``; ``p``, the lowest level that decides it, adjusted over all claims; ``level``,
-        at which each part was judged; ``stable``, the share of the subsets that give the same
-        verdict, or None; ``words``, the verdict as readers see it, unstable if too few of the
-        subsets give it; ``units``, of the part that has the fewest; ``dropped``, without a pair.
-
-    References
-    ----------
-    Holm, Scandinavian Journal of Statistics 6 (1979); Schuirmann, Journal of Pharmacokinetics and
-    Biopharmaceutics 15 (1987), for equivalence by an interval.
+    Each part has a row, and a claim that is not judged has one without numbers: ``p`` is the lowest
+    level that decides the claim, adjusted over all claims; ``level``, at which each part was
+    judged; ``stable``, the share of the subsets that give the same verdict, or None; ``words``, the
+    verdict as readers see it; ``units``, of the part that has the fewest; ``dropped``, those
+    without a pair. Holm, Scandinavian Journal of Statistics 6 (1979); Schuirmann, Journal of
+    Pharmacokinetics and Biopharmaceutics 15 (1987), for equivalence by an interval.
     """
     parts_of = [parts for _, parts in claims.values()]
     units = [min(len(part.values) for part in parts) for parts in parts_of]
@@ -150,11 +138,12 @@ def decide_together(
             "dropped": max(part.dropped for part in parts),
             **dict.fromkeys(("part", "mean", "low", "high")),
         }
-        for part in parts if k in judged else ():
-            ends = (part.limit * np.exp(part.interval(level))).tolist()
-            ratios = dict(zip(("mean", "low", "high"), ends, strict=True))
-            rows.append(of_claim | {"part": part.text} | ratios)
-        rows += [] if k in judged else [of_claim]
+        if k not in judged:
+            rows.append(of_claim)
+            continue
+        for part in parts:
+            mean, low, high = (part.limit * np.exp(part.interval(level))).tolist()
+            rows.append(of_claim | {"part": part.text, "mean": mean, "low": low, "high": high})
     return rows
 
 

@@ -1,6 +1,5 @@
 """Models on logs: Tables II and III, the grids of Figs. 10 and 11, and the weights of Fig. 9."""
 
-import logging
 from collections.abc import Mapping
 from typing import Any, Literal
 
@@ -12,13 +11,10 @@ from fprc.config.section import Section
 from fprc.errors import EvaluationError
 from fprc.evaluation import CrossValidated, Prepared, evaluate, prepare, rmse, split_rows
 from fprc.evaluation.folds import Fold
-from fprc.experiments.data import Data, models_for, refuse_mixture
-from fprc.experiments.trained import trained_on
+from fprc.experiments.data import Data, models_for, refuse_mixture, trained_on
 from fprc.models import SequenceModel
 from fprc.paper import DIRECTIONS, EXPERIMENTS, GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build, entries
-
-log = logging.getLogger(__name__)
 
 #: A model cross-validated on one log, its errors, and its output for the test log.
 Validated = tuple[CrossValidated, dict[str, Any], np.ndarray]
@@ -46,14 +42,10 @@ def compare_models(
 
     The results are the errors of Tables II and III, and the weights of Fig. 9.
     """
-    both = {
-        name: cross_validate_both(name, validation, data) for name in entries(validation.models)
-    }
-    compared = {
-        "models": [report for way in zip(*both.values(), strict=True) for _, report, _ in way],
-        "weights": weight_shares(data["sweep"], validation),
-    }
-    return compared, {name: of[0][0].model for name, of in both.items()}
+    both = [cross_validate_both(name, validation, data) for name in entries(validation.models)]
+    reports = [report for way in zip(*both, strict=True) for _, report, _ in way]
+    compared = {"models": reports, "weights": weight_shares(data["sweep"], validation)}
+    return compared, {of[0][1]["model"]: of[0][0].model for of in both}
 
 
 def cross_validate_both(
@@ -88,7 +80,6 @@ def cross_validate_both(
             "train_halves_rmse_kpa": _halves(prepared.y[train], validated.fit),
             "seen_test_rmse_kpa": _seen(data, logs[test], expected, tested),
         }
-        log.info("%s, trained on %s: test %.2f", name, train, report["test_rmse_kpa"])
         results.append((validated, report, tested))
     return results
 
@@ -128,7 +119,6 @@ def evaluate_grids(
             for cell in ParameterGrid({key: values[key] for key in GRID_SETTINGS[grid]}):
                 model = build(name, validation.models, validation.seed, **cell)
                 found[grid].append({"model": name, **cell, **evaluate(model, rows, *samples)})
-        log.info("evaluated grid %s: %d cells", grid, len(found[grid]))
     return found
 
 

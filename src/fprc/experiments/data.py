@@ -1,24 +1,29 @@
-"""Preprocessed logs, the input of the models."""
+"""Preprocessed logs, the input of the models: read or simulated; what a model knows of them."""
 
 import logging
+import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from fprc.artifacts import write_json
 from fprc.channels import TARGETS, unit_of
-from fprc.config.settings import Quality
-from fprc.errors import LogError
+from fprc.config.section import Section
+from fprc.config.settings import Control, Quality, Signal
+from fprc.devices.sim import SimulatedRig
+from fprc.errors import FprcError, LogError
 from fprc.logs import Columns, assess, read_columns, read_raw, write_columns
 from fprc.logs.columns import read_each
 from fprc.logs.quality import noted_unit, substitute, warnings
+from fprc.models import SequenceModel
 from fprc.registry import entries, entry_of
+from fprc.signals import pressure_command
 
 log = logging.getLogger(__name__)
 
-#: Channels of a raw log that are kept, beside P_exp.
-_TAKEN = ("time_s", "theta_deg", "p_o_kpa")
+#: Run number of each experiment; with the seed it sets the noise of the run.
+RUNS = {"sweep": 0, "complex": 1}
 
 
 class Data(NamedTuple):
@@ -97,13 +102,8 @@ def read_recordings(
 ) -> tuple[Data, list[dict[str, Any]]]:
     """Return the models' channels of raw logs, which become one log, and their quality records.
 
-    ``experiment`` is that which is expected, or None; ``target`` and ``inputs`` are as
-    ``select_channels`` takes them.
-
-    Raises
-    ------
-    LogError
-        Lists every log that cannot be read; or they differ in source, target, units or channels.
+    ``experiment`` is that which is expected, or None; ``target`` and ``inputs`` are those of
+    ``select_channels``. LogError lists every log that cannot be read, or that differs.
     """
     asked = {"sample_rate_hz": sample_rate_hz, "rate_tolerance": limits.rate_tolerance}
     recordings, reports = [], []
@@ -111,12 +111,9 @@ def read_recordings(
         report = assess(source, limits, sample_rate_hz)
         for warning in warnings(report):
             log.warning("warning: %s", warning)
-        passed = sum(check["passed"] for check in report["checks"].values())
-        log.info("%d of %d quality checks passed", passed, len(report["checks"]))
         recordings.append(select_channels(source, target, inputs))
         reports.append(report)
-    several = len(recordings) > 1
-    return join(recordings, 1.0 / sample_rate_hz) if several else recordings[0], reports
+    return join(recordings, 1.0 / sample_rate_hz), reports
 
 
 def select_channels(
@@ -134,7 +131,8 @@ def select_channels(
         if (other := substitute(name, source.attributes)) is not None:
             log.warning("warning: %s: not in %s: %s", name, unit_of(name), other)
     channels = {"p_target_kpa": source.channels[TARGETS[target]]}
-    channels |= {k: source.channels[k] for k in _TAKEN if k in source.channels}
+    taken = ("time_s", "theta_deg", "p_o_kpa")
+    channels |= {name: source.channels[name] for name in taken if name in source.channels}
     of = {"p_target": TARGETS[target], "theta": "theta_deg", "p_o": "p_o_kpa"}
     units = {f"{name}_unit": noted_unit(of[name], source.attributes) for name in of}
     kept = ("experiment", "source", "sample_rate_hz", "seed", "notes")
@@ -146,9 +144,11 @@ def join(logs: Sequence[Data], period_s: float) -> Data:
     """Return several recordings as one log; its attribute ``recordings`` has their lengths.
 
     Each begins one period after the end of the one before it. They must agree in source, target,
-    units and channels.
+    units and channels. One alone is returned as it is.
     """
     first = logs[0]
+    if len(logs) == 1:
+        return first
     problems = [
         f"{data.name}: {what} is {theirs}, in {first.name} {ours}; training logs must agree"
         for data in logs[1:]
@@ -194,4 +194,63 @@ def refuse_mixture(train: Data, test: Data) -> None:
         raise LogError(
             f"source and unit of P_exp are {ours} in the training log, and {theirs} in the test "
             "log; use two logs of one kind"
+        )
+
+
+class RigSettings(Section):
+    """Settings for the simulation of the hysteresis experiments."""
+
+    rig: dict[str, Any]  #: section of the configuration, or a rig of a search
+    control: Control
+    signals: dict[str, Signal]  #: pressure signal of each experiment
+    target: Literal["command", "measured"]  #: P_exp that the models learn
+
+
+def simulate(settings: RigSettings, seed: int) -> dict[str, Data]:
+    """Return both hysteresis experiments as preprocessed logs."""
+    data = {}
+    for experiment, signal in settings.signals.items():
+        channels = acquire(experiment, signal, settings.control, settings.rig, seed)
+        channels["p_target_kpa"] = channels[TARGETS[settings.target]]
+        attributes = {"experiment": experiment, "source": "sim", "target": settings.target}
+        data[experiment] = Data(channels, {**attributes, "seed": seed})
+    return data
+
+
+def acquire(
+    experiment: str, signal: Signal, control: Control, rig: Mapping[str, Any], seed: int
+) -> dict[str, np.ndarray]:
+    """Return the channels of one hysteresis experiment on the simulated rig."""
+    rate_hz = control.sample_rate_hz
+    device = SimulatedRig(rig, seed=seed, run=RUNS[experiment], sample_rate_hz=rate_hz)
+    return device.follow(control, pressure_command(signal, rate_hz))
+
+
+def trained_on(model: Any, data: Data, name: str, models: Mapping[str, Any] | None = None) -> Any:
+    """Return a fitted model that knows the sample rate and the units of the data.
+
+    It remembers the data too if it can learn online.
+    """
+    model.sample_rate_hz_ = 1.0 / data.period_s
+    model.units_ = np.array(data.units(entry_of(name, models).inputs), dtype=object)
+    if isinstance(model, SequenceModel) and model.learns_online():
+        X, _, lengths = data.samples(name, models)
+        return model.remember(X, lengths)
+    return model
+
+
+def refuse_other_data(model: Any, which: str, sample_rate_hz: float, units: Sequence[str]) -> None:
+    """Refuse a model that knows to be trained at another rate or in other units, P_exp's first."""
+    trained_hz = getattr(model, "sample_rate_hz_", sample_rate_hz)
+    if not math.isclose(trained_hz, sample_rate_hz, rel_tol=1e-3):
+        raise FprcError(
+            f"{which}, was trained at {trained_hz:g} Hz, and control.sample_rate_hz is "
+            f"{sample_rate_hz:g}; train it again at this rate, or change the setting"
+        )
+    trained = list(getattr(model, "units_", units))
+    if trained != list(units):
+        theirs, ours = (f"{first} from {', '.join(others)}" for first, *others in (trained, units))
+        raise FprcError(
+            f"{which}, was trained to give {theirs}, and here must give {ours}; train it again on "
+            "logs in these units"
         )

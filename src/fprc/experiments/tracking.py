@@ -1,6 +1,5 @@
 """Closed-loop runs of Sec. IV: feedforward, feedback, and both."""
 
-import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,8 +20,6 @@ from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256
 from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback
 from fprc.signals import random_pushes, reference_angle, settled
-
-log = logging.getLogger(__name__)
 
 #: Run numbers; with the seed they set the noise. On one reference all controllers get the same
 #: noise and drift, so that only the controllers differ.
@@ -96,7 +93,6 @@ class Track(NamedTuple):
             driver = feedforward_of(name)
             p_ff = self.precompute(models[driver], inputs) if driver else None
             runs[name] = self.simulate(reference, p_ff, feedback=has_feedback(name))
-        log.info("followed %s with %s", reference, ", ".join(controllers))
         return runs
 
     def inputs(self, reference: str) -> np.ndarray:

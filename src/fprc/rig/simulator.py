@@ -13,10 +13,11 @@ import numpy as np
 
 from fprc.channels import CHANNELS
 from fprc.compiled import kernel
-from fprc.rig.friction import LAWS, friction
 from fprc.rig.mechanics import (
+    LAWS,
     angular_acceleration,
     bending_rate,
+    friction,
     passive_volume,
     relax,
     squeeze_rate,
@@ -48,26 +49,23 @@ def record(settings: Mapping[str, Any]) -> np.ndarray:
     Numbers become float64 fields, sequences fixed-length arrays, mappings nested records; names
     and order are kept, in Python and in compiled code.
     """
-    values, fields = _packed(settings)
-    return np.array([values], dtype=_layout(fields))
+    values: list[Any] = []
+    fields: list[Any] = []
+    for name, value in settings.items():
+        if isinstance(value, Mapping):
+            nested = record(value)
+            values.append(nested[0])
+            fields.append((name, nested.dtype))
+        else:
+            values.append(value)
+            fields.append((name, float, np.shape(value)))
+    return np.array([tuple(values)], dtype=_layout(tuple(fields)))
 
 
 @cache
 def _layout(fields: tuple[Any, ...]) -> np.dtype:
     # one object per layout: numba compares two equal dtypes for longer than a tick takes
-    return np.dtype(
-        [(name, np.float64 if of is None else _layout(of), shape) for name, of, shape in fields]
-    )
-
-
-def _packed(settings: Mapping[str, Any]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """Return the numbers, and the name, fields (None of a number) and shape of each entry."""
-    values, fields = [], []
-    for name, value in settings.items():
-        numbers, of = _packed(value) if isinstance(value, Mapping) else (value, None)
-        values.append(numbers)
-        fields.append((name, of, () if of else np.shape(value)))
-    return tuple(values), tuple(fields)
+    return np.dtype([*fields])
 
 
 def parameters(rig: Mapping[str, Any]) -> np.ndarray:

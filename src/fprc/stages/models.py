@@ -13,8 +13,7 @@ from fprc.experiments.comparison import (
     cross_validate_both,
     evaluate_grids,
 )
-from fprc.experiments.data import models_for, read_data, refuse_mixture
-from fprc.experiments.hysteresis import RigSettings, simulate
+from fprc.experiments.data import RigSettings, models_for, read_data, refuse_mixture, simulate
 from fprc.experiments.tracking import Track, measure_control
 from fprc.logs import write_columns
 from fprc.models import save_model

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from fprc.config.settings import Control, Signal, Tracking
-from fprc.experiments.hysteresis import acquire
+from fprc.experiments.data import acquire
 from fprc.experiments.tracking import Track, describe_model, tracking_rmse
 from fprc.logs import write_raw
 from fprc.models import load_model

@@ -12,8 +12,7 @@ from fprc.evaluation import rmse
 from fprc.evaluation.capacity import filtered_capacity
 from fprc.evaluation.crossval import prepare
 from fprc.evaluation.sides import Recordings, block_errors
-from fprc.experiments.data import Data
-from fprc.experiments.hysteresis import simulate
+from fprc.experiments.data import Data, simulate
 from fprc.experiments.tracking import Track, columns_for, tracking_errors
 from fprc.models import SequenceModel
 from fprc.paper import EXPERIMENTS, REFERENCES

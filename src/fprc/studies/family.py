@@ -16,7 +16,7 @@ from fprc.config.rig import Rig
 from fprc.config.settings import Tracking
 from fprc.errors import FprcError, in_one_line
 from fprc.experiments.comparison import CrossValidation, compare_models
-from fprc.experiments.hysteresis import RigSettings, simulate
+from fprc.experiments.data import RigSettings, simulate
 from fprc.experiments.tracking import Track, measure_control
 from fprc.given import read_json, read_yaml
 from fprc.registry import controllers

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fprc.config.settings import Tracking
-from fprc.experiments.hysteresis import simulate
+from fprc.experiments.data import simulate
 from fprc.experiments.tracking import Track, columns_for, tracking_errors
 from fprc.models import SequenceModel
 from fprc.paper import REFERENCES

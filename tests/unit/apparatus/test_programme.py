@@ -8,8 +8,7 @@ from fprc.apparatus.command import names, plan
 from fprc.channels import Readings
 from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
-from fprc.experiments.data import Data
-from fprc.experiments.trained import trained_on
+from fprc.experiments.data import Data, trained_on
 from fprc.models import FPRC, FuzzyLinear, load_model, save_model
 
 NOW = Readings(0.0, 1.0, 20.0, 2.0, 100.0, 0.0)

@@ -24,7 +24,7 @@ from fprc.claims.ledger import (
 from fprc.claims.paper import CLAIMS
 from fprc.config.calibration import SearchedFor
 from fprc.config.rig import squeeze_lag
-from fprc.experiments.hysteresis import RigSettings, simulate
+from fprc.experiments.data import RigSettings, simulate
 from fprc.experiments.measures import measure_hysteresis
 from fprc.paper import LOOPS, REFERENCES
 from fprc.plan import on_rig

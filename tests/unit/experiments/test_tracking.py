@@ -8,8 +8,7 @@ from fprc.control import run
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.experiments import measures
-from fprc.experiments.data import Data
-from fprc.experiments.hysteresis import acquire
+from fprc.experiments.data import Data, acquire
 from fprc.experiments.measures import measure_hysteresis, measure_pressure_error
 from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, tracking_rmse
 from fprc.models import FPRC, FeatureModel, FuzzyLinear, TapFeatures

@@ -8,7 +8,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.config.settings import Control, Quality, Signal
-from fprc.experiments.hysteresis import acquire
+from fprc.experiments.data import acquire
 from fprc.logs import Columns, assess
 from fprc.logs.quality import noted_unit, warnings
 

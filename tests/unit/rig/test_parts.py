@@ -8,8 +8,7 @@ from scipy.integrate import solve_ivp
 
 from fprc.config import Settings
 from fprc.devices.sim import SimulatedRig
-from fprc.rig.friction import bouc_wen
-from fprc.rig.mechanics import angular_acceleration, squeeze_rate
+from fprc.rig.mechanics import angular_acceleration, bouc_wen, squeeze_rate
 from fprc.rig.pneumatics import mass_flow
 from fprc.rig.simulator import draw_instruments, pressure_voltage, record
 

@@ -6,7 +6,7 @@ import pytest
 from fprc.config import Settings
 from fprc.config.settings import Tracking
 from fprc.evaluation import rmse
-from fprc.experiments.hysteresis import RigSettings, simulate
+from fprc.experiments.data import RigSettings, simulate
 from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import FPRC
 from fprc.registry import COMPETITORS

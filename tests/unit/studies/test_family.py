@@ -4,7 +4,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.errors import FprcError, SimulationError
-from fprc.experiments.hysteresis import RigSettings, simulate
+from fprc.experiments.data import RigSettings, simulate
 from fprc.studies import family as families
 from fprc.studies.family import count_members, judge_family, judge_tables, unit_of
 

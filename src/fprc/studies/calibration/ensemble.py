@@ -10,7 +10,7 @@ from scipy.special import ndtr, ndtri
 
 from fprc.config.calibration import FIRST_SEED, SEEDS_PER_FIT
 from fprc.errors import EvaluationError
-from fprc.experiments.hysteresis import RigSettings
+from fprc.experiments.data import RigSettings
 from fprc.paper import REFERENCES
 from fprc.studies.calibration.fit import Bench, pool_of
 from fprc.studies.calibration.objective import printed_errors

@@ -22,7 +22,7 @@ from fprc import __version__
 from fprc.config.calibration import FIRST_SEED, SEEDS_PER_FIT
 from fprc.config.rig import Rig
 from fprc.errors import EvaluationError, FprcError
-from fprc.experiments.hysteresis import RigSettings, simulate
+from fprc.experiments.data import RigSettings, simulate
 from fprc.studies.calibration.objective import (
     Target,
     misses,

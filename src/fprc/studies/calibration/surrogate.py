@@ -21,8 +21,7 @@ from fprc.experiments.comparison import (
     shares_of,
     weight_shares,
 )
-from fprc.experiments.data import Data
-from fprc.experiments.hysteresis import RigSettings, simulate
+from fprc.experiments.data import Data, RigSettings, simulate
 from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import SequenceModel, TakagiSugenoReadout
 from fprc.paper import DIRECTIONS, MODELS

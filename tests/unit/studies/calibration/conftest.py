@@ -1,7 +1,7 @@
 import pytest
 
 from fprc.config import Settings
-from fprc.experiments.hysteresis import RigSettings
+from fprc.experiments.data import RigSettings
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ from fprc.config import PUBLISHED, Settings
 from fprc.config.rig import LONGEST_LAG_S, Rig, squeeze_lag
 from fprc.errors import EvaluationError
 from fprc.experiments.comparison import CrossValidation, compare_models
-from fprc.experiments.hysteresis import simulate
+from fprc.experiments.data import simulate
 from fprc.studies.calibration import fit, surrogate
 from fprc.studies.calibration.fit import fit_rig
 from fprc.studies.calibration.objective import errors_of, printed_errors

@@ -3,7 +3,7 @@ import pytest
 
 from fprc.config import Settings
 from fprc.experiments.comparison import CrossValidation, compare_models
-from fprc.experiments.hysteresis import simulate
+from fprc.experiments.data import simulate
 from fprc.models import ESN, FPRC, FuzzyLinear
 from fprc.studies.calibration import surrogate
 from fprc.studies.calibration.objective import EPSILONS
