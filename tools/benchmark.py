@@ -45,7 +45,7 @@ Peer = tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarr
 def ours(features: EchoStates) -> Peer:
     """Return our network in the form of the others: our rows have x(k) after the taps."""
     last = features.r
-    return lambda X: features.transform(np.vstack([X, X[-1:]]))[1:, -last:], features.advance
+    return lambda X: features.transform(np.vstack([X, X[-1:]]))[1:, -last:], features.step
 
 
 def reservoirpy(features: EchoStates) -> Peer:

@@ -12,15 +12,10 @@ LARGEST = 1e9
 
 
 class Limit(NamedTuple):
-    """Range of a number, in the configuration also of each number of a list.
-
-    An open end is excluded.
-    """
+    """Range of a number, in the configuration also of each number of a list; ends are included."""
 
     low: float
     high: float
-    low_open: bool = False
-    high_open: bool = False
     kind: Any = Real  #: Integral for a whole number
     or_none: bool = False
     default: Any = None
@@ -29,33 +24,25 @@ class Limit(NamedTuple):
         """Return whether ``value`` is a number within."""
         if value is None:
             return self.or_none
-        if not isinstance(value, self.kind) or isinstance(value, bool):
-            return False
-        above = value > self.low if self.low_open else value >= self.low
-        return above and (value < self.high if self.high_open else value <= self.high)
+        is_number = isinstance(value, self.kind) and not isinstance(value, bool)
+        return is_number and self.low <= value <= self.high
 
     def __str__(self) -> str:  # noqa: D105
         number = "a whole number" if self.kind is Integral else "a number"
-        return f"{number} in {self.interval()}{' or None' * self.or_none}"
-
-    def interval(self) -> str:
-        """Return the range as text."""
-        left, right = "[("[self.low_open], "])"[self.high_open]
-        return f"{left}{self.low:.10g}, {self.high:.10g}{right}"
+        return f"{number} in [{self.low:.10g}, {self.high:.10g}]{' or None' * self.or_none}"
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Set the ends in pydantic's schema of the numbers."""
         schema = inner = handler(source)
         while "schema" in inner:  # below what is checked in other ways
             inner = inner["schema"]
-        low, high = "gt" if self.low_open else "ge", "lt" if self.high_open else "le"
         for number in inner.get("items_schema", [inner]):
-            number |= {low: self.low, high: self.high}
+            number |= {"ge": self.low, "le": self.high}
         return schema
 
 
 def Whole(low: int, high: int, default: Any = None, or_none: bool = False) -> Limit:  # noqa: N802
-    """Return the range of a whole number, ends included."""
+    """Return the range of a whole number."""
     return Limit(low, high, kind=Integral, or_none=or_none, default=default)
 
 
@@ -63,14 +50,14 @@ def Whole(low: int, high: int, default: Any = None, or_none: bool = False) -> Li
 MODEL = {
     "n_y": Whole(1, 10_000, 5),
     "n_u": Whole(1, 10_000, 3),
-    "epsilon": Limit(0, 1, low_open=True, default=0.01),
+    "epsilon": Limit(1e-9, 1, default=0.01),
     "n_c": Whole(1, 1000, 8),
     "sigma": Limit(1e-9, 1e9, default=2.0),
     "restarts": Whole(1, 10_000, 1),
     "alpha": Limit(0, 1e30, default=1e-3),
     "r": Whole(1, 4000, 800),
     "f_input": Limit(-1e6, 1e6, default=0.02),
-    "gamma": Limit(0, 1, high_open=True, default=0.8),
+    "gamma": Limit(0, 0.999999, default=0.8),
     "rho": Limit(0, 1e6, default=0.4),
     "washout": Whole(0, 10_000, 100),
 }

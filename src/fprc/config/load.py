@@ -180,10 +180,7 @@ def reference() -> str:
 
 def _row(name: str, default: Any, field: Any) -> str:
     ends, source = limit_of(field), (field.json_schema_extra or {}).get("source", "")
-    limits = ""
-    if ends:
-        below = "below " * ends.high_open
-        limits = f"{'above ' * ends.low_open}{ends.low:g} to {below}{ends.high:g}"
+    limits = f"{ends.low:g} to {ends.high:g}" if ends else ""
     if get_origin(field.annotation) is Literal:
         limits = in_words(get_args(field.annotation), "or")
     return f"| `{name}` | `{json.dumps(default)}` | {limits} | {field.description} | {source} |"

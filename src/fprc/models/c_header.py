@@ -54,7 +54,7 @@ def c_header(
         )
     check_is_fitted(model)
     rows, readout = rows_of(model.features_), model.readout_
-    if rows is None or not isinstance(readout, RidgeReadout | TakagiSugenoReadout):
+    if not rows or not isinstance(readout, RidgeReadout | TakagiSugenoReadout):
         raise FprcError(
             f"{type(model).__name__} cannot be exported; C code exists only for taps, low-passes "
             "and plays, alone or side by side, with a ridge or a fuzzy readout"

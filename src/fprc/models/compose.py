@@ -10,6 +10,7 @@ from sklearn.base import BaseEstimator, clone
 
 from fprc.limits import Whole
 from fprc.models.features import FeatureMap, Row, rows_of
+from fprc.models.limits import check_limits
 from fprc.models.sequence import SequenceModel
 
 #: An unfitted map, and its columns of the input.
@@ -76,48 +77,45 @@ class SideBySide(FeatureMap):
 
     maps: Sequence[Part]
 
-    def count_features(self) -> int:
-        return sum(part.count_features() for part in self.maps_)
+    def count_features(self, columns: int) -> int:
+        allowed = Whole(0, columns - 1)
+        for part, chosen in self.maps:
+            right = len(chosen) and all(map(allowed.allows, chosen))
+            if not isinstance(part, FeatureMap) or not right:
+                raise ValueError(
+                    f"SideBySide: {(part, chosen)!r:.60}: must be a FeatureMap and its columns, "
+                    f"each {allowed}"
+                )
+            check_limits(part)
+        return sum(part.count_features(len(chosen)) for part, chosen in self.maps)
 
     def learned(self) -> dict[str, Any]:
-        return super().learned() | {"maps_": list}
+        return {"maps_": list}
 
     def prepare(self, X: np.ndarray) -> None:
         self.maps_ = [clone(part).fit(X[:, columns]) for part, columns in self.maps]
 
-    def _check_columns(self) -> None:
-        allowed = Whole(0, self.n_features_in_ - 1)
-        for part, columns in self.maps:
-            right = len(columns) and all(map(allowed.allows, columns))
-            if not isinstance(part, FeatureMap) or not right:
-                raise ValueError(
-                    f"SideBySide: {(part, columns)!r:.60}: must be a FeatureMap and its columns, "
-                    f"each {allowed}"
-                )
-
-    def rows(self) -> list[Row] | None:
-        found = [(rows_of(part), columns) for part, columns in self._parts()]
-        if any(rows is None for rows, _ in found):
-            return None
-        return [
-            (columns[i], kind, number) for rows, columns in found for i, kind, number in rows or ()
-        ]
-
-    def _parts(self) -> list[tuple[FeatureMap, list[int]]]:
+    def _parts(self) -> list[tuple[FeatureMap, np.ndarray]]:
         """Return each fitted map and the numbers of its columns."""
-        each = [list(columns) for _, columns in self.maps]
+        each = [np.array(columns) for _, columns in self.maps]
         return list(zip(self.maps_, each, strict=True))
+
+    def rows(self) -> list[Row]:
+        each = [(rows_of(part), columns) for part, columns in self._parts()]
+        if not all(rows for rows, _ in each):
+            return []
+        return [(columns[i], kind, number) for rows, columns in each for i, kind, number in rows]
 
     def map_recording(self, X: np.ndarray) -> np.ndarray:
         return np.hstack([part.map_log(X[:, columns]) for part, columns in self._parts()])
 
     def begin(self, x: np.ndarray) -> None:
-        self._each = [(part, np.array(columns)) for part, columns in self._parts()]
+        self._each = self._parts()
         for part, columns in self._each:
             part.reset(x[columns])
 
     def map_sample(self, x: np.ndarray) -> np.ndarray:
-        return np.concatenate([part.advance(x[columns]) for part, columns in self._each])
+        return np.concatenate([part.step(x[columns]) for part, columns in self._each])
 
 
 @dataclass(eq=False, repr=False)

@@ -8,8 +8,8 @@ import numpy as np
 from sklearn.utils import check_random_state
 
 from fprc.limits import MODEL
-from fprc.models.features import FeatureMap, refuse_shorter, table, tap_rows
-from fprc.models.kernels import LANES, advance, advance_log, excite, excite_lanes
+from fprc.models.features import FeatureMap, TapFeatures
+from fprc.models.kernels import LANES, excite, excite_lanes
 from fprc.models.limits import Array
 
 #: Shortest segment, samples: almost three times what the paper's network needs to forget its
@@ -35,24 +35,19 @@ class EchoStates(FeatureMap):
     Parameters
     ----------
     r : int, default=800
-        Reservoir size, at most 4,000: W_r then takes 128 MB.
     f_input : float, default=0.02
-        Factor on the N(0, 1) input weights.
     gamma : float, default=0.8
-        Leaky rate, in [0, 1).
     rho : float, default=0.4
-        Spectral radius: largest absolute eigenvalue of W_r before its rounding to float32.
     n_y : int, default=5
-        Taps of every input, >= 1.
     washout : int, default=100
-        Steps with the first sample as constant input, in which x settles before the log begins.
     random_state : int or None, default=None
-        Source of the random weights.
+        All as in ``ESN``.
 
     Attributes
     ----------
     w_in_ : ndarray of shape (r, n_inputs)
     W_r_ : ndarray of shape (r, r)
+        Rounded to float32, of which a step reads half the bytes.
     """
 
     r: int = MODEL["r"].default
@@ -68,57 +63,46 @@ class EchoStates(FeatureMap):
         self.w_in_ = self.f_input * rng.standard_normal((self.r, X.shape[1]))
         dense = rng.standard_normal((self.r, self.r))
         dense *= self.rho / np.abs(np.linalg.eigvals(dense)).max()
-        # random numbers need no more than float32, of which a step reads half the bytes
         self.W_r_ = dense.astype(np.float32).astype(np.float64)
 
-    def count_features(self) -> int:
-        return self.n_features_in_ * self.n_y + self.r
+    def count_features(self, columns: int) -> int:
+        return columns * self.n_y + self.r
 
     def learned(self) -> dict[str, Any]:
-        weights = {"w_in_": Array((self.r, self.n_features_in_)), "W_r_": Array((self.r, self.r))}
-        return super().learned() | weights
+        return {"w_in_": Array((self.r, self.n_features_in_)), "W_r_": Array((self.r, self.r))}
 
     def map_recording(self, X: np.ndarray) -> np.ndarray:
         return next(self._blocks(X, len(X)))
 
     def _blocks(self, X: np.ndarray, most: int) -> Iterator[np.ndarray]:
-        refuse_shorter(X, self.n_y)
         X = np.array(X, order="C")  # a copy, as in FeatureMap
-        references = advance_log(X, *self._taps())
+        taps, state, network = self._started(X[0])
+        references = taps.map_recording(X)
         free = references.shape[1]
-        state, network = self._settled(X[0])
         rows = np.empty((min(most, len(X)), free + self.r))
         for start in range(0, len(X), most):
-            inputs = X[start : start + most]
-            block = rows[: len(inputs)]
-            echo_states(inputs, state, network, block[:, free:])
+            block = rows[: len(X) - start]
             block[:, :free] = references[start : start + most]
+            echo_states(X[start : start + most], state, network, block[:, free:])
             yield block
 
-    def _taps(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return table([row for i in range(self.n_features_in_) for row in tap_rows(i, self.n_y)])
-
-    def _settled(self, x: np.ndarray) -> tuple[np.ndarray, Network]:
-        """Return the state after the washout, see ``echo_states``, and what moves it on."""
-        # a step reads all of W_r: float32, if that changes no number, has half the bytes
-        state, single = np.zeros((2, self.r)), self.W_r_.astype(np.float32)
-        W_r = single if np.array_equal(single, self.W_r_) else self.W_r_
-        network = W_r, self.w_in_, float(self.gamma)
+    def _started(self, x: np.ndarray) -> tuple[TapFeatures, np.ndarray, Network]:
+        """Return the taps, the state after the washout, see ``echo_states``, and its network."""
+        taps = TapFeatures(self.n_y, n_references=None, n_u=1)
+        taps.n_features_in_ = self.n_features_in_
+        taps.begin(x)
+        state = np.zeros((2, self.r))
+        network = self.W_r_.astype(np.float32), self.w_in_, float(self.gamma)
         for _ in range(self.washout):
             update(state, x, network)
-        return state, network
+        return taps, state, network
 
     def begin(self, x: np.ndarray) -> None:
-        self._state, self._network = self._settled(x)
-        self._row = np.concatenate([np.repeat(x, self.n_y), self._state[0]])
-        self._table = self._taps()
+        self._taps, self._state, self._network = self._started(x)
 
     def map_sample(self, x: np.ndarray) -> np.ndarray:
-        free = len(self._row) - self.r
-        advance(self._row[:free], x, *self._table)
         update(self._state, x, self._network)
-        self._row[free:] = self._state[0]
-        return self._row
+        return np.concatenate([self._taps.map_sample(x), self._state[0]])
 
 
 def echo_states(X: np.ndarray, state: np.ndarray, network: Network, states: np.ndarray) -> None:

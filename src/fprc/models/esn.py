@@ -21,15 +21,15 @@ class ESN(SequenceModel):
     Parameters
     ----------
     r : int, default=800
-        Reservoir size.
+        Reservoir size, at most 4,000: W_r then takes 128 MB.
     f_input : float, default=0.02
-        Input scaling factor.
+        Input scaling factor, on N(0, 1) weights.
     gamma : float, default=0.8
-        Leaky rate, in [0, 1).
+        Leaky rate, in [0, 0.999999].
     rho : float, default=0.4
-        Spectral radius.
+        Spectral radius: largest absolute eigenvalue of W_r before its rounding to float32.
     n_y : int, default=5
-        Taps of theta_d.
+        Taps of every input, >= 1.
     alpha : float, default=1e-3
         Ridge parameter; penalises the bias too.
     washout : int, default=100

@@ -18,7 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fprc.limits import LARGEST, MODEL, Limit, Whole
 from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
-from fprc.models.limits import MOST_FEATURES, Array, check_limits, is_built_in
+from fprc.models.limits import Array, check_limits, is_built_in
 
 #: A feature: its column, its kind, and its number, see ``kernels.advance``.
 Row = tuple[int, int, float]
@@ -27,28 +27,14 @@ Row = tuple[int, int, float]
 BLOCK = 8_000
 
 
-def tap_rows(column: int, size: int, newest: Row | None = None) -> list[Row]:
-    """Return the rows of taps of a column; the newest is by default the column itself."""
-    return [newest or (column, PLAY, 0.0)] + [(column, TAP, 0.0)] * (size - 1)
+def rows_of(features: Any) -> list[Row]:
+    """Return the rows of a fitted map; none if its class is from outside and may change them."""
+    return features.rows() if is_built_in(features) else []
 
 
-def refuse_shorter(X: np.ndarray, size: int) -> None:
-    """Raise a ValueError if a log has fewer samples than its taps."""
-    if len(X) < size:
-        raise ValueError(
-            f"n_samples = {len(X)} is less than the {size} samples from the first to the last tap; "
-            "use fewer taps or a longer log"
-        )
-
-
-def rows_of(features: Any) -> list[Row] | None:
-    """Return the rows of a fitted map; None if its class is from outside and may change them."""
-    return features.rows() if is_built_in(features) else None
-
-
-def table(rows: Sequence[Row] | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def table(rows: Sequence[Row]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return columns, kinds and numbers of some features."""
-    columns, kinds, numbers = zip(*rows or (), strict=True)
+    columns, kinds, numbers = zip(*rows, strict=True)
     return np.array(columns), np.array(kinds), np.array(numbers, dtype=float)
 
 
@@ -65,11 +51,9 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
         """Store the number of columns, and learn or draw what the map needs."""
-        check_limits(self)
         samples = self._samples(X, first=True)
-        self._check_columns()
+        check_limits(self)
         self.prepare(samples)
-        self._check_size()
         self.reset()
         return self
 
@@ -89,7 +73,7 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
     def blocks(
         self, X: ArrayLike, lengths: Sequence[int] | None = None, most: int | None = BLOCK
     ) -> Iterator[np.ndarray]:
-        """Yield what ``transform`` returns, in blocks of which each may overwrite the one before.
+        """Yield what ``map_log`` returns, in blocks of which each may overwrite the one before.
 
         A block has ``most`` samples or is a recording, as the map likes; None is a recording.
         """
@@ -108,27 +92,14 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
 
     def _samples(self, X: ArrayLike, *, first: bool) -> np.ndarray:
         samples = validate_data(self, X, reset=first, dtype=np.float64)
-        if max(samples.max(), -samples.min()) > LARGEST:  # a fault that ``step`` would refuse
-            k, j = np.argwhere(np.abs(samples) > LARGEST)[0]
+        faults = np.argwhere(np.abs(samples) > LARGEST)  # which ``step`` would refuse
+        if len(faults):
+            k, j = faults[0]
             raise ValueError(
                 f"X: column {j}, sample {k} is {samples[k, j]:g}; must be within {-LARGEST:g} and "
                 f"{LARGEST:g}, remove the fault from the log"
             )
         return samples
-
-    def count_features(self) -> int:
-        """Return the number of features as far as it is known before the first sample, else 0."""
-        return 0
-
-    def rows(self) -> list[Row] | None:
-        """Return all features of a fitted map; None if they are not taps, low-passes and plays."""
-        return None
-
-    def learned(self) -> dict[str, Any]:
-        """Return what ``fit`` learns, see ``fprc.models.limits``, where the parameters allow it."""
-        self._check_columns()
-        self._check_size()
-        return {}
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times."""
@@ -137,11 +108,7 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         self._streaming = x is not None
 
     def step(self, x: ArrayLike) -> np.ndarray:
-        """Return the features of the next sample ``x`` of shape (n_inputs,)."""
-        return self.advance(x).copy()
-
-    def advance(self, x: ArrayLike) -> np.ndarray:
-        """Return the features of the next sample, in an array that the next call overwrites.
+        """Return the features of the next sample ``x`` of shape (n_inputs,).
 
         A sample that is not finite or beyond 1e9, or has another number of inputs, is ignored and
         a ValueError.
@@ -149,13 +116,11 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         x = self._checked(x)
         if not self._streaming:
             self.reset(x)
-        return self.map_sample(x)
+        return np.array(self.map_sample(x))
 
     def _checked(self, x: ArrayLike) -> np.ndarray:
         # a copy: numba would compile again for a view or a read-only array
         x = np.array(x, dtype=np.float64)
-        if not hasattr(self, "n_features_in_"):
-            check_is_fitted(self)
         listed = x.tolist()
         # NaN is not within the limits
         if x.shape != (self.n_features_in_,) or not all(-LARGEST <= v <= LARGEST for v in listed):
@@ -165,20 +130,20 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
             )
         return x
 
-    def _check_columns(self) -> None:
-        """Check that the parameters suit the number of columns."""
-
-    def _check_size(self) -> None:
-        if (count := self.count_features()) > MOST_FEATURES:
-            parameters = self.get_params(deep=False)
-            raise ValueError(
-                f"{type(self).__name__}: {count} features of {self.n_features_in_} columns with "
-                f"{parameters!r:.100}; at most {MOST_FEATURES} are possible, use fewer"
-            )
-
     @property
     def _n_features_out(self) -> int:
         return deepcopy(self).step(np.zeros(self.n_features_in_)).size
+
+    def count_features(self, columns: int) -> int:
+        """Return how many features so many columns have, 0 if only the first sample tells it.
+
+        ValueError: the parameters do not suit the number of columns.
+        """
+        return 0
+
+    def rows(self) -> list[Row]:
+        """Return all features of a fitted map; none if they are not taps, low-passes and plays."""
+        return []
 
     def prepare(self, X: np.ndarray) -> None:
         """Learn or draw what the map needs, from the training log, of shape (n_samples, n_inputs).
@@ -192,7 +157,7 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
 
         By default sample by sample. The stream of ``begin`` must go on as if nothing had been.
         """
-        if self.rows() is not None:
+        if self.rows():
             # a copy: numba would compile again for another layout or a read-only array
             return advance_log(np.array(X, order="C"), *table(self.rows()))
         other = copy(self)
@@ -227,7 +192,7 @@ class TapFeatures(FeatureMap):
     n_u : int, default=3
         Taps of every readout column, >= 1.
     epsilon : float, default=0.01
-        Filter factor of the readouts, in (0, 1].
+        Filter factor of the readouts, in [1e-9, 1].
     """
 
     n_y: int = MODEL["n_y"].default
@@ -237,31 +202,34 @@ class TapFeatures(FeatureMap):
 
     LIMITS = {"n_references": Whole(0, 1000, or_none=True)}
 
-    def _check_columns(self) -> None:
-        n_inputs = self.n_features_in_
-        if self.n_references is not None and n_inputs <= self.n_references:
-            raise ValueError(
-                f"n_features={n_inputs}, but n_references = {self.n_references} leaves no readout; "
-                "give a readout too, or use n_references=None (the model FuzzyLinear)"
-            )
-
     def count_references(self) -> int:
         """Return the number of leading columns that are references."""
         return self.n_features_in_ if self.n_references is None else self.n_references
 
-    def count_features(self) -> int:
-        split = self.count_references()
-        return self.n_y * split + self.n_u * (self.n_features_in_ - split)
+    def count_features(self, columns: int) -> int:
+        references = columns if self.n_references is None else self.n_references
+        if self.n_references is not None and columns <= references:
+            raise ValueError(
+                f"n_features={columns}, but n_references = {references} leaves no readout; "
+                "give a readout too, or use n_references=None (the model FuzzyLinear)"
+            )
+        return self.n_y * references + self.n_u * (columns - references)
 
     def rows(self) -> list[Row]:
-        split, rows = self.count_references(), list[Row]()
+        rows = list[Row]()
         for i in range(self.n_features_in_):
-            filtered = i, LOWPASS, float(self.epsilon)
-            rows += tap_rows(i, self.n_y) if i < split else tap_rows(i, self.n_u, filtered)
+            newest, size = (i, LOWPASS, float(self.epsilon)), self.n_u
+            if i < self.count_references():
+                newest, size = (i, PLAY, 0.0), self.n_y
+            rows += [newest] + [(i, TAP, 0.0)] * (size - 1)
         return rows
 
     def map_recording(self, X: np.ndarray) -> np.ndarray:
-        refuse_shorter(X, max(self.n_y, self.n_u))
+        if len(X) < max(self.n_y, self.n_u):
+            raise ValueError(
+                f"n_samples = {len(X)} is less than the {max(self.n_y, self.n_u)} samples from the "
+                "first to the last tap; use fewer taps or a longer log"
+            )
         signals = np.array(X, order="C")
         for i in range(self.count_references(), X.shape[1]):
             # by pandas: other last digits would move those of every closed loop in the results
@@ -281,18 +249,16 @@ class LowpassBank(FeatureMap):
     Parameters
     ----------
     epsilons : sequence of float, default=(0.03, 0.01, 0.003)
-        Filter factors, in (0, 1]; 1 is the column itself.
+        Filter factors, in [1e-9, 1]; 1 is the column itself.
     """
 
     epsilons: Sequence[float] = (0.03, 0.01, 0.003)
 
-    def _check_columns(self) -> None:
+    def count_features(self, columns: int) -> int:
         each = MODEL["epsilon"]
         if not 0 < len(self.epsilons) <= 1000 or not all(map(each.allows, self.epsilons)):
             raise ValueError(f"epsilons = {self.epsilons!r:.60}; must be 1 to 1000 times {each}")
-
-    def count_features(self) -> int:
-        return self.n_features_in_ * len(self.epsilons)
+        return columns * len(self.epsilons)
 
     def rows(self) -> list[Row]:
         columns = range(self.n_features_in_)
@@ -331,12 +297,11 @@ class PlayOperators(FeatureMap):
 
     LIMITS = {"n_plays": Whole(1, 10_000)}
 
-    def count_features(self) -> int:
-        return self.n_features_in_ * self.n_plays
+    def count_features(self, columns: int) -> int:
+        return columns * self.n_plays
 
     def learned(self) -> dict[str, Any]:
-        widths = Array((self.n_features_in_, self.n_plays), Limit(0, 1e30))
-        return super().learned() | {"half_widths_": widths}
+        return {"half_widths_": Array((self.n_features_in_, self.n_plays), Limit(0, 1e30))}
 
     def prepare(self, X: np.ndarray) -> None:
         shares = np.arange(1, self.n_plays + 1) / (self.n_plays + 1)

@@ -21,7 +21,7 @@ class FPRC(SequenceModel):
     Parameters
     ----------
     epsilon : float, default=0.01
-        Filter factor of the readouts, in (0, 1].
+        Filter factor of the readouts, in [1e-9, 1].
     n_c : int, default=8
         Fuzzy rules, >= 1.
     n_u : int, default=3

@@ -42,8 +42,7 @@ class Array(NamedTuple):
         return not self.each or all(map(self.each.allows, (value.min(), value.max())))
 
     def __str__(self) -> str:  # noqa: D105
-        within = f"float64 in {self.each.interval()}" if self.each else "words"
-        return f"{within}, of shape {self.shape}"
+        return f"of shape {self.shape}, {self.each or 'words'}"
 
 
 def is_built_in(model: Any) -> bool:
@@ -54,19 +53,32 @@ def is_built_in(model: Any) -> bool:
 def check_limits(estimator: Any) -> None:
     """Raise ValueError, with values and limits, if parameters are not within their limits.
 
-    A class from outside that derives from one of this package has the limits of that one.
+    A class from outside that derives from one of this package has the limits of that one. A map
+    that knows its columns may not have too many features.
     """
     bases = (cls for cls in type(estimator).__mro__ if cls.__module__.startswith(__package__))
     shared = MODEL | {"random_state": Whole(0, 2**32 - 1, or_none=True)}
     names = inspect.signature(next(bases, object)).parameters.keys() & shared.keys()
     limits = {name: shared[name] for name in names} | getattr(estimator, "LIMITS", {})
+    values = estimator.get_params(deep=False)
+    knows_columns = hasattr(estimator, "n_features_in_")
+    if knows_columns:
+        values["n_features_in_"] = estimator.n_features_in_
+        limits["n_features_in_"] = Whole(1, MOST_FEATURES)
     problems = [
         f"{type(estimator).__name__}: {name} = {value!r:.60}; must be {limits[name]}"
-        for name, value in estimator.get_params(deep=False).items()
+        for name, value in values.items()
         if name in limits and not limits[name].allows(value)
     ]
     if problems:
         raise ValueError("\n".join(problems))
+    if knows_columns and hasattr(estimator, "count_features"):
+        count = estimator.count_features(estimator.n_features_in_)
+        if count > MOST_FEATURES:
+            raise ValueError(
+                f"{type(estimator).__name__}: {count} features of {values!r:.100}; at most "
+                f"{MOST_FEATURES} are possible, use fewer"
+            )
 
 
 #: What a model may know, or not.
@@ -81,11 +93,10 @@ def check_learned(model: Any, learned: Set[str]) -> None:
     check_limits(model)
     columns = model.n_features_in_
     declared: dict[str, Any] = {
-        "n_features_in_": Whole(1, MOST_FEATURES),
         "feature_names_in_": Array((columns,), None),
         "units_": Array((1 + columns,), None),
         "sample_rate_hz_": Limit(1e-3, 1e6),
-        **model.learned(),
+        **getattr(model, "learned", dict)(),
     }
     for key, expected in declared.items():
         value = getattr(model, key, None)
@@ -95,7 +106,7 @@ def check_learned(model: Any, learned: Set[str]) -> None:
             if isinstance(value, np.ndarray):
                 found = f"{value.dtype} of shape {value.shape}, such as {value.ravel()[:1]}"
             raise ValueError(f"{type(model).__name__}: {key}: {found}; must be {expected}")
-    if others := learned - declared.keys():
+    if others := learned - declared.keys() - {"n_features_in_"}:
         raise ValueError(f"{type(model).__name__} learns no {', '.join(others)}")
 
 

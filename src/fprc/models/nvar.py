@@ -48,14 +48,13 @@ class NVAR(FeatureMap):
 
     LIMITS = {"n_taps": Whole(1, 1000), "spacing": Whole(1, 10_000), "degree": Whole(2, 10)}
 
-    def count_features(self) -> int:
-        linear = self.n_features_in_ * self.n_taps
+    def count_features(self, columns: int) -> int:
+        linear = columns * self.n_taps
         return linear + comb(linear + self.degree - 1, self.degree)
 
     def learned(self) -> dict[str, Any]:
         mean = Array((self.n_features_in_,), Limit(-2 * LARGEST, 2 * LARGEST))
-        scale = Array((self.n_features_in_,), Limit(SMALLEST_SCALE, 1e30))
-        return super().learned() | {"mean_": mean, "scale_": scale}
+        return {"mean_": mean, "scale_": Array(mean.shape, Limit(SMALLEST_SCALE, 1e30))}
 
     def prepare(self, X: np.ndarray) -> None:
         self.mean_, spread = X.mean(axis=0), X.std(axis=0)

@@ -115,7 +115,7 @@ class Online:
 
     def step(self, x: ArrayLike) -> float:
         """Return P_ff of the next sample, kPa; see ``SequenceModel.step``."""
-        row = self._features.advance(x)
+        row = self._features.step(x)
         now, limit = self._k % self.delay, self.settings.limit_kpa
         phi = self._phi[now]
         phi[:] = self._readout.regressors(row[None])[0]

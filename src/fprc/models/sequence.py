@@ -120,7 +120,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         """
         if not hasattr(self, "readout_"):
             check_is_fitted(self)
-        row = self.features_.advance(x)
+        row = self.features_.step(x)
         if hasattr(self.readout_, "output"):
             return self.readout_.output(row)
         return float(self.readout_.predict(row[None])[0])

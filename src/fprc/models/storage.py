@@ -5,9 +5,8 @@ before the HDF5 library reads it. The text is JSON: class, parameters and learne
 model and of its parts. Arrays are named by their place in the model, such as ``readout_.W_out_``.
 
 A file may come from anybody, and may move a rig. All numbers must lie in the file as they are: a
-link or a chunk could lead to another file, or to more than there is. What a class of this package
-learned must be what it declares, see ``fprc.models.limits``. The parts of a model must be those
-that its parameters make, and make a step.
+link or a chunk could lead to another file, or to more than there is. See ``fprc.models.limits`` for
+what a class may have learned. Parts must be those that the parameters make, and make a step.
 """
 
 import hashlib
@@ -26,7 +25,7 @@ from sklearn.utils.validation import check_is_fitted
 from fprc.errors import FprcError
 from fprc.given import read_given
 from fprc.models.compose import SideBySide
-from fprc.models.limits import check_learned, check_limits, is_built_in
+from fprc.models.limits import check_learned, is_built_in
 from fprc.models.sequence import SequenceModel
 
 #: Largest file, bytes: an ESN of 4,000 nodes takes 128 MB. Longest text, bytes.
@@ -47,9 +46,7 @@ def save_model(model: SequenceModel, path: Path | str, classes: Collection[type]
     Raises
     ------
     FprcError
-        The model would not be read again: the class of a part is neither of this package nor in
-        ``classes``, or what it holds is neither finite numbers nor text, as its class learns them,
-        or a part is not as the parameters make it.
+        The model would not be read again: see ``load_model`` and docs/deploy.md.
     """
     check_is_fitted(model)
     arrays = dict[str, np.ndarray]()
@@ -115,36 +112,32 @@ def _unpacked(content: bytes) -> dict[str, Any]:
             whole = plan.get_layout() in (h5py.h5d.CONTIGUOUS, h5py.h5d.COMPACT)
             if not whole or plan.get_external_count() or data.dtype.kind not in "biufS":
                 raise ValueError(f"{name}: its numbers do not lie in the file as they are")
-        sizes = {name: data.nbytes for name, data in file.items()}
-        if sum(sizes.values()) > len(content) or sizes[_TEXT] > _LONGEST_TEXT:
+        size = sum(data.nbytes for data in file.values())
+        if size > len(content) or file[_TEXT].nbytes > _LONGEST_TEXT:
             raise ValueError("it declares more numbers than it has bytes, or too long a text")
         return {name: data[()] for name, data in file.items()}
 
 
 def _restored(content: bytes, classes: Collection[type]) -> SequenceModel:
-    values, known = _unpacked(content), _known_classes(classes)
+    values = _unpacked(content)
     text = values.pop(_TEXT)
     for name, array in values.items():
         if not np.isfinite(array).all():
             raise ValueError(f"{name}: holds NaN or infinity")
+    # not imported by name, so that a rule does not depend on the code of every model
+    modules = "fprc.models", *(known_class.__module__ for known_class in classes)
+    members = [member for module in modules for member in vars(sys.modules[module]).values()]
+    known = {
+        member.__name__: member
+        for member in (*members, *classes)
+        if isinstance(member, type) and issubclass(member, BaseEstimator)
+    }
     model = json.loads(text, object_hook=lambda found: _made(found, values, known))
     if not isinstance(model, SequenceModel):
         raise ValueError(f"{type(model).__name__} is no model, but a part of one or something else")
     model.step(np.zeros(model.n_features_in_))  # parts that do not belong together raise any error
     model.reset()
     return model
-
-
-def _known_classes(classes: Collection[type]) -> dict[str, type]:
-    """Return the models of this package, ``classes`` and the other estimators of their modules."""
-    # not imported by name, so that a rule does not depend on the code of every model
-    modules = "fprc.models", *(known_class.__module__ for known_class in classes)
-    members = [member for module in modules for member in vars(sys.modules[module]).values()]
-    return {
-        member.__name__: member
-        for member in (*members, *classes)
-        if isinstance(member, type) and issubclass(member, BaseEstimator)
-    }
 
 
 def _is_learned(key: str) -> bool:
@@ -194,8 +187,6 @@ def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, typ
             "--config or in classes"
         )
     model = known[name](**parameters)
-    if missing := model.get_params(deep=False).keys() - parameters.keys():
-        raise ValueError(f"{name}: {', '.join(sorted(missing))} is missing")
     for key, value in learned.items():
         if not _is_learned(key):
             raise ValueError(f"{key!r:.60} is no name of something learned")
@@ -204,21 +195,15 @@ def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, typ
         return model
     if is_built_in(model):
         check_learned(model, learned.keys())
-    fitted, made = _parts(model)
-    for part in made:
-        check_limits(part)
+    fitted, made = list[Any](), list[Any]()
+    if isinstance(model, SequenceModel):
+        fitted = [model.features_, model.readout_]
+        made = [model.make_features(), model.make_readout()]
+    elif isinstance(model, SideBySide):
+        fitted, made = model.maps_, [part for part, _ in model.maps]
     if _unseeded(fitted) != _unseeded(made):
         raise ValueError(f"{name}: its parts are not those that its parameters make")
     return model
-
-
-def _parts(model: Any) -> tuple[list[BaseEstimator], list[BaseEstimator]]:
-    """Return the fitted parts of a model, and the unfitted ones that its parameters make."""
-    if isinstance(model, SequenceModel):
-        return [model.features_, model.readout_], [model.make_features(), model.make_readout()]
-    if isinstance(model, SideBySide):
-        return model.maps_, [part for part, _ in model.maps]
-    return [], []
 
 
 def _unseeded(parts: list[BaseEstimator]) -> str:
