@@ -115,7 +115,7 @@ rule draw_training:
     log:
         f"{RESULTS}/logs/draw_training.log",
     params:
-        stage="figures.loops.draw_training",
+        stage="figures.hysteresis.draw_training",
         code=SHOWS,
     message:
         "Fig. 8: FPRC on its training and test logs"
@@ -190,7 +190,7 @@ rule ledger:
     log:
         f"{RESULTS}/logs/ledger.log",
     params:
-        stage="stages.tabulate.write_ledger",
+        stage="claims.paper.write_ledger",
         code=SHOWS,
         fitted=SETTINGS["fitted"],
     message:

@@ -34,7 +34,6 @@ rule judge_family:
 rule count_members:
     input:
         judged=f"{RESULTS}/families/ensemble.json",
-        published=PUBLISHED,
     output:
         members=f"{RESULTS}/families/members.json",
     log:

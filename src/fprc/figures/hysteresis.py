@@ -1,4 +1,4 @@
-"""Figures 4 and 5: hysteresis loops of actuator and reservoir."""
+"""Figures 4, 5 and 8: hysteresis loops of actuator and reservoir, and a model's output."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from fprc import escape
 from fprc.figures import style
 from fprc.logs import read_columns
-from fprc.signals import turning_points
+from fprc.signals import rms, turning_points
 
 #: Width of a band of frequency, Hz, and phases of a cycle, of mean loops.
 _BAND_HZ, _PHASES_OF_CYCLE = 0.1, 100
@@ -44,10 +44,8 @@ def _draw_actuator(logs: Sequence[Any]) -> Figure:
     fig, axes = style.figure(
         3, 2, style.COLUMN_IN, 4.6, height_ratios=(1, 1, 2), sharex="row", sharey="row"
     )
-    for row, (log, title) in enumerate(zip(logs, ("(a) Sweep", "(c) Complex"), strict=True)):
-        ax = fig.add_subplot(axes[row, 0].get_gridspec()[row, :])
-        for narrow in axes[row]:
-            narrow.remove()
+    commands = _widened(fig, axes, 0, 1)
+    for log, ax, title in zip(logs, commands, ("(a) Sweep", "(c) Complex"), strict=True):
         time_s, command = (log.channels[name] for name in ("time_s", "p_target_kpa"))
         ax.plot(time_s, command, color=style.SIGNALS["p_exp"], linewidth=0.5)
         ax.set(xlabel="Time [s]", ylabel=label("p_target_kpa", log.attributes))
@@ -56,6 +54,14 @@ def _draw_actuator(logs: Sequence[Any]) -> Figure:
     titles = "(b) Loops of (a)", "(d) Loops of (c)"
     _draw_loops(logs, axes[2], "p_target_kpa", "theta_deg", titles)
     return fig
+
+
+def _widened(fig: Figure, axes: Any, *rows: int) -> list[Axes]:
+    """Replace the axes of some rows by one axes each, which is as wide as they are."""
+    grid = axes[0, 0].get_gridspec()
+    for ax in axes[[*rows]].ravel():
+        ax.remove()
+    return [fig.add_subplot(grid[row, :]) for row in rows]
 
 
 def _draw_reservoir(logs: Sequence[Any]) -> Figure:
@@ -121,3 +127,45 @@ def mean_loops(channels: Mapping[str, np.ndarray]) -> pd.DataFrame:
     loops = table.groupby(["f_hz", "phase"]).mean().reset_index()
     # the first point again, which closes each loop
     return pd.concat([loops, loops.groupby("f_hz", as_index=False).first()])
+
+
+def draw_training(fits: str, predictions: str, fig8: Sequence[str]) -> None:
+    """Figure 8: the model on its training and on its test data, their difference, and its RMSE."""
+    names = ("time_s", "p_target_kpa", "p_ff_kpa")
+    logs = {"train": read_columns(fits, names), "test": read_columns(predictions, names)}
+    fig, axes = style.figure(4, 2, style.COLUMN_IN, 4.4, sharey="row", height_ratios=(3, 2, 3, 2))
+    test, below = _widened(fig, axes, 2, 3)
+    below.sharey(axes[1, 0])
+    parts = [*axes[:2].T], [(test, below)]
+    titles = "(a) Training: first and last tenth", "(b) Test"
+    rows = []
+    for (phase, log), panels, title in zip(logs.items(), parts, titles, strict=True):
+        unit = log.attributes.get("p_target_unit", "kPa")
+        time_s, truth, model = (log.channels[name] for name in names)
+        rmse = rms(model - truth)
+        for above, below in panels:
+            for values, name, width in ((truth, "p_exp", 1.8), (model, "p_ff", 0.6)):
+                above.plot(time_s, values, color=style.SIGNALS[name], linewidth=width,
+                           label=rf"$P_\mathrm{{{name[2:]}}}$")  # fmt: skip
+            command = label("p_target_kpa", log.attributes)
+            above.set_ylabel("Pressure [kPa]" if unit == "kPa" else command)
+            above.tick_params(labelbottom=False)
+            below.axhline(0.0, color="0.6", linewidth=0.4)
+            below.plot(time_s, model - truth, color="black", linewidth=0.5)
+            below.set(xlabel="Time [s]", ylabel=r"$P_\mathrm{ff} - P_\mathrm{exp}$")
+            for ax in (above, below):
+                ax.set_xlim(time_s[0], time_s[-1])
+        style.letter(panels[0][0], title)
+        panels[-1][0].set_title(f"RMSE {rmse:.1f} {escape.figure(unit)}", loc="right")
+        of_log = {"model": log.attributes["model"], "rmse": rmse, "unit": unit}
+        rows.append({"phase": phase, **of_log, "source": log.attributes["source"]})
+    # the whole of a sweep would be a smear: at its end a cycle is as wide as a line
+    first, last = axes[0, 0].get_xlim()
+    tenth = 0.1 * (last - first)
+    for begin, end in axes[:2]:
+        begin.set_xlim(first, first + tenth)
+        end.set_xlim(last - tenth, last)
+        end.set_ylabel("")
+    fig.align_ylabels()
+    style.share_legend(fig, test)
+    style.save(fig, logs["train"].attributes, *fig8, table=pd.DataFrame(rows))

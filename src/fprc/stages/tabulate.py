@@ -1,34 +1,60 @@
-"""Write the paper's tables, each as ``write_table`` does, and the ledger of its claims."""
+"""Tables I to III, the execution times, and Tables II to IV over seeds, from result files."""
 
-import logging
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from fprc.artifacts import replacing, write_csv, write_json
-from fprc.claims import MEMBERS, TEXTS
-from fprc.claims.claim import Results
-from fprc.claims.ledger import fit_in_words, judge_claims
+from fprc.artifacts import replacing
 from fprc.figures import DRAWINGS
 from fprc.given import read_json, read_yaml
+from fprc.intervals import mean_and_std
 from fprc.logs.quality import warnings
-from fprc.paper import PUBLISHED, SOURCES
+from fprc.paper import ERRORS, MODELS, PRINTED, PUBLISHED, SOURCES
 from fprc.registry import title_of
-from fprc.tables import models as tables
 from fprc.tables import tracking
-from fprc.tables.text import failed, write_table
+from fprc.tables.text import failed, format_mean, means_of, spread, three_digits, write_table
 
-log = logging.getLogger(__name__)
+_PRINT = read_yaml(PUBLISHED)
+#: Titles of Tables II and III, by the log that trains.
+_TITLES = {
+    "sweep": "Table II. RMSE of the models, trained on the sweep, tested on the complex log",
+    "complex": "Table III. RMSE with the logs reversed: trained on the complex log, "
+    "tested on the sweep",
+}
+_SETTINGS = {
+    ("esn", "r"): "Reservoir size, r",
+    ("esn", "f_input"): "Input scaling factor, f_input",
+    ("esn", "gamma"): "Leaky rate, gamma",
+    ("esn", "rho"): "Spectral radius, rho",
+    ("fprc", "epsilon"): "Filter factor, epsilon",
+    ("fprc", "n_c"): "Fuzzy clusters, n_c",
+    ("fprc", "n_u"): "Reservoir output tap size, n_u",
+    ("fprc", "sigma"): "Gaussian membership scaling, sigma",
+    ("shared", "n_y"): "Tap size of theta_d, n_y",
+    ("shared", "alpha"): "Ridge parameter, alpha",
+}
+#: Phases of the printed times, with their keys and their unit, s.
+_TIMES = {"train": ("Training", "train_time_s", 1.0), "test": ("Test", "test_time_ms", 1e-3)}
 
 
 def tabulate_settings(
     table1: Sequence[str], *, models: Mapping[str, Any], **drawings: Sequence[str]
 ) -> None:
     """Table I, the settings of the models; and copy the figures that show no data."""
-    table = tables.configuration(models, read_yaml(PUBLISHED))
+    rows = [
+        {
+            "model": title_of(model) if model in MODELS else "All models",
+            "parameter": label,
+            "value": models[key] if model == "shared" else models[model][key],
+            "published": _PRINT["table_1_configuration"][model][key],
+        }
+        for (model, key), label in _SETTINGS.items()
+    ]
+    table = pd.DataFrame(rows, dtype=object)
     title, note = "Table I. Configuration of the models", "ours and as published."
     write_table(table, table.astype(str), note, *table1, title=title)
     for file in (file for files in drawings.values() for file in files):
@@ -54,7 +80,6 @@ def tabulate_models(
     checks = failed([line for record in records for line in warnings(record)])
     for errors, files in ((sweep, table2), (complex, table3)):
         reports = [read_json(path) for path in errors]
-        table = tables.comparison(reports, read_yaml(PUBLISHED))
         first = reports[0]
         note = (
             "mean ± standard deviation over "
@@ -62,38 +87,113 @@ def tabulate_models(
             f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
             f"{_without(left_out)}{checks}"
         )
-        title = tables.TITLES[first["trained_on"]]
-        write_table(table, tables.comparison_page(table), note, *files, title=title)
-
-
-def _without(left_out: Mapping[str, str]) -> str:
-    return "".join(f"\nNo {title_of(model)}: {why}." for model, why in left_out.items())
+        _write_errors(_comparison(reports), note, files, _TITLES[first["trained_on"]])
 
 
 def tabulate_seeds(
     models: Sequence[str], loops: Sequence[str], seeds: Sequence[str], *, feedback: str
 ) -> None:
     """Tables II, III and IV over further seeds, from their reports; ``feedback`` in words."""
-    printed, each = read_yaml(PUBLISHED), len(seeds) // 3
     reports, tracked = ([read_json(path) for path in paths] for paths in (models, loops))
+    two, three, four = np.array_split(seeds, 3)
     about = (
         f"mean and its 95 % interval over {len(reports)} further seeds.\n"
         f"Data: {SOURCES[reports[0]['source']]}"
     )
-    for k, (trained_on, title) in enumerate(tables.TITLES.items()):
-        table = tables.over_seeds(reports, printed, trained_on)
+    for (trained_on, title), files in zip(_TITLES.items(), (two, three), strict=True):
+        errors = [entry for report in reports for entry in report["models"]]
+        table = _comparison([entry for entry in errors if entry["trained_on"] == trained_on])
+        table = means_of(
+            table.rename(columns={"mean": "value"}),
+            "model", "metric", "unit", "published_mean", "source",
+        )  # fmt: skip
+        last = ["published_mean", "source"]
+        table = table[[*table.columns.drop(last), *last]]
         note = f"{about}; each seed is another draw of sensors, noise and models."
-        files = seeds[k * each :][:each]
-        write_table(table, tables.comparison_page(table), note, *files, title=title)
-    table = tracking.tracking_over_seeds(tracked, printed)
+        _write_errors(table, note, files, title)
+    table = tracking.over_seeds(tracked)
     note, title = f"{about}. {feedback}", f"{tracking.TITLE}, over seeds"
-    write_table(table, tracking.tracking_page(table), note, *seeds[-each:], title=title)
+    write_table(table, tracking.page(table), note, *four, title=title)
+
+
+def _comparison(reports: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Tables II and III, tidy: mean and sample standard deviation over the folds.
+
+    A test error is a single number and has none. The printed numbers are in kPa: beside another
+    unit, and beside imported recordings, which are of another rig, there are none.
+    """
+    rows = []
+    for report in reports:
+        comparable = report["unit"] == "kPa" and report["source"] != "import"
+        models = _PRINT[PRINTED[report["trained_on"]]] if comparable else {}
+        for metric in ERRORS:
+            mean, std = mean_and_std(report[f"{metric}_kpa"])
+            printed = np.atleast_1d(models.get(report["model"], {}).get(f"{metric}_kpa", np.nan))
+            rows.append(
+                {
+                    "model": report["model"],
+                    "metric": metric,
+                    "unit": report["unit"],
+                    "mean": mean,
+                    "std": std,
+                    "published_mean": float(printed[0]),
+                    "published_std": float(printed[1]) if printed.size > 1 else None,
+                    "source": report["source"],
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def _write_errors(table: pd.DataFrame, note: str, files: Iterable[str], title: str) -> None:
+    """Write Table II or III as the paper prints it, ours beside the published numbers."""
+    page = {f"Performance [{table['unit'].iloc[0]}]": list(ERRORS.values())}
+    for model in dict.fromkeys([*MODELS, *table["model"]]):
+        name, rows = title_of(model), table[table["model"] == model].to_dict("records")
+        ours = [format_mean(row, "mean") for row in rows]
+        page[f"{name}, ours"] = ours or ["not available"] * len(ERRORS)
+        if rows and rows[0]["source"] != "import":
+            page[f"{name}, paper"] = [
+                spread(row["published_mean"], row.get("published_std")) or "-" for row in rows
+            ]
+    write_table(table, pd.DataFrame(page), note, *files, title=title)
 
 
 def tabulate_times(times: str, timing: Sequence[str], *, left_out: Mapping[str, str]) -> None:
-    """Table II, execution times."""
+    """Table II, execution times in s and us per sample, both modes."""
     report = read_json(times)
-    table = tables.timing(report, read_yaml(PUBLISHED))
+    rows, page = [], []
+    for entry in report["times"]:
+        mean, std = mean_and_std(entry["seconds"])
+        phase, key, unit_s = _TIMES[entry["phase"]]
+        printed = _PRINT["table_2_models"].get(entry["model"], {}).get(key, (np.nan, np.nan))
+        row = {
+            "model": entry["model"],
+            "metric": f"{entry['phase']}_time",
+            "mode": entry["mode"],
+            "unit": "s",
+            "mean": mean,
+            "std": std,
+            "us_per_sample": 1e6 * mean / entry["samples"],
+            "samples": entry["samples"],
+            "repeats": len(entry["seconds"]),
+            "published_mean": unit_s * printed[0],
+            "published_std": unit_s * printed[1],
+            "threads": report["threads"],
+            "cpu": report["cpu"],
+            "source": report["source"],
+        }
+        line = {
+            "Model": title_of(entry["model"]),
+            "Phase": phase,
+            "Mode": entry["mode"],
+            "Ours [s]": spread(mean, std),
+            "Ours [us per sample]": three_digits(row["us_per_sample"]),
+        }
+        if report["source"] != "import":  # the paper's rig is another
+            line["Paper [s]"] = spread(row["published_mean"], row["published_std"]) or "-"
+        rows.append(row)
+        page.append(line)
+    table = pd.DataFrame(rows)
     note = (
         f"mean ± standard deviation of {table['repeats'].max()} alternating repeats, of whole logs "
         f"{table['repeats'].min()}, on {report['cpu']}, {report['threads']} thread.\n"
@@ -102,37 +202,9 @@ def tabulate_times(times: str, timing: Sequence[str], *, left_out: Mapping[str, 
         "once. The paper does not say which mode it timed, nor on which machine."
         f"{_without(left_out)}"
     )
-    page = tables.timing_page(table)
-    write_table(table, page, note, *timing, title="Table II, execution times")
+    title = "Table II, execution times"
+    write_table(table, pd.DataFrame(page), note, *timing, title=title)
 
 
-def write_ledger(
-    replicates: Sequence[str],
-    grids: Sequence[str],
-    controls: Sequence[str],
-    times: str,
-    times_over_n_c: str,
-    claims: Sequence[str],
-    *,
-    fitted: Mapping[str, Any],
-) -> None:
-    """Write the claims ledger: the paper's numbers, ours, test and verdict, as JSON and as CSV.
-
-    ``fitted`` has the name of the rig, and what ``judge_claims`` asks for.
-    """
-    of_seeds = ([read_json(path) for path in paths] for paths in (replicates, grids, controls))
-    results = Results._make([*of_seeds, read_json(times), read_json(times_over_n_c)])
-    ledger = judge_claims(results, read_yaml(PUBLISHED), fitted, members=read_json(MEMBERS))
-    origin = (
-        f"The rig {fitted['name']} was fitted to {fit_in_words(fitted)}; the other claims were not "
-        "part of the fit. A verdict is undecided where the 95 % interval of the mean over noise "
-        "seeds of this rig contains a limit. Rigs: on how many rigs that fit Tables II and III too "
-        "the claim holds with one seed, and the middle 95 % of their numbers; what holds on all of "
-        "them and no fit decides is not informative."
-    )
-    about = {"source": results.controls[0]["source"], "note": origin}
-    untested = read_yaml(TEXTS)["not_tested"]
-    write_json(claims[0], about | {"claims": ledger, "not_tested": untested})
-    write_csv(claims[1], pd.DataFrame(ledger).drop(columns=["statements", "shown_in"]))
-    for row in ledger:
-        log.info("%s: %s", row["id"], row["verdict"])
+def _without(left_out: Mapping[str, str]) -> str:
+    return "".join(f"\nNo {title_of(model)}: {why}." for model, why in left_out.items())

@@ -17,8 +17,7 @@ from fprc.given import read_json
 from fprc.paper import SOURCES
 from fprc.registry import SIDES, title_of
 from fprc.studies.verdicts import Claim, Numbers, Pair, claims_page, decide, family_title, wide
-from fprc.tables.models import means_of
-from fprc.tables.text import markdown, three_digits, within
+from fprc.tables.text import markdown, means_of, three_digits, within
 
 Families = Sequence[Mapping[str, Any]]
 

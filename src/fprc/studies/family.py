@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 from joblib import Parallel, delayed, parallel_config
 
 from fprc.artifacts import write_json
-from fprc.claims.claim import Results
-from fprc.claims.ledger import members_of
+from fprc.claims.ledger import Results, members_of
 from fprc.claims.paper import CLAIMS
 from fprc.config.rig import Rig
 from fprc.config.settings import Tracking
@@ -18,7 +17,7 @@ from fprc.errors import FprcError, in_one_line
 from fprc.experiments.comparison import CrossValidation, compare_models
 from fprc.experiments.data import RigSettings, simulate
 from fprc.experiments.tracking import Track, measure_control
-from fprc.given import read_json, read_yaml
+from fprc.given import read_json
 from fprc.registry import controllers
 from fprc.stages.run import stage_of
 from fprc.studies.calibration.space import with_values
@@ -100,7 +99,7 @@ def judge_tables(
     return {"compared": compared, "measured": measured}
 
 
-def count_members(judged: str, published: str, members: str) -> None:
+def count_members(judged: str, members: str) -> None:
     """Write on how many rigs that ``judge_tables`` has judged each claim holds.
 
     The claims are those that Tables II to IV, weights and loops decide; the others need grids or
@@ -112,4 +111,4 @@ def count_members(judged: str, published: str, members: str) -> None:
         for cell in read_json(judged)["cells"]
         if "failed" not in cell
     ]
-    write_json(members, members_of(rigs, read_yaml(published), claims))
+    write_json(members, members_of(claims, rigs))

@@ -9,6 +9,20 @@ import pandas as pd
 
 from fprc import escape
 from fprc.artifacts import write_csv, write_json, write_text
+from fprc.intervals import half_interval
+
+
+def means_of(samples: pd.DataFrame, *keys: str, count: str = "seeds") -> pd.DataFrame:
+    """Return the mean of ``value`` for each value of the keys, tidy.
+
+    Columns: the keys, ``mean``, ``std``, ``min``, ``max``, the number of samples by the name
+    ``count``, and the mean's 95 % interval by Student's t, ``low`` and ``high``.
+    """
+    groups = samples.groupby(list(keys), sort=False, dropna=False)["value"]
+    table = groups.agg(["mean", "std", "min", "max", "count"]).reset_index()
+    half = half_interval(table["std"], table["count"])
+    table = table.assign(low=table["mean"] - half, high=table["mean"] + half)
+    return table.rename(columns={"count": count})
 
 
 def spread(mean: float, std: float | None) -> str:

@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fprc.paper import REFERENCE_NAMES
+from fprc.given import read_yaml
+from fprc.paper import PUBLISHED, REFERENCE_NAMES
 from fprc.registry import controller_title
 from fprc.signals import rms, settled
-from fprc.tables.models import means_of
-from fprc.tables.text import format_mean, spread
+from fprc.tables.text import format_mean, means_of, spread
 
 TITLE = "Table IV. RMSE of tracking"
 
 
-def error_summary(runs: Sequence[Any]) -> pd.DataFrame:
+def errors(runs: Sequence[Any]) -> pd.DataFrame:
     """RMSE and largest error of closed-loop runs after the settling time, a row each.
 
     ``runs`` are logs with ``time_s``, ``theta_d_deg`` and ``theta_deg``.
@@ -36,24 +36,15 @@ def error_summary(runs: Sequence[Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def tracking(runs: Sequence[Any], published: Mapping[str, Any]) -> pd.DataFrame:
-    """Table IV: errors of every controller on every reference, tidy, from closed-loop logs."""
-    table = error_summary(runs)[
-        ["controller", "reference", "rmse_deg", "max_abs_error_deg", "source"]
-    ]
-    return _beside_print(table, published)
-
-
-def _beside_print(table: pd.DataFrame, published: Mapping[str, Any]) -> pd.DataFrame:
-    printed = published["table_4_tracking_rmse_deg"]
+def beside_print(table: pd.DataFrame) -> pd.DataFrame:
+    """Return errors with those that the paper prints, before the source; tidy."""
+    printed = read_yaml(PUBLISHED)["table_4_tracking_rmse_deg"]
     theirs = [printed.get(row.controller, {}).get(row.reference) for row in table.itertuples()]
     table.insert(len(table.columns) - 1, "published_rmse_deg", theirs)
     return table
 
 
-def tracking_over_seeds(
-    replicates: Sequence[Mapping[str, Any]], published: Mapping[str, Any]
-) -> pd.DataFrame:
+def over_seeds(replicates: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """Table IV over further seeds: mean, standard deviation, range, tidy."""
     samples = pd.DataFrame(
         [*run.split("/"), error]
@@ -61,17 +52,17 @@ def tracking_over_seeds(
         for run, error in report["rmse_deg"].items()
     ).set_axis(["reference", "controller", "value"], axis=1)
     table = means_of(samples, "controller", "reference").rename(columns={"mean": "rmse_deg"})
-    return _beside_print(table.assign(source=replicates[0]["source"]), published)
+    return beside_print(table.assign(source=replicates[0]["source"]))
 
 
-def tracking_page(table: pd.DataFrame) -> pd.DataFrame:
+def page(table: pd.DataFrame) -> pd.DataFrame:
     """Return Table IV as the paper prints it, ours beside the published numbers."""
-    page = []
+    lines = []
     for controller, rows in table.groupby("controller", sort=False):
         label = controller_title(controller)
-        line, theirs = ({"RMSE [deg]": label, "Whose": whose} for whose in ("ours", "paper"))
+        ours, theirs = ({"RMSE [deg]": label, "Whose": whose} for whose in ("ours", "paper"))
         for row in rows.itertuples():
-            line[REFERENCE_NAMES[row.reference]] = format_mean(row._asdict(), "rmse_deg")
+            ours[REFERENCE_NAMES[row.reference]] = format_mean(row._asdict(), "rmse_deg")
             theirs[REFERENCE_NAMES[row.reference]] = spread(row.published_rmse_deg, None)
-        page += [line, theirs] if rows["published_rmse_deg"].notna().any() else [line]
-    return pd.DataFrame(page).fillna("")
+        lines += [ours, theirs] if rows["published_rmse_deg"].notna().any() else [ours]
+    return pd.DataFrame(lines).fillna("")

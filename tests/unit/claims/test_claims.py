@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 from scipy.stats import ttest_1samp
 
 from fprc import config
-from fprc.claims.claim import Results, Statement
 from fprc.claims.ledger import (
+    Results,
+    Statement,
     changed_verdicts,
-    fit_in_words,
     judge_claims,
     members_of,
-    status_of,
+    terms_in_words,
 )
 from fprc.claims.paper import CLAIMS
 from fprc.config.calibration import SearchedFor
@@ -166,7 +166,7 @@ def ideal():
 
 
 def judged(material):
-    return judge_claims(Results(**vars(material)), PUBLISHED, {})
+    return judge_claims(CLAIMS, Results(**vars(material)))
 
 
 def verdicts(material):
@@ -469,7 +469,7 @@ def test_verdict_is_reproduced_or_not_only_where_the_interval_excludes_the_limit
      ("C5a", ("tables",), "counted"), ("C17", ("tables",), "assumed")],
 )  # fmt: skip
 def test_claim_is_fitted_where_a_term_of_the_objective_asks_for_it(claim, terms, status):
-    assert status_of(BY_ID[claim], {"to": terms}) == status
+    assert BY_ID[claim].status(terms) == status
 
 
 @pytest.mark.parametrize(
@@ -477,7 +477,7 @@ def test_claim_is_fitted_where_a_term_of_the_objective_asks_for_it(claim, terms,
     [("closed_sweep", "C13b C13c C13d C15 C16"), ("C9a", "C11b"), ("C8", "C8b")],
 )
 def test_claim_is_half_fitted_where_the_fit_asks_for_a_part_of_it(ideal, to, half):
-    rows = judge_claims(Results(**vars(ideal)), PUBLISHED, {"to": [to]})
+    rows = judge_claims(CLAIMS, Results(**vars(ideal)), [to])
     assert {row["id"] for row in rows if row["rig"] == "half fitted"} == set(half.split())
 
 
@@ -486,7 +486,7 @@ def test_what_a_rig_may_have_been_searched_for_has_words_or_is_a_claim():
     known = {*get_args(SearchedFor)} - {"margin"}
     assert named == known & named
     assert known <= named | set(BY_ID)
-    words = fit_in_words({"to": ["C8", "tables", "open_loop", "C1b"]})
+    words = terms_in_words(["C8", "tables", "open_loop", "C1b"])
     assert all(words.count(part) == 1 for part in ("C8", "II and III", "Table IV", "C1b"))
 
 
@@ -498,7 +498,7 @@ def test_reservoirs_lag_is_seen_in_its_swing_and_slope(lag_s, verdict):
     rig["reservoir"]["squeeze_damping_kpa_s_per_ml"] *= lag_s / squeeze_lag(rig)
     logs = [simulate(RigSettings(**arguments), seed)["sweep"].channels for seed in (1, 2)]
     results = Results([], [], [{"hysteresis": measure_hysteresis(log)} for log in logs], {}, {})
-    (row,) = judge_claims(results, PUBLISHED, {}, [c for c in CLAIMS if c.id == "C18"])
+    (row,) = judge_claims([BY_ID["C18"]], results)
     found = {statement["text"]: statement["verdict"] for statement in row["statements"]}
     assert {found["swing, reservoir"], found["slope, reservoir"]} == {verdict}
 
@@ -509,10 +509,7 @@ def test_claim_that_no_fit_decides_and_that_holds_on_every_member_is_not_informa
         "of": 40, "holds": {"C1a": 40, "C8c": 40, "C19": 39},
         "ranges": {"C8c": {"share of the bias [%]": [0.1, 0.4]}},
     }  # fmt: skip
-    rows = {
-        row["id"]: row
-        for row in judge_claims(results, PUBLISHED, {"to": ["tables"]}, members=members)
-    }
+    rows = {row["id"]: row for row in judge_claims(CLAIMS, results, ["tables"], members)}
     assert [rows[name]["verdict"] for name in ("C1a", "C8c", "C19", "C22")] == [
         "reproduced", "not informative", "reproduced", "reproduced",
     ]  # fmt: skip
@@ -525,7 +522,7 @@ def test_members_are_judged_one_by_one(ideal):
     ideal = deepcopy(ideal)
     rigs = [Results([ideal.replicates[k]], [], [ideal.controls[k]], {}, {}) for k in EVERY]
     error("sweep", "fprc", TEST, "fuzzy_linear")(ideal, 1.2, seeds=(2,))
-    found = members_of(rigs, PUBLISHED, [BY_ID["C2"], BY_ID["C19"]])
+    found = members_of([BY_ID["C2"], BY_ID["C19"]], rigs)
     assert (found["of"], found["holds"]) == (3, {"C2": 2, "C19": 3})
     (low, high) = found["ranges"]["C2"]["FPRC / best other model, test"]
     assert low == pytest.approx(11.0 / 16.5, rel=1e-3)

@@ -11,7 +11,7 @@ from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.escape import figure
 from fprc.experiments.comparison import CrossValidation
-from fprc.figures import grids, hysteresis, loops, style
+from fprc.figures import grids, hysteresis, style
 from fprc.logs import Columns, write_columns
 from fprc.paper import LOOPS, REFERENCES
 from fprc.stages import draw
@@ -126,7 +126,7 @@ def test_a_recording_that_never_turns_is_one_loop():
 
 def test_fig_8_writes_the_rmse_that_it_shows(figures, log, place):
     logs = log("fit.h5", offset=3.0), log("test.h5", offset=-5.0)
-    loops.draw_training(*logs, [*PICTURES, place("t.csv")])
+    hysteresis.draw_training(*logs, [*PICTURES, place("t.csv")])
     assert pd.read_csv(place("t.csv"))["rmse"].tolist() == pytest.approx([3.0, 5.0])
     shown = [ax.get_title("right") for ax in figures[0].axes]
     assert [text for text in shown if text] == ["RMSE 3.0 kPa", "RMSE 5.0 kPa"]

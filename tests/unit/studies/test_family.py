@@ -76,19 +76,18 @@ def test_every_unit_is_judged_and_one_that_fails_is_the_only_one_lost(
 
 
 def test_claims_are_counted_on_the_rigs_that_could_be_judged(tmp_path, monkeypatch):
-    def members(rigs, published, claims):
+    def members(claims, rigs):
         errors = [rig.replicates[0]["error"] for rig in rigs]
         assert [rig.controls for rig in rigs] == [[{"loops": error}] for error in errors]
-        return {"errors": errors, "claims": [claim.id for claim in claims], **published}
+        return {"errors": errors, "claims": [claim.id for claim in claims]}
 
     monkeypatch.setattr(families, "members_of", members)
     cells = [{"compared": {"error": error}, "measured": {"loops": error}} for error in (1, 2)]
     cells.append({"failed": "it diverged"})
-    judged, published, out = (tmp_path / name for name in ("judged.json", "p.yaml", "out.json"))
+    judged, out = (tmp_path / name for name in ("judged.json", "out.json"))
     judged.write_text(json.dumps({"cells": cells}))
-    published.write_text("printed: 3\n")
-    count_members(str(judged), str(published), str(out))
+    count_members(str(judged), str(out))
     found = json.loads(out.read_text())
-    assert (found["errors"], found["printed"]) == ([1, 2], 3)
+    assert found["errors"] == [1, 2]
     assert {"C1a", "C13a"} <= set(found["claims"])
     assert not {"C9a"} & set(found["claims"])  # needs a grid

@@ -1,4 +1,3 @@
-import copy
 import json
 import re
 import statistics
@@ -13,19 +12,10 @@ import yaml
 from fprc import config
 from fprc.artifacts import write_json
 from fprc.errors import LogError
-from fprc.logs import Columns
+from fprc.given import read_json
 from fprc.stages import tabulate
 from fprc.stages.draw import draw_loops
-from fprc.tables.models import (
-    comparison,
-    comparison_page,
-    configuration,
-    over_seeds,
-    timing,
-    timing_page,
-)
 from fprc.tables.text import spread, write_table
-from fprc.tables.tracking import tracking, tracking_over_seeds, tracking_page
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 #: The first rows of Table II as the paper prints them.
@@ -63,26 +53,67 @@ REPLICATES = [
 ]
 
 
+class Tables:
+    """Writes reports, and reads the tables that a stage makes of them."""
+
+    def __init__(self, folder):
+        self.folder, self.count = folder, 0
+
+    def files(self, *kinds):
+        self.count += 1
+        return [str(self.folder / f"{self.count}.{kind}") for kind in kinds or ("json",)]
+
+    def stored(self, *contents):
+        paths = [self.files()[0] for _ in contents]
+        for path, content in zip(paths, contents, strict=True):
+            write_json(path, content)
+        return paths
+
+    def made(self, stage, *arguments, tables=1, **more):
+        """Return numbers and page of each table, and the text of its notes."""
+        files = [self.files("csv", "md", "tex", "json") for _ in range(tables)]
+        stage(*arguments, *([sum(files, [])] if "seeds" in stage.__name__ else files), **more)
+        pages = [read_json(kept) for *_, kept in files]
+        return [
+            (pd.read_csv(csv), pd.DataFrame(page["data"], columns=page["columns"]), page["note"])
+            for (csv, *_), page in zip(files, pages, strict=True)
+        ]
+
+    def of_models(self, *reports, quality=()):
+        forward, backward = self.stored(*reports), self.stored(report("esn", 16.0, "complex"))
+        checked = self.stored(*quality)
+        made = tabulate.tabulate_models, forward, backward, checked
+        return self.made(*made, tables=2, left_out={})
+
+    def over_seeds(self, replicates, controls):
+        paths = self.stored(*replicates), self.stored(*controls)
+        return self.made(tabulate.tabulate_seeds, *paths, tables=3, feedback="So.")
+
+
+@pytest.fixture
+def tables(tmp_path):
+    return Tables(tmp_path)
+
+
 def by_metric(table, model):
     return table[table["model"] == model].set_index("metric")
 
 
-def test_table_2_spread_is_over_the_folds_and_stands_beside_print():
-    table = comparison(REPORTS, PUBLISHED)
+def test_table_2_spread_is_over_the_folds_and_stands_beside_print(tables):
+    (table, page, _), _ = tables.of_models(*REPORTS)
     row = by_metric(table, "fprc")
     assert row["mean"].tolist() == [11.0, 12.5, 12.0]
-    assert row["std"].tolist() == pytest.approx([2.0**0.5, 4.5**0.5, np.nan], nan_ok=True)
-    page = comparison_page(table)
+    assert row["std"].tolist() == pytest.approx([2.0**0.5, 4.5**0.5, np.nan], 1e-5, nan_ok=True)
     assert page["FPRC, ours"].tolist() == ["11.0 ± 1.41", "12.5 ± 2.12", "12.0"]
     for name, printed in PRINTED.items():
         assert page[f"{name}, paper"].tolist() == printed
-    forces = comparison_page(comparison([row | {"unit": "N"} for row in REPORTS], PUBLISHED))
+    (_, forces, _), _ = tables.of_models(*(row | {"unit": "N"} for row in REPORTS))
     assert forces.columns[0] == "Performance [N]"
     assert forces["FPRC, paper"].tolist() == ["-"] * 3  # its numbers are in kPa
-    imported = comparison([row | {"source": "import"} for row in REPORTS], PUBLISHED)
-    assert imported["published_mean"].isna().all()
-    assert not any("paper" in column for column in comparison_page(imported))
-    alone = comparison_page(comparison(REPORTS[:1], PUBLISHED))
+    (table, imported, _), _ = tables.of_models(*(row | {"source": "import"} for row in REPORTS))
+    assert table["published_mean"].isna().all()
+    assert not any("paper" in column for column in imported)
+    (_, alone, _), _ = tables.of_models(*REPORTS[:1])
     assert alone["FPRC, ours"].tolist() == ["not available"] * 3
     assert "FPRC, paper" not in alone.columns
 
@@ -97,53 +128,17 @@ def test_spread_has_three_significant_digits(mean, std, text):
     assert spread(mean, std) == text
 
 
-def test_configuration_has_every_setting_of_table_1_with_the_published_value():
-    models = copy.deepcopy(PUBLISHED["table_1_configuration"])
-    models["fprc"]["n_c"] = 16
+def test_configuration_has_every_setting_of_table_1_with_the_published_value(tables):
+    models = dict(PUBLISHED["table_1_configuration"])
+    models["fprc"] = models["fprc"] | {"n_c": 16}
     models |= models.pop("shared")
-    table = configuration(models, PUBLISHED)
+    ((table, _, _),) = tables.made(tabulate.tabulate_settings, models=models)
     differs = table[table["value"] != table["published"]]
     assert differs.to_numpy().tolist() == [["FPRC", "Fuzzy clusters, n_c", 16, 8]]
     expected = {"r": 800, "f_input": 0.02, "gamma": 0.8, "rho": 0.4, "epsilon": 0.01,
                 "n_c": 8, "n_u": 3, "sigma": 2.0, "n_y": 5, "alpha": 0.001}  # fmt: skip
     symbols = [label.rsplit(", ")[-1] for label in table["parameter"]]
     assert dict(zip(symbols, table["published"], strict=True)) == expected
-
-
-def test_tables_over_seeds_have_mean_deviation_range_and_their_own_published_numbers():
-    row = by_metric(over_seeds(REPLICATES, PUBLISHED, "sweep"), "fprc").loc["test_rmse"]
-    assert row[["mean", "min", "max", "seeds"]].tolist() == [13.5, 12.0, 15.0, 2]
-    assert row["std"] == pytest.approx(np.std([12.0, 15.0], ddof=1))
-    assert row[["unit", "published_mean", "source"]].tolist() == ["kPa", 11.0, "sim"]
-    seeds = by_metric(over_seeds(REPLICATES, PUBLISHED, "complex"), "esn")
-    assert seeds["published_mean"].tolist() == [10.2, 10.2, 60.32]
-    assert seeds.loc["test_rmse", "mean"] == 30.0
-
-
-def tracked(controller, reference, error):
-    named = {"controller": controller, "reference": reference}
-    attributes = {**named, "source": "sim", "settle_s": 1.0, "rig": {}}
-    theta_deg = np.array([30.0, *np.subtract(5.0, error)])  # the first sample is settling
-    channels = {"time_s": np.arange(3.0), "theta_d_deg": np.full(3, 5.0), "theta_deg": theta_deg}
-    return Columns(Path("run.h5"), channels, attributes)
-
-
-def test_table_4_has_rms_and_largest_error_beside_the_published_rmse():
-    runs = [
-        tracked("fprc", "sweep", [3.0, -4.0]),
-        tracked("fprc_pd", "complex", [1.0, 1.0]),
-        tracked("pd", "sweep", [20.0, 20.0]),
-    ]
-    table = tracking(runs, PUBLISHED)
-    assert table["rmse_deg"].tolist() == pytest.approx([12.5**0.5, 1.0, 20.0])
-    assert table["max_abs_error_deg"].tolist() == [4.0, 1.0, 20.0]
-    assert tracking_page(table).to_numpy().tolist() == [
-        ["FPRC", "ours", "3.54", ""],
-        ["FPRC", "paper", "2.67", ""],
-        ["FPRC+PD", "ours", "", "1.00"],
-        ["FPRC+PD", "paper", "", "0.608"],
-        ["PD", "ours", "20.0", ""],
-    ]
 
 
 #: Errors of each run over three seeds, deg.
@@ -155,26 +150,31 @@ ERRORS_DEG = {
 }
 
 
-def controls(seeds=3):
-    return [
-        {
-            "seed": 101 + k,
-            "source": "sim",
-            "rmse_deg": {run: errors[k] for run, errors in ERRORS_DEG.items()},
-        }
-        for k in range(seeds)
-    ]
+CONTROLS = [
+    {
+        "seed": 101 + k,
+        "source": "sim",
+        "rmse_deg": {run: errors[k] for run, errors in ERRORS_DEG.items()},
+    }
+    for k in range(3)
+]
 
 
-def test_table_4_over_seeds_has_mean_deviation_range_and_interval_of_every_run():
-    table = tracking_over_seeds(controls(), PUBLISHED)
-    assert len(table) == len(ERRORS_DEG)
-    for row in table.to_dict("records"):
+def test_tables_over_seeds_have_mean_deviation_range_interval_and_their_own_print(tables):
+    (two, _, _), (three, _, _), (four, page, _) = tables.over_seeds(REPLICATES, CONTROLS)
+    row = by_metric(two, "fprc").loc["test_rmse"]
+    assert row[["mean", "min", "max", "seeds"]].tolist() == [13.5, 12.0, 15.0, 2]
+    assert row["std"] == pytest.approx(np.std([12.0, 15.0], ddof=1), 1e-5)
+    assert row[["unit", "published_mean", "source"]].tolist() == ["kPa", 11.0, "sim"]
+    reversed_ = by_metric(three, "esn")
+    assert reversed_["published_mean"].tolist() == [10.2, 10.2, 60.32]
+    assert reversed_.loc["test_rmse", "mean"] == 30.0
+    assert len(four) == len(ERRORS_DEG)
+    for row in four.to_dict("records"):
         errors = ERRORS_DEG[f"{row['reference']}/{row['controller']}"]
         assert row["rmse_deg"] == pytest.approx(sum(errors) / 3)
         assert row["std"] == pytest.approx(statistics.stdev(errors))
         assert (row["min"], row["max"], row["seeds"]) == (min(errors), max(errors), 3)
-    page = tracking_page(table)
     # of three: 4.3027 / sqrt(3) deviations to each side
     assert page.iloc[:2, [0, 1, 2]].to_numpy().tolist() == [
         ["FPRC", "ours", "4.00 (1.52 to 6.48)"],
@@ -183,77 +183,83 @@ def test_table_4_over_seeds_has_mean_deviation_range_and_interval_of_every_run()
     assert page.iloc[:, 3].tolist()[1:3] == ["", "1.00 (1.00 to 1.00)"]
 
 
-def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones():
+def test_times_are_seconds_and_microseconds_per_sample_beside_the_published_ones(tables):
     entries = [
         {"model": "esn", "phase": phase, "mode": "batch", "samples": 1000, "seconds": [1.0, 3.0]}
         for phase in ("train", "test")
     ]
     times = {"source": "sim", "cpu": "A & B_1 100 %", "threads": 1, "times": entries}
-    table = timing(times, PUBLISHED)
+    of_rig, of_import = tables.stored(times, times | {"source": "import"})
+    ((table, page, _),) = tables.made(tabulate.tabulate_times, of_rig, left_out={})
     numbers = table[["mean", "std", "us_per_sample", "repeats"]].to_numpy().tolist()
-    assert numbers == [pytest.approx([2.0, 2.0**0.5, 2000.0, 2])] * 2
-    assert timing_page(table).to_numpy().tolist() == [
+    assert numbers == [pytest.approx([2.0, 2.0**0.5, 2000.0, 2], 1e-5)] * 2
+    assert page.to_numpy().tolist() == [
         ["ESN", "Training", "batch", "2.00 ± 1.41", "2000", "16.6 ± 3.28"],
         ["ESN", "Test", "batch", "2.00 ± 1.41", "2000", "8.93 ± 1.80"],
     ]
-    imported = timing_page(table.assign(source="import"))
-    assert not imported.columns.str.contains("Paper").any()
+    ((_, page, _),) = tables.made(tabulate.tabulate_times, of_import, left_out={})
+    assert not page.columns.str.contains("Paper").any()
 
 
-def test_tables_name_their_data_and_failed_checks(tmp_path):
-    def stored(*contents):
-        paths = [str(tmp_path / f"{k}.json") for k, _ in enumerate(contents)]
-        for path, content in zip(paths, contents, strict=True):
-            write_json(path, content)
-        return paths
-
+def test_tables_name_their_data_and_failed_checks(tables):
     cut = {"passed": False, "finding": "the computer went off"}
     whole = {"log": "monday.h5", "checks": {"complete": cut | {"passed": True}}}
     half = {"log": "tuesday.h5", "checks": {"complete": cut}}
     checked = [{"recordings": [whole]}, {"recordings": [whole, half]}]
-    *forward, backward, one, two = stored(
-        *REPORTS, report("esn", 16.0, trained_on="complex"), *checked
-    )
-    files = [[str(tmp_path / f"{k}.{kind}") for kind in ("csv", "md")] for k in range(5)]
-    tabulate.tabulate_models(forward, [backward], [one, two], *files[:2], left_out={})
+    of_models = tables.of_models(*REPORTS, quality=checked)
     # one seed has no deviation
-    seeds, loops = stored(REPLICATES[0], controls(1)[0])
-    tabulate.tabulate_seeds([seeds], [loops], sum(files[2:], []), feedback="So.")
-    pages = [Path(page).read_text(encoding="utf-8") for _, page in files]
-    assert ["tuesday.h5: complete: the computer went off" in page for page in pages[:2]] == [
-        True
-    ] * 2
-    for page in pages:
-        assert "simulated rig, not hardware" in page
-        assert "monday.h5" not in page
-        assert not {"nan", "none"} & set(re.findall(r"\w+", page.lower()))
+    of_seeds = tables.over_seeds(REPLICATES[:1], CONTROLS[:1])
+    for _, page, note in (*of_models, *of_seeds):
+        assert "simulated rig, not hardware" in note
+        assert "monday.h5" not in note
+        shown = re.findall(r"\w+", f"{page.to_csv()} {note}".lower())
+        assert not {"nan", "none"} & set(shown)
+    for _, _, note in of_models:
+        assert "tuesday.h5: complete: the computer went off" in note
 
 
 @pytest.fixture
 def table_of(tmp_path):
-    """Make Table IV of closed-loop logs; return its numbers and its note."""
+    """Make Table IV of closed-loop logs; return its numbers, its page and its note."""
 
     def make(*runs):
-        files = [str(tmp_path / f"table4.{kind}") for kind in ("csv", "md")]
+        files = [str(tmp_path / f"table4.{kind}") for kind in ("csv", "md", "tex", "json")]
         limits = config.Settings().quality
         more = {"left_out": [], "limits": limits, "feedback": "As configured.", "quiet_s": 1.0}
         draw_loops(list(map(str, runs)), files, **more)
-        return pd.read_csv(files[0]), Path(files[1]).read_text(encoding="utf-8")
+        page = read_json(files[-1])
+        return pd.read_csv(files[0]), page["data"], page["note"]
 
     return make
 
 
-def test_table_4_of_logs_is_judged_after_the_settling_time_with_failed_checks_below_it(
-    table_of, write_run, channels, changed
+def test_table_4_is_judged_after_the_settling_time_beside_the_published_rmse(
+    table_of, write_run, channels
 ):
-    error = np.where(channels["time_s"] < 1.0, 20.0, 2.0)
-    theta_d = channels["theta_deg"] + np.where(np.arange(400) % 2, error, -error)
-    table, note = table_of(write_run(changed={"theta_d_deg": theta_d}))
-    assert table["rmse_deg"].tolist() == pytest.approx([2.0])
+    runs = []
+    for law, reference, errors in (
+        ("fprc", "sweep", (3.0, -4.0)), ("fprc_pd", "complex", (1.0,)), ("pd", "sweep", (20.0,)),
+    ):  # fmt: skip
+        error = np.where(channels["time_s"] < 1.0, 90.0, np.resize(errors, 400))
+        theta_d = {"theta_d_deg": channels["theta_deg"] + error}
+        runs.append(write_run(f"{law}.h5", theta_d, controller=law, reference=reference))
+    table, page, note = table_of(*runs)
+    assert table["rmse_deg"].tolist() == pytest.approx([12.5**0.5, 1.0, 20.0], 1e-5)
+    assert table["max_abs_error_deg"].tolist() == pytest.approx([4.0, 1.0, 20.0])
+    assert page == [
+        ["FPRC", "ours", "3.54", ""],
+        ["FPRC", "paper", "2.67", ""],
+        ["FPRC+PD", "ours", "", "1.00"],
+        ["FPRC+PD", "paper", "", "0.608"],
+        ["PD", "ours", "20.0", ""],
+    ]
     assert "Failed" not in note
+
+
+def test_failed_checks_of_a_run_stand_below_table_4(table_of, write_run, changed):
     spoiled = changed("p_o_kpa", slice(7, 9), 5000.0) | {"p_fb_kpa": np.full(400, -2e3)}
     cut = {"complete": False, "incomplete_reason": "the computer went off"}
-    _, note = table_of(write_run(changed=spoiled, **cut))
+    *_, note = table_of(write_run(changed=spoiled, **cut))
     for failed in ("p_o_kpa: sample 7", "p_fb_kpa: sample 0", "complete: the computer went off"):
         assert failed in note
 
