@@ -1,8 +1,7 @@
 """`fprc config` and `fprc log`: check configuration and logs, and convert journals to raw logs."""
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from fprc.apparatus.journal import recover
 from fprc.config import from_files
@@ -14,8 +13,8 @@ from fprc.logs import assess, read_raw
 from fprc.logs.quality import warnings
 from fprc.paper import SOURCES
 
-#: Exit codes of `log repair`; if nothing can be read, it is 1.
-COMPLETE, SOME_LOST = 0, 3
+#: Exit code of `log repair` if samples are, or may be, lost.
+SOME_LOST = 3
 
 
 def check_config(files: Sequence[str]) -> str:
@@ -31,46 +30,37 @@ def show_rig(name: str | None = None) -> str:
 
 def check_logs(paths: Sequence[str]) -> int:
     """Check raw logs and say what is wrong with them."""
-    limits, failed = Quality(), False
-    how: dict[str, Any] = {"sample_rate_hz": None, "rate_tolerance": limits.rate_tolerance}
+    limits, code, tolerance = Quality(), 0, Quality().rate_tolerance
     for path in paths:
         try:
-            log = read_raw(path, experiment=None, **how)
-            record = assess(log, limits, log.attributes["sample_rate_hz"])
+            log = read_raw(path, experiment=None, sample_rate_hz=None, rate_tolerance=tolerance)
         except LogError as error:
             print(f"error: {error}", file=sys.stderr)
-            failed = True
+            code = 1
             continue
-        print(*_page(path, record), sep="\n")
-        failed = failed or bool(warnings(record))
-    return int(failed)
-
-
-def _page(path: str, record: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the lines of a quality record."""
-    checks, failed = record["checks"], len(warnings(record))
-    verdict = f"{failed} of {len(checks)} checks failed" if failed else "all checks passed"
-    yield (
-        f"{path}: {record['experiment']}, {SOURCES[record['source']]}, {record['samples']} samples "
-        f"at {record['sample_rate_hz']:g} Hz; {verdict}"
-    )
-    for name, check in checks.items():
-        result = "ok" if check["passed"] else "FAILED"
-        yield f"  {name:21} {result:6} {check['finding']}".rstrip()
-    more = dict(record.get("notes", {}))
-    if loop := record.get("loop"):
-        shown = (f"{key} {f'{v:.3g}' if isinstance(v, float) else v}" for key, v in loop.items())
-        more["loop"] = ", ".join(shown)
-    yield from (f"  {name:28} {text}" for name, text in more.items())
+        record = assess(log, limits, log.attributes["sample_rate_hz"])
+        checks, failed = record["checks"], len(warnings(record))
+        verdict = f"{failed} of {len(checks)} checks failed" if failed else "all checks passed"
+        print(
+            f"{path}: {record['experiment']}, {SOURCES[record['source']]}, {record['samples']} "
+            f"samples at {record['sample_rate_hz']:g} Hz; {verdict}"
+        )
+        for name, check in checks.items():
+            result = "ok" if check["passed"] else "FAILED"
+            print(f"  {name:21} {result:6} {check['finding']}".rstrip())
+        loop = record.get("loop", {}).items()
+        shown = [f"{key} {f'{v:.3g}' if isinstance(v, float) else v}" for key, v in loop]
+        more = record.get("notes", {}) | ({"loop": ", ".join(shown)} if shown else {})
+        for name, text in more.items():
+            print(f"  {name:28} {text}")
+        if failed:
+            code = 1
+    return code
 
 
 def repair(source: str, *, out: str) -> int:
     """Recover a raw log from the journal of a run."""
     findings = recover(source, out)
-    whole = findings.closed and not findings.lost
-    print(f"{out}: {findings.samples} samples from {source}")
-    if findings.reason:
-        print(f"  incomplete: {findings.reason}")
-    if whole:
-        print("  nothing is lost")
-    return COMPLETE if whole else SOME_LOST
+    reason = findings.reason or "nothing is lost"
+    print(f"{out}: {findings.samples} samples from {source}; {reason}")
+    return 0 if findings.closed and not findings.lost else SOME_LOST

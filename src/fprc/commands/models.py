@@ -1,8 +1,8 @@
 """`fprc simulate`, `train`, `predict`, `export`: from nothing to code, without Snakemake."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import pandas as pd
 from threadpoolctl import threadpool_limits
@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 from fprc import __version__
 from fprc.artifacts import refuse_output, replacing, write_text
 from fprc.config import Settings, from_files
-from fprc.config.settings import Control, Signal
+from fprc.config.settings import Control
 from fprc.errors import ConfigError, FprcError
 from fprc.escape import in_words
 from fprc.evaluation import rmse
@@ -19,7 +19,7 @@ from fprc.experiments.comparison import CrossValidation
 from fprc.experiments.data import Data, read_recordings, refuse_other_data, trained_on
 from fprc.experiments.tracking import Track
 from fprc.given import refuse_repeats
-from fprc.models import SequenceModel, load_model, save_model
+from fprc.models import load_model, save_model
 from fprc.models.c_header import c_header
 from fprc.plan import of_pressures, validation
 from fprc.provenance import sha256
@@ -28,7 +28,7 @@ from fprc.stages.record import record
 
 
 def simulate(
-    experiment: Literal["sweep", "complex"],
+    experiment: str,
     *,
     seed: int | None = None,
     rig: str | None = None,
@@ -39,9 +39,8 @@ def simulate(
     refuse_output(out, ".h5")
     settings = _settings(config, seed=seed, rig=rig)
     whole, signal = settings.model_dump(mode="json"), dict(settings.experiments)[experiment]
-    control = Control(**of_pressures(whole))
-    signals: dict[str, Signal] = {experiment: signal}
-    record([out], signals=signals, control=control, rig=whole["rig"], seed=settings.seed)
+    how = {"control": Control(**of_pressures(whole)), "rig": whole["rig"], "seed": settings.seed}
+    record([out], signals={experiment: signal}, **how)
     return (
         f"{out}: {experiment}, {signal.duration_s:g} s at {settings.control.sample_rate_hz:g} Hz, "
         f"on the simulated rig {settings.fitted.name}, seed {settings.seed}\n"
@@ -85,7 +84,10 @@ def predict(model: str, raw: str, *, config: Sequence[str] = (), out: str) -> st
     settings = _settings(config)
     models = settings.models.model_dump()
     fitted = load_model(model, outside_classes(models))
-    name = _name_of(fitted, model, models)
+    name = next((n for n in entries(models) if load_class(n, models) is type(fitted)), None)
+    if name is None:
+        part = type(fitted).__name__
+        raise FprcError(f"{model}: holds a {part}, a part of a model; train it again")
     inputs = entry_of(name, models).inputs
     data = _read([raw], settings, inputs)
     X, y, _ = data.samples(name, models)
@@ -109,15 +111,12 @@ def export(model: str, *, c: str, learn: bool = False, config: Sequence[str] = (
     refuse_output(path, ".h")
     settings = _settings(config)
     fitted = load_model(model, outside_classes(settings.models.model_dump()))
-    if learn:
-        units = getattr(fitted, "units_", ())  # whatever they are, the header names them
-        rate_hz = settings.control.sample_rate_hz
-        refuse_other_data(fitted, f"{model}, the model", rate_hz, units)
     origin = f"From {Path(model).name}, SHA-256 {sha256(model)}, by fprc {__version__}."
     try:
         if learn:
-            bench = Track(settings.tracking, settings.control, {}, settings.seed)
-            online = bench.online(fitted)
+            units = getattr(fitted, "units_", ())  # whatever they are, the header names them
+            refuse_other_data(fitted, "the model", settings.control.sample_rate_hz, units)
+            online = Track(settings.tracking, settings.control, {}, settings.seed).online(fitted)
         text = c_header(fitted, path.stem, origin=origin, online=online)
     except FprcError as error:
         raise FprcError(f"{model}: {error}") from error
@@ -132,20 +131,6 @@ def _settings(files: Sequence[str], **chosen: Any) -> Settings:
 
 def _read(logs: Sequence[str], settings: Settings, inputs: tuple[str, ...]) -> Data:
     """Read raw logs as the workflow's preprocessing does; several become one."""
-    data, _ = read_recordings(
-        logs,
-        experiment=None,
-        target=settings.evaluation.target,
-        sample_rate_hz=settings.control.sample_rate_hz,
-        limits=settings.quality,
-        inputs=inputs,
-    )
-    return data
-
-
-def _name_of(fitted: SequenceModel, path: str, models: Mapping[str, Any]) -> str:
-    """Return the name of a model's class in the configuration."""
-    for name in entries(models):
-        if load_class(name, models) is type(fitted):
-            return name
-    raise FprcError(f"{path}: holds a {type(fitted).__name__}, a part of a model; train it again")
+    rate_hz, target = settings.control.sample_rate_hz, settings.evaluation.target
+    how: dict[str, Any] = {"target": target, "sample_rate_hz": rate_hz, "limits": settings.quality}
+    return read_recordings(logs, experiment=None, inputs=inputs, **how)[0]

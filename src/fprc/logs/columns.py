@@ -2,23 +2,29 @@
 
 import errno
 import json
-import math
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import h5py
 import numpy as np
+from pydantic import (
+    Field,
+    FiniteFloat,
+    Json,
+    Strict,
+    StrictBool,
+    StrictInt,
+    TypeAdapter,
+    ValidationError,
+)
 
 from fprc.artifacts import replacing
 from fprc.channels import unit_of
 from fprc.errors import LogError
-from fprc.given import open_given, parse_object
+from fprc.given import open_given
 
-#: The first bytes of an HDF5 file; a model file has others.
-_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 #: Largest magnitude of a sample, in any unit; its square does not overflow.
 LARGEST = 1e10
 
@@ -31,24 +37,23 @@ _IN_MEMORY: dict[str, Any] = {
     "meta_block_size": 1,
 }
 
-#: Type of each known attribute; ``dict``: a JSON object. ``units`` belongs to a channel, all others
-#: to the file.
-_KINDS: dict[str, type] = {
+_NUMBER = Annotated[FiniteFloat, Strict()]
+#: Type of each known attribute. ``units`` belongs to a channel, all others to the file.
+_KINDS: dict[str, Any] = {
     **dict.fromkeys(("experiment", "source", "software", "started", "units"), str),
     **dict.fromkeys(("controller", "reference", "model", "model_file", "model_sha256"), str),
     **dict.fromkeys(("incomplete_reason", "imported_from", "imported_sha256"), str),
-    **dict.fromkeys(("sample_rate_hz", "settle_s", "imported_start_s"), float),
-    **dict.fromkeys(("seed", "lost_samples"), int),
-    **dict.fromkeys(("rig", "statistics", "notes", "recordings", "map"), dict),
-    "complete": bool,
+    **dict.fromkeys(("settle_s", "imported_start_s"), _NUMBER),
+    "sample_rate_hz": Annotated[_NUMBER, Field(gt=0.0)],
+    **dict.fromkeys(("seed", "lost_samples"), StrictInt),
+    **dict.fromkeys(("rig", "recordings", "map"), Json[dict[str, Any]]),
+    "statistics": Json[dict[str, StrictInt | _NUMBER | None]],
+    "notes": Json[dict[str, str]],
+    "complete": StrictBool,
 }
-_WORDS = {
-    str: "text",
-    bool: "true or false",
-    float: "a finite number",
-    int: "a whole number",
-    dict: "a JSON object",
-}
+#: What parses them, and those of other programs, of which plain ones are kept.
+_KNOWN = {name: TypeAdapter[Any](kind) for name, kind in _KINDS.items()}
+_OTHER = TypeAdapter[Any](str | StrictBool | StrictInt | _NUMBER)
 
 
 class Columns(NamedTuple):
@@ -96,25 +101,6 @@ def _as_written(value: Any) -> Any:
     return value
 
 
-def read_columns(
-    path: Path | str, names: tuple[str, ...], optional: tuple[str, ...] = ()
-) -> Columns:
-    """Read the named channels, and the optional ones that the file has.
-
-    Raises
-    ------
-    LogError
-        Lists every problem, one per line: the file cannot be opened or is cut short; an
-        attribute has the wrong type; a channel is missing, is stored in another file, has the
-        wrong unit or shape, was changed on the disk, or holds a value that is not finite or beyond
-        ``LARGEST`` (with its sample).
-    """
-    columns, problems = gather_columns(path, names, optional)
-    if problems:
-        raise LogError("\n".join(problems))
-    return columns
-
-
 def read_each(read: Callable[..., Any], paths: Sequence[Path | str], **keywords: Any) -> list[Any]:
     """Read several files by a function of a path; LogError lists the errors of all files."""
     results, problems = [], []
@@ -128,16 +114,18 @@ def read_each(read: Callable[..., Any], paths: Sequence[Path | str], **keywords:
     return results
 
 
-def gather_columns(
+def read_columns(
     path: Path | str,
     names: tuple[str, ...],
     optional: tuple[str, ...] = (),
     attributes: tuple[str, ...] = (),
-) -> tuple[Columns, list[str]]:
-    """Read those of the named channels that are as they should be; return them and the problems.
+) -> Columns:
+    """Read the named channels, and the optional ones that the file has; and all attributes.
 
-    ``attributes`` are required, all others are read too. LogError: the file cannot be opened, or
-    is cut short.
+    LogError lists every problem, one per line: the file cannot be opened or is cut short; one of
+    the required ``attributes`` is missing, or one has the wrong type; a channel is missing, is
+    stored in another file, has the wrong unit or shape, was changed on the disk, or holds a value
+    that is not finite or beyond ``LARGEST`` (with its sample).
     """
     channels: dict[str, np.ndarray] = {}
     problems = []
@@ -148,58 +136,32 @@ def gather_columns(
                 channels[name] = _read(file, name)
             except LogError as error:
                 problems.append(f"channel {name}: {error}")
-        lengths = {len(values): name for name, values in channels.items()}
-        if len(lengths) > 1 or 0 in lengths:
-            problems.append(
-                f"channel {lengths[min(lengths)]}: {min(lengths)} samples, others have up to "
-                f"{max(lengths)}; record the log again"
-            )
         valid, wrong = _attributes(file.attrs)
-        problems += wrong
-        problems += [
-            f"attribute {name}: missing; see data/raw/README.md"
-            for name in attributes
-            if name not in file.attrs
-        ]
-    found = [f"{path}: {problem}" for problem in problems]
-    return Columns(Path(path), channels, valid, present), found
+        missing = dict.fromkeys((name for name in attributes if name not in file.attrs), "missing")
+    lengths = {len(values): name for name, values in channels.items()}
+    if len(lengths) > 1 or 0 in lengths:
+        problems.append(
+            f"channel {lengths[min(lengths)]}: {min(lengths)} samples, others have up to "
+            f"{max(lengths)}; record the log again"
+        )
+    for name, problem in (wrong | missing).items():
+        problems.append(f"attribute {name}: {problem}; see data/raw/README.md")
+    if problems:
+        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
+    return Columns(Path(path), channels, valid, present)
 
 
-def _attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], list[str]]:
-    """Return the valid attributes of a file or dataset, and an error text for each invalid one.
-
-    Values are Python numbers and text; JSON is parsed. Attributes that are not in ``_KINDS``
-    and are neither a finite number nor text are skipped.
-    """
-    valid, problems = {}, []
+def _attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the valid attributes of a file or dataset, and what is wrong with known ones."""
+    valid, wrong = {}, {}
     for name in holder:
+        stored = np.squeeze(holder[name]).tolist()
         try:
-            valid[name] = _value(name, holder[name])
-        except (ValueError, TypeError, RecursionError) as error:
-            if name in _KINDS:
-                problems.append(
-                    f"attribute {name}: must be {_WORDS[_KINDS[name]]} ({error!s:.200}); see "
-                    "data/raw/README.md"
-                )
-    return valid, problems
-
-
-def _value(name: str, stored: Any) -> Any:
-    value = np.asarray(stored).item()  # of an array of several values, an error
-    if isinstance(value, str | bytes):  # of other programs also in other encodings
-        value = (value if isinstance(value, bytes) else os.fsencode(value)).decode("utf-8")
-    kind = _KINDS.get(name, type(value))
-    if kind is dict:
-        value = parse_object(value)
-        json.dumps(value, allow_nan=False)
-        if name == "notes" and not all(isinstance(note, str) for note in value.values()):
-            raise ValueError("each channel has a text")
-    # not isinstance, for which a bool is an int
-    elif type(value) not in ((float, int) if kind is float else (kind,)) or kind not in _WORDS:
-        raise TypeError(f"is of type {type(value).__name__}")
-    elif isinstance(value, float) and not math.isfinite(value):
-        raise ValueError("is not finite")
-    return value
+            valid[name] = _KNOWN.get(name, _OTHER).validate_python(stored)
+        except ValidationError as error:
+            if name in _KNOWN:
+                wrong[name] = error.errors()[0]["msg"]
+    return valid, wrong
 
 
 def _read(file: h5py.File, name: str) -> np.ndarray:
@@ -207,13 +169,11 @@ def _read(file: h5py.File, name: str) -> np.ndarray:
     dataset = file.get(name)
     if not isinstance(dataset, h5py.Dataset):
         raise LogError(f"missing; the file has {', '.join(map(repr, file)) or 'none':.200}")
-    if dataset.is_virtual or dataset.external:  # which read as zeros where that file is gone
-        raise LogError("its samples are in another file; copy them into this one")
     if dataset.ndim != 1 or dataset.dtype.kind not in "fiu":
         raise LogError(
             f"is {dataset.dtype} of shape {dataset.shape}; must be one number per sample"
         )
-    refuse_never_written(dataset)
+    refuse_absent(dataset)
     unit = _attributes(dataset.attrs)[0].get("units", "none")
     if unit != unit_of(name):
         raise LogError(
@@ -235,16 +195,16 @@ def _read(file: h5py.File, name: str) -> np.ndarray:
     return values
 
 
-def refuse_never_written(dataset: h5py.Dataset) -> None:
-    """Raise LogError if some numbers of a dataset were never written.
+def refuse_absent(dataset: h5py.Dataset) -> None:
+    """Raise LogError if numbers of a dataset are not in its file; the library makes them up.
 
-    For these the library returns fill values, of which a small file can declare any number.
+    They were never written, or are in another file, which may be gone.
     """
-    status = dataset.id.get_space_status()
-    if dataset.size and status != h5py.h5d.SPACE_STATUS_ALLOCATED:
+    whole = dataset.id.get_space_status() == h5py.h5d.SPACE_STATUS_ALLOCATED
+    if dataset.size and (dataset.is_virtual or dataset.external or not whole):
         raise LogError(
-            f"declares {dataset.size:,} numbers, of which some or all were never written; record "
-            "the file again"
+            f"declares {dataset.size:,} numbers, of which some or all are not in the file: write "
+            "them, or copy them from the file in which they are"
         )
 
 
@@ -257,36 +217,27 @@ def open_hdf5(path: Path) -> h5py.File:
     try:
         return h5py.File(path, "r")
     except OSError as error:
-        if error.errno == errno.EAGAIN:
-            raise LogError(
-                f"{path}: is open for writing in another program; close it there, then try again"
-            ) from error
-        if "already open for write" not in str(error):
+        if error.errno != errno.EAGAIN and "already open for write" not in str(error):
             raise
         with suppress(OSError):
             return h5py.File(path, "r", swmr=True)
         raise LogError(
-            f"{path}: the program that wrote it still runs, or ended without closing it; end it, "
-            "or copy the file and close the copy with `h5clear -s`, a tool of HDF5"
+            f"{path}: is open for writing in another program, or that ended without closing it; "
+            "close it there, or copy the file and close the copy with `h5clear -s`, a tool of HDF5"
         ) from error
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[h5py.File]:
     """Open a file for reading; turn the library's exceptions into ``LogError``."""
+    open_given(path, error=LogError).close()
     try:
-        with open_given(path, error=LogError) as given:
-            if given.read(len(_SIGNATURE)) != _SIGNATURE:
-                raise LogError(
-                    f"{path}: not a log in HDF5; `fprc import` makes a raw log from a recording of "
-                    "another program"
-                )
         with open_hdf5(path) as file:
             yield file
     except LogError:
         raise
     except Exception as error:  # on a damaged file the library raises many types
         raise LogError(
-            f"{path}: cannot be read as HDF5 ({error}); the file is cut short or damaged: "
-            "restore it from a copy or its journal, or record it again"
+            f"{path}: not a log in HDF5, or cut short or damaged ({error}); restore it from a copy "
+            "or its journal, or record it again; `fprc import` reads those of other programs"
         ) from error

@@ -28,7 +28,16 @@ def assess(log: Columns, limits: "Quality", sample_rate_hz: float) -> dict[str, 
     another quantity; ``samples`` of the check ``range`` counts those outside, by channel. ``loop``
     has the statistics of a real rig's control loop.
     """
-    outside = _outside(log, limits)
+    counts, outside = _outside(log, limits)
+    found = {
+        "complete": _complete(log),
+        "gaps": _gaps(log.channels["time_s"], limits.gap_periods / sample_rate_hz),
+        "range": (not outside, "; ".join(outside)),
+        "stuck": _stuck(log, limits.stuck_s * sample_rate_hz),
+        "leak": _leak(log, limits.leak_kpa_per_min, counts),
+    }
+    checks = {name: {"passed": passed, "finding": text} for name, (passed, text) in found.items()}
+    checks["range"]["samples"] = counts
     more = {"loop": log.attributes.get("statistics"), "notes": log.attributes.get("notes")}
     return {
         "log": log.path.name,
@@ -36,20 +45,8 @@ def assess(log: Columns, limits: "Quality", sample_rate_hz: float) -> dict[str, 
         "source": log.attributes["source"],
         "samples": len(log.channels["time_s"]),
         "sample_rate_hz": sample_rate_hz,
-        "checks": {
-            "complete": _complete(log),
-            "gaps": _gaps(log.channels["time_s"], limits.gap_periods / sample_rate_hz),
-            "range": outside,
-            "stuck": _stuck(log, limits.stuck_s * sample_rate_hz),
-            "leak": _leak(log, limits.leak_kpa_per_min, outside["samples"]),
-        },
+        "checks": checks,
     } | {name: content for name, content in more.items() if content}
-
-
-def warnings_of_run(log: Columns, limits: "Quality") -> list[str]:
-    """Return a line if a closed-loop log is incomplete, and one on values out of range."""
-    checks = {"complete": _complete(log), "range": _outside(log, limits)}
-    return warnings({"log": log.path.name, "checks": checks})
 
 
 def warnings(record: Mapping[str, Any]) -> list[str]:
@@ -84,23 +81,23 @@ def noted_unit(name: str, attributes: Mapping[str, Any]) -> str:
     return unit[1] if unit else "1"
 
 
-def _complete(log: Columns) -> dict[str, Any]:
+def _complete(log: Columns) -> tuple[bool, str]:
     if log.attributes.get("complete", True):
-        return {"passed": True, "finding": ""}
-    reason, lost = (log.attributes.get(key) for key in ("incomplete_reason", "lost_samples"))
+        return True, ""
+    lost = log.attributes.get("lost_samples")
     more = f"; lost samples: {lost}" if lost else ""
-    return {"passed": False, "finding": f"{reason or 'unknown'}{more}"}
+    return False, f"{log.attributes.get('incomplete_reason') or 'unknown'}{more}"
 
 
-def _gaps(time_s: np.ndarray, limit_s: float) -> dict[str, Any]:
+def _gaps(time_s: np.ndarray, limit_s: float) -> tuple[bool, str]:
     steps_s = np.diff(time_s, append=time_s[-1])
     gaps = np.flatnonzero(steps_s > limit_s) + 1
     begin = f"{gaps.size} gaps, the first before sample {gaps[0]}; " if gaps.size else ""
-    finding = f"{begin}longest step {steps_s.max():.4g} s, limit {limit_s:.4g} s"
-    return {"passed": not gaps.size, "finding": finding}
+    return not gaps.size, f"{begin}longest step {steps_s.max():.4g} s, limit {limit_s:.4g} s"
 
 
-def _outside(log: Columns, limits: "Quality") -> dict[str, Any]:
+def _outside(log: Columns, limits: "Quality") -> tuple[dict[str, int], list[str]]:
+    """Return how many samples of each channel are implausible, and a text on each such channel."""
     counts, findings = {}, []
     for name, _, _, plausible, _ in CHANNELS:
         values = log.channels.get(name)
@@ -114,15 +111,15 @@ def _outside(log: Columns, limits: "Quality") -> dict[str, Any]:
                 f"channel {name}: sample {outside[0]} is {values[outside[0]]:g} {unit_of(name)}, "
                 f"outside of {low:g} to {high:g}, in all {outside.size}"
             )
-    return {"passed": not findings, "finding": "; ".join(findings), "samples": counts}
+    return counts, findings
 
 
-def _stuck(log: Columns, limit: float) -> dict[str, Any]:
+def _stuck(log: Columns, limit: float) -> tuple[bool, str]:
     present = [name for name in NEEDED_SENSORS if name in log.channels]
     longest = {name: int(runs(log.channels[name])[1].max()) for name in present}
     channel = max(longest, key=longest.__getitem__)
     finding = f"channel {channel}: unchanged for {longest[channel]} samples, limit {int(limit)}"
-    return {"passed": longest[channel] <= limit, "finding": finding}
+    return longest[channel] <= limit, finding
 
 
 def runs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -131,24 +128,20 @@ def runs(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return begins, np.diff(np.append(begins, len(values)))
 
 
-def _leak(log: Columns, limit: float, outside: Mapping[str, int]) -> dict[str, Any]:
+def _leak(log: Columns, limit: float, outside: Mapping[str, int]) -> tuple[bool, str]:
     """Fit P_o = cubic of P_i + play of P_i + slope t: a leak is what squeezing does not explain."""
-    time_s, slope = log.channels["time_s"], None
+    time_s = log.channels["time_s"]
     if "p_i_kpa" not in log.channels or outside.get("p_o_kpa", 1):
-        why = "needs p_i_kpa, and p_o_kpa within its range"
-    elif np.ptp(time_s) < SHORT_S:
+        return True, "not checked, needs p_i_kpa, and p_o_kpa within its range"
+    if np.ptp(time_s) < SHORT_S:
         why = f"the log is shorter than {SHORT_S:g} s, in which hysteresis looks like a leak"
-    else:
-        why = "P_o does not follow P_i"
-        p_i, p_o = log.channels["p_i_kpa"], log.channels["p_o_kpa"]
-        minutes, drive = (time_s - time_s.mean()) / 60.0, p_i / (np.abs(p_i).max() or 1.0)
-        play = accumulate(drive.tolist(), lambda y, u: min(max(y, u - PLAY), u + PLAY))
-        basis = np.column_stack([minutes, np.vander(drive, 4), list(play)])
-        weights, *_ = np.linalg.lstsq(basis, p_o)
-        trend = p_o - np.polyval(np.polyfit(minutes, p_o, 1), minutes)
-        if np.var(p_o - basis @ weights) < (1.0 - EXPLAINED) * np.var(trend):
-            slope = float(weights[0])
-    if slope is None:
-        return {"passed": True, "finding": f"not checked, {why}"}
-    finding = f"{slope:.3g} kPa/min, limit {-limit:g} kPa/min"
-    return {"passed": slope >= -limit, "finding": finding}
+        return True, f"not checked, {why}"
+    p_i, p_o = log.channels["p_i_kpa"], log.channels["p_o_kpa"]
+    minutes, drive = (time_s - time_s.mean()) / 60.0, p_i / (np.abs(p_i).max() or 1.0)
+    play = accumulate(drive.tolist(), lambda y, u: min(max(y, u - PLAY), u + PLAY))
+    basis = np.column_stack([minutes, np.vander(drive, 4), list(play)])
+    weights, *_ = np.linalg.lstsq(basis, p_o)
+    trend = p_o - np.polyval(np.polyfit(minutes, p_o, 1), minutes)
+    if not np.var(p_o - basis @ weights) < (1.0 - EXPLAINED) * np.var(trend):
+        return True, "not checked, P_o does not follow P_i"
+    return bool(weights[0] >= -limit), f"{weights[0]:.3g} kPa/min, limit {-limit:g} kPa/min"

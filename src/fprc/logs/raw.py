@@ -11,7 +11,7 @@ from fprc import __version__
 from fprc.channels import RAW_CHANNELS, TARGETS, needed_by
 from fprc.errors import LogError
 from fprc.escape import in_words
-from fprc.logs.columns import Columns, gather_columns, write_columns
+from fprc.logs.columns import Columns, read_columns, write_columns
 from fprc.paper import SOURCES
 
 #: Prefix of the experiment names of closed-loop runs.
@@ -46,12 +46,13 @@ def read_raw(
     Raises
     ------
     LogError
-        See ``read_columns``; also, an attribute is missing, time does not increase, or the rate
-        is not the expected one. An imported log requires time, angle and one of the two P_exp; a
-        log of the real rig all channels but ``phi_deg``; a closed-loop run also
+        Lists every problem, one per line: the file cannot be opened, or is cut short; a channel
+        or an attribute is missing or wrong. Without such problems: time does not increase, or the
+        rate is not the expected one. An imported log requires time, angle and one of the two
+        P_exp; a log of the real rig all channels but ``phi_deg``; a closed-loop run also
         ``TRACKING_CHANNELS`` and ``RUN_ATTRIBUTES``.
     """
-    attributes = gather_columns(path, ())[0].attributes
+    attributes = read_columns(path, ()).attributes
     if "p_target_unit" in attributes:
         raise LogError(
             f"{path}: is preprocessed; give the raw log of the same name, which `fprc readout` and "
@@ -61,11 +62,9 @@ def read_raw(
     needed = needed_by(source if source in SOURCES else "sim", tracking=is_run)
     optional = tuple(name for name in RAW_CHANNELS if name not in needed)
     required = RAW_ATTRIBUTES + (RUN_ATTRIBUTES if is_run else ())
-    log, problems = gather_columns(path, needed, optional, required)
-    problems += [f"{path}: {problem}" for problem in _impossible(log, experiment)]
-    # the rate of a log with other problems means nothing
-    if problem := "\n".join(problems) or _wrong_rate(log, sample_rate_hz, rate_tolerance):
-        raise LogError(problem)
+    log = read_columns(path, needed, optional, required)
+    if problems := [*_impossible(log, experiment, sample_rate_hz, rate_tolerance)]:
+        raise LogError("\n".join(f"{path}: {problem}" for problem in problems))
     return log
 
 
@@ -84,10 +83,12 @@ def _is_run(attributes: Mapping[str, Any]) -> bool:
     return str(attributes.get("experiment")).startswith(RUN_PREFIX)
 
 
-def _impossible(log: Columns, experiment: str | None) -> Iterator[str]:
-    """Yield what is impossible about attributes and clock."""
-    attributes, rate_hz = log.attributes, log.attributes.get("sample_rate_hz", 1.0)
-    found, source = attributes.get("experiment", experiment), attributes.get("source", "sim")
+def _impossible(
+    log: Columns, experiment: str | None, expected_hz: float | None, tolerance: float
+) -> Iterator[str]:
+    """Yield what is impossible about attributes and clock, or is not as it is expected."""
+    attributes, time_s = log.attributes, log.channels["time_s"]
+    found, source = attributes["experiment"], attributes["source"]
     if experiment not in (None, found):
         yield (
             f"attribute experiment = {found}; must be {experiment}, or the file has the wrong name"
@@ -96,26 +97,20 @@ def _impossible(log: Columns, experiment: str | None) -> Iterator[str]:
         yield f"attribute source = {source}; must be {', '.join(SOURCES)}"
     if source == "import" and log.channels.keys().isdisjoint(TARGETS.values()):
         yield f"channel {in_words(TARGETS.values(), 'or')}: missing; import one of them"
-    if not rate_hz > 0.0:
-        yield f"attribute sample_rate_hz = {rate_hz}; must be above 0"
-    time_s = log.channels.get("time_s", np.zeros(1))
+    if (settle_s := attributes.get("settle_s", -math.inf)) > time_s.max():
+        yield (
+            f"attribute settle_s = {settle_s:g}; must be at most {time_s.max():g}, the end of the "
+            "log, or nothing is left to evaluate"
+        )
     back = np.flatnonzero(time_s[1:] <= time_s[:-1])
+    declared_hz = attributes["sample_rate_hz"]
     if back.size:
         k = int(back[0]) + 1
         yield (
             f"channel time_s: sample {k} at {time_s[k]:.6f} s does not come after "
             f"{time_s[k - 1]:.6f} s; sort or cut the log"
         )
-    elif (settle_s := attributes.get("settle_s", -math.inf)) > time_s.max(initial=0.0):
-        yield (
-            f"attribute settle_s = {settle_s:g}; must be at most {time_s.max():g}, the end of the "
-            "log, or nothing is left to evaluate"
-        )
-
-
-def _wrong_rate(log: Columns, expected_hz: float | None, tolerance: float) -> str:
-    """Return an error text if the declared rate, or the mean one, is not the expected rate."""
-    time_s, declared_hz = log.channels["time_s"], log.attributes["sample_rate_hz"]
+        return
     expected_hz = expected_hz or declared_hz
     mean_hz = (len(time_s) - 1) / np.ptp(time_s) if len(time_s) > 1 else expected_hz
     for what, hz, remedy in (
@@ -124,5 +119,5 @@ def _wrong_rate(log: Columns, expected_hz: float | None, tolerance: float) -> st
         ("channel time_s: the mean rate", mean_hz, "resample the log"),
     ):  # fmt: skip
         if abs(expected_hz / hz - 1.0) > tolerance:
-            return f"{log.path}: {what} = {hz:.6g} Hz; must be {expected_hz:g} Hz; {remedy}"
-    return ""
+            yield f"{what} = {hz:.6g} Hz; must be {expected_hz:g} Hz; {remedy}"
+            return

@@ -15,7 +15,7 @@ import numpy as np
 
 from fprc.errors import LogError
 from fprc.given import open_given
-from fprc.logs.columns import open_hdf5, refuse_never_written
+from fprc.logs.columns import open_hdf5, refuse_absent
 
 #: Attributes of HDF5 and fields of a struct that hold a unit, and a label, as Simulink writes them;
 #: attributes that name the columns of a matrix.
@@ -222,10 +222,8 @@ def _of_dataset(dataset: h5py.Dataset) -> Column | str:
     """Return a dataset with unit and names of its columns, or why it is none."""
     if not dataset.size or dataset.dtype.kind not in "fiubV":
         return f"{dataset.dtype} of shape {dataset.shape}"
-    if dataset.external or dataset.is_virtual:  # without that file, it would read as zeros
-        return "stored in another file; copy it into this one"
     try:
-        refuse_never_written(dataset)
+        refuse_absent(dataset)
         values = np.asarray(dataset[()])
     except (LogError, OSError, RuntimeError) as error:  # other datasets may be readable
         return f"cannot be read ({error})"

@@ -21,9 +21,9 @@ from fprc.experiments.comparison import CrossValidation, weight_shares
 from fprc.experiments.data import read_data
 from fprc.figures import style
 from fprc.given import read_yaml
-from fprc.logs import read_run
+from fprc.logs import assess, read_run
 from fprc.logs.columns import read_each
-from fprc.logs.quality import warnings_of_run
+from fprc.logs.quality import warnings
 from fprc.paper import DISTURBANCE, LOOPS, PUBLISHED, REFERENCE_NAMES, REFERENCES, SOURCES
 from fprc.signals import settled
 from fprc.tables import tracking
@@ -147,7 +147,8 @@ def draw_loops(
         note = f"one run each{same}.\nData: {SOURCES[source]}. {feedback}"
         if left_out:
             note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
-        note += failed([line for run in logs for line in warnings_of_run(run, limits)])
+        records = [assess(run, limits, run.attributes["sample_rate_hz"]) for run in logs]
+        note += failed([line for record in records for line in warnings(record)])
         columns = ["controller", "reference", "rmse_deg", "max_abs_error_deg", "source"]
         table = tracking.beside_print(tracking.errors(logs)[columns])
         write_table(table, tracking.page(table), note, *table4, title=tracking.TITLE)

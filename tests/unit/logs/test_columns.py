@@ -218,8 +218,8 @@ OTHER = [("other.bin", 0, h5py.h5f.UNLIMITED)]
         (lambda file: file.move("theta_deg", "g/g/theta_deg"), "theta_deg: missing"),
         (group, "theta_deg: missing"),
         # samples that are elsewhere, or made up: a small file can declare any number of them
-        (put("p_o_kpa", (300,), "f8", external=OTHER), "p_o_kpa: its samples are in"),
-        (virtual, "p_o_kpa: its samples are in"),
+        (put("p_o_kpa", (300,), "f8", external=OTHER), "p_o_kpa: declares 300 numbers"),
+        (virtual, "p_o_kpa: declares 300 numbers"),
         (put("p_o_kpa", (10**14,), "f8", chunks=(10**6,), compression="gzip"),
          "p_o_kpa: declares 100,000,000,000,000"),
         (put("p_o_kpa", (300,), "f8"), "p_o_kpa: declares 300 numbers"),
