@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fprc.channels import NEEDED_SENSORS, RAW_CHANNELS, Readings
-from fprc.control_laws import FARTHEST_DEG, NEUTRAL_V, clamp, pd_step, pressure_step
+from fprc.control_laws import NEUTRAL_V, clamp, pd_step, pressure_step
 from fprc.devices import Clock, Device
 from fprc.errors import ControlError, FprcError
 
@@ -139,53 +139,6 @@ def hysteresis_law(p_exp_kpa: np.ndarray, control: "Control") -> Law:
     return law
 
 
-class PD:
-    """P_fb from e = theta_d - theta, by the authors' incremental law or by a positional one.
-
-    The paper says P_d = P_ff + P_fb with a PD controller (Sec. III-A, gains in Sec. IV), and not
-    which form it has. The public code of the authors' next paper on the same actuator
-    (arXiv 2503.15819) computes each command from the last one, at 200 Hz:
-
-        u(k) = u(k-1) + u_ff(k) - u_ff(k-1) + kp e(k) + kd (e(k) - e(k-1)) / T
-
-    Hence P_d = P_ff + P_fb, where P_fb is the sum of kp e + kd de/dt over the samples. It acts as
-    a PI controller with an integral gain of kp / T and a proportional gain of kd / T: at the
-    printed gains, 100 kPa/(deg s) and 1 kPa/deg. A positional controller has
-    P_fb(k) = kp e(k) + kd (e(k) - e(k-1)) / T instead.
-
-    Where P_d would be below its lowest or above its highest value, kp e does not add to the sum
-    unless it leads back, so that the sum does not wind up; the authors' code has no limits. The
-    derivative is zero at the first sample.
-
-    An angle beyond ``FARTHEST_DEG`` is a fault of the sensor and changes nothing: as the first one
-    of a run it would leave the sum at a limit for good.
-
-    Parameters
-    ----------
-    control : Control
-        The gains ``pd`` (paper, Sec. IV), the law ``feedback``, and the sample rate, 1 / T.
-    highest_kpa : float, default=inf
-        Highest P_d; the lowest is 0.
-    """
-
-    def __init__(self, control: "Control", highest_kpa: float = math.inf):
-        gains = control.pd.kp_kpa_per_deg, control.pd.kd_kpa_s_per_deg
-        period_s = 1.0 / control.sample_rate_hz
-        self._settings = control.feedback == "incremental", *gains, period_s, 0.0, highest_kpa
-        self._last: float | None = None
-        self._p_fb_kpa = 0.0
-
-    def step(self, theta_d_deg: float, theta_deg: float, p_ff_kpa: float = 0.0) -> float:
-        """Return P_fb for this sample, kPa."""
-        if abs(theta_deg) > FARTHEST_DEG:
-            return self._p_fb_kpa
-        error = theta_d_deg - theta_deg
-        last = error if self._last is None else self._last
-        self._last = error
-        self._p_fb_kpa = pd_step(error, last, self._p_fb_kpa, p_ff_kpa, *self._settings)
-        return self._p_fb_kpa
-
-
 def tracking_law(
     theta_d_deg: np.ndarray,
     control: "Control",
@@ -222,18 +175,23 @@ def tracking_law(
     if source is None and not feedback:
         raise ControlError("a control law needs feedforward, feedback, or both; both are missing")
     references = np.asarray(theta_d_deg, dtype=float).tolist()
-    pd = PD(control, pressure_limit_kpa) if feedback else None
+    gains = control.pd.kp_kpa_per_deg, control.pd.kd_kpa_s_per_deg, 1.0 / control.sample_rate_hz
+    memory, incremental = [math.nan, 0.0], control.feedback == "incremental"
     k_in_kpa_per_deg = control.k_in_kpa_per_deg
     p_o_shift_kpa = control.feedforward.p_o_shift_kpa
     reads_p_o = source is not None and source.n_features_in_ > 1
 
     def law(k: int, now: Readings) -> Sequence[float]:
-        theta_d = references[k]
+        theta_d, p_fb = references[k], 0.0
+        error_deg = theta_d - now.theta_deg
         if online is not None:
-            online.learn(theta_d - now.theta_deg, now.theta_deg)
+            online.learn(error_deg, now.theta_deg)
         inputs = (theta_d, now.p_o_kpa + p_o_shift_kpa) if reads_p_o else (theta_d,)
         p_ff = 0.0 if source is None else source.step(inputs)
-        p_fb = 0.0 if pd is None else pd.step(theta_d, now.theta_deg, p_ff)
+        if feedback:
+            p_fb = pd_step(
+                memory, error_deg, now.theta_deg, p_ff, incremental, *gains, 0.0, pressure_limit_kpa
+            )
         if not math.isfinite(p_ff + p_fb):
             raise ControlError(
                 f"the controller gave P_ff = {p_ff}, P_fb = {p_fb} kPa at theta_d = "

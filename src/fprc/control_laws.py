@@ -5,6 +5,7 @@ compiles them together with the simulated rig. They import nothing that takes ti
 starts fast.
 """
 
+import math
 from typing import Any
 
 #: Voltage that closes a proportional valve, V.
@@ -111,19 +112,37 @@ def learn_step(
 
 
 def pd_step(
-    error_deg: float, last_deg: float, p_fb_kpa: float, p_ff_kpa: float, incremental: bool,
-    kp: float, kd: float, period_s: float, low: float, high: float,
+    memory: Any, error_deg: float, theta_deg: float, p_ff_kpa: float, incremental: bool, kp: float,
+    kd: float, period_s: float, low: float, high: float,
 ) -> float:  # fmt: skip
-    """Return P_fb of a sample, kPa; see ``fprc.control.PD``.
+    """Return P_fb of a sample, kPa, by the authors' incremental law or by a positional one.
 
-    ``last_deg`` and ``p_fb_kpa`` are error and P_fb of the sample before; at the first sample, the
-    same error and 0. ``low`` and ``high`` limit P_d = P_ff + P_fb, kPa.
+    The paper says P_d = P_ff + P_fb with a PD controller (Sec. III-A, gains in Sec. IV), and not
+    which form it has. The public code of the authors' next paper on the same actuator
+    (arXiv 2503.15819) computes each command from the last one, at 200 Hz:
+
+        u(k) = u(k-1) + u_ff(k) - u_ff(k-1) + kp e(k) + kd (e(k) - e(k-1)) / T
+
+    Hence P_fb is the sum of kp e + kd de/dt over the samples. It acts as a PI controller with an
+    integral gain of kp / T and a proportional gain of kd / T: at the printed gains, 100 kPa/(deg s)
+    and 1 kPa/deg. A positional controller has P_fb(k) = kp e(k) + kd (e(k) - e(k-1)) / T instead.
+
+    Where P_d would be below ``low`` or above ``high``, kp e does not add to the sum unless it leads
+    back, so that the sum does not wind up; the authors' code has no limits. The derivative is zero
+    at the first sample. An angle beyond ``FARTHEST_DEG`` is a fault of the sensor and changes
+    nothing: as the first one of a run it would leave the sum at a limit for good.
+
+    ``memory``, changed in place, is [e, P_fb] of the sample before; [NaN, 0] before the first one.
     """
-    rate = (error_deg - last_deg) / period_s
-    if not incremental:
-        return kp * error_deg + kd * rate
-    p_fb = p_fb_kpa + kd * rate + kp * error_deg
-    # beyond a limit, kp e would wind up the sum: it is added only if it reduces the excess
-    if error_deg > 0.0 and p_ff_kpa + p_fb > high or error_deg < 0.0 and p_ff_kpa + p_fb < low:
-        return p_fb_kpa + kd * rate
+    if abs(theta_deg) > FARTHEST_DEG:
+        return memory[1]
+    rate = 0.0 if math.isnan(memory[0]) else (error_deg - memory[0]) / period_s
+    p_fb = kp * error_deg + kd * rate
+    if incremental:
+        p_fb = memory[1] + kd * rate + kp * error_deg
+        p_d = p_ff_kpa + p_fb
+        # beyond a limit, kp e would wind up the sum: it is added only if it reduces the excess
+        if error_deg > 0.0 and p_d > high or error_deg < 0.0 and p_d < low:
+            p_fb = memory[1] + kd * rate
+    memory[0], memory[1] = error_deg, p_fb
     return p_fb

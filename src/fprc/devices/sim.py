@@ -121,23 +121,18 @@ class SimulatedRig:
             learning = {name: getattr(online.settings, name) for name in chosen}
             learning |= {"delay_samples": online.delay, "mixing": online.mixing}
             learner = regressors, online.learned, online.covariance, online.prior
-        controllers = {
-            "main": control.main_loop.model_dump(),
-            "reservoir": control.reservoir_loop.model_dump(),
-            "feedback": control.pd.model_dump()
-            | {"incremental": control.feedback == "incremental", "acts": feedback},
-            "learning": learning,
-            "k_in_kpa_per_deg": control.k_in_kpa_per_deg,
-            "p_i_limits_kpa": (0.0, control.reservoir_limit_kpa),
+        settings = control.model_dump(exclude={"feedback"}) | {
             "p_exp_limits_kpa": limits_kpa,
+            "acts": feedback,
+            "incremental": control.feedback == "incremental",
+            "learning": learning,
         }
         pushes = np.zeros(samples) if push_kpa is None else push_kpa
-        p_i_kpa = control.k_in_kpa_per_deg * theta_d
         rows = np.full(samples, math.nan, SAMPLE)
-        setpoints = np.column_stack([p_ff_kpa, theta_d, p_i_kpa, pushes])
+        setpoints = np.column_stack([p_ff_kpa, theta_d, pushes])
         noise = self._rng.standard_normal((samples - 1, NOISE_PER_TICK))
         failed, done = close_loop(
-            *self._simulated, record(controllers), setpoints, *learner, noise, self._period_s,
+            *self._simulated, record(settings), setpoints, *learner, noise, self._period_s,
             self._substeps, self._tick, self._valve_v, self._reading, rows,
         )  # fmt: skip
         self._tick += done if failed else samples - 1

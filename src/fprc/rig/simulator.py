@@ -113,8 +113,8 @@ def draw_instruments(rig: Mapping[str, Any], rng: np.random.Generator) -> np.nda
     here and in every array of three, is P_exp, P_i, P_o.
     """
     share = rig["pressure_sensor"]["linearity"] / 3.0
-    gain, offset, bow = rng.uniform(-share, share, size=(3, 3))
-    return record({"gain": list(gain), "offset": list(offset), "bow": list(bow)})
+    errors = rng.uniform(-share, share, size=(3, 3))
+    return record(dict(zip(("gain", "offset", "bow"), errors, strict=True)))
 
 
 @kernel
