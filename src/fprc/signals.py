@@ -11,11 +11,6 @@ if TYPE_CHECKING:
     from fprc.config.settings import Reference, Signal
 
 
-def sample_times(duration_s: float, sample_rate_hz: float) -> np.ndarray:
-    """Return sample times from 0 up to, but not including, ``duration_s``."""
-    return np.arange(round(duration_s * sample_rate_hz)) / sample_rate_hz
-
-
 def chirp(
     t_s: np.ndarray, ends_hz: Sequence[float], duration_s: float, amplitude: float, offset: float
 ) -> np.ndarray:
@@ -52,7 +47,7 @@ def reference_angle(reference: "Reference", sample_rate_hz: float) -> np.ndarray
 def _sines(
     shape: "Signal | Reference", amplitude: float, offset: float, sample_rate_hz: float
 ) -> np.ndarray:
-    t_s = sample_times(shape.duration_s, sample_rate_hz)
+    t_s = np.arange(round(shape.duration_s * sample_rate_hz)) / sample_rate_hz
     if shape.form == "chirp":
         return chirp(t_s, shape.f_hz, shape.duration_s, amplitude, offset)
     return multisine(t_s, shape.f_hz, amplitude, offset)

@@ -12,7 +12,6 @@ from fprc.signals import (
     pressure_command,
     random_pushes,
     reference_angle,
-    sample_times,
 )
 
 COMPLEX = Settings().experiments.complex
@@ -27,7 +26,7 @@ def test_chirp_agrees_with_scipy(duration_s, f_start_hz, f_end_hz, amplitude):
 
 
 def test_multisine_is_the_papers_complex_signal():
-    t = sample_times(80.0, 200.0)
+    t = np.arange(16_000) / 200.0
     printed = 175.0 + sum(35.0 * np.sin(2.0 * np.pi * f * t - 0.5 * np.pi) for f in F_HZ)
     ours = multisine(t, F_HZ, 35.0, 175.0)
     np.testing.assert_allclose(ours, printed, atol=1e-9)
@@ -48,7 +47,7 @@ REFERENCES = {
 def test_reference_is_the_printed_angle_after_settling(name):
     reference = Settings().tracking.reference(name).changed(settle_s=5.0)
     angle = reference_angle(reference, 200.0)
-    printed = REFERENCES[name](sample_times(reference.duration_s, 200.0))
+    printed = REFERENCES[name](np.arange(round(200.0 * reference.duration_s)) / 200.0)
     np.testing.assert_allclose(angle[1000:], printed, atol=1e-9)
     np.testing.assert_array_equal(angle[:1000], angle[1000])
     assert angle.min() == pytest.approx(angle[0], abs=1e-6)

@@ -1,6 +1,5 @@
 """Execution times of training and test, and the multiplications, which no processor changes."""
 
-import logging
 import platform
 import re
 import time
@@ -13,8 +12,6 @@ from threadpoolctl import threadpool_info
 
 from fprc.models import EchoStates, RidgeReadout, SequenceModel, TakagiSugenoReadout, TapFeatures
 from fprc.models.features import FeatureMap
-
-log = logging.getLogger(__name__)
 
 #: Samples of the untimed run before each timed one: it compiles, and it brings code and weights
 #: back into the processor's caches, which the other models have flushed in their turns.
@@ -45,7 +42,6 @@ def time_models(
     """
     taken: dict[Any, dict[tuple[str, str], list[float]]] = {name: {} for name in fitted}
     for turn in range(repeats):
-        log.info("repeat %d of %d, all models in turn", turn + 1, repeats)
         for name, (model, train, test) in fitted.items():
             for phase, mode, seconds in _turn(model, train, test, turn, sequential):
                 taken[name].setdefault((phase, mode), []).append(seconds)

@@ -16,7 +16,6 @@ from fprc.errors import FprcError, LogError
 from fprc.logs import Columns, assess, read_columns, read_raw, write_columns
 from fprc.logs.columns import read_each
 from fprc.logs.quality import noted_unit, substitute, warnings
-from fprc.models import SequenceModel
 from fprc.registry import entries, entry_of
 from fprc.signals import pressure_command
 
@@ -149,14 +148,8 @@ def join(logs: Sequence[Data], period_s: float) -> Data:
     first = logs[0]
     if len(logs) == 1:
         return first
-    problems = [
-        f"{data.name}: {what} is {theirs}, in {first.name} {ours}; training logs must agree"
-        for data in logs[1:]
-        for (what, ours), theirs in zip(_kind(first).items(), _kind(data).values(), strict=True)
-        if ours != theirs
-    ]
-    if problems:
-        raise LogError("\n".join(problems))
+    kind = ("source", "target", "p_target_unit", "theta_unit", "p_o_unit", "channels")
+    refuse_mixture(*logs, names=kind)
     begin, times = 0.0, []
     for data in logs:
         time_s = data.channels["time_s"]
@@ -167,15 +160,7 @@ def join(logs: Sequence[Data], period_s: float) -> Data:
     }
     channels["time_s"] = np.concatenate(times)
     lengths = {data.name: len(data.channels["time_s"]) for data in logs}
-    names = ", ".join(lengths)
-    return Data(channels, {**first.attributes, "recordings": lengths}, names)
-
-
-def _kind(data: Data) -> dict[str, Any]:
-    """Return what logs that train one model have in common."""
-    names = ("source", "target", "p_target_unit", "theta_unit", "p_o_unit")
-    channels = {"list of channels": ", ".join(sorted(data.channels))}
-    return {name: data.attributes.get(name) for name in names} | channels
+    return Data(channels, {**first.attributes, "recordings": lengths}, ", ".join(lengths))
 
 
 def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:
@@ -187,14 +172,23 @@ def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:
     ]
 
 
-def refuse_mixture(train: Data, test: Data) -> None:
-    """Refuse a training log and a test log of different sources, or units of P_exp."""
-    ours, theirs = (f"{data.attributes['source']}, {data.unit}" for data in (train, test))
-    if ours != theirs:
-        raise LogError(
-            f"source and unit of P_exp are {ours} in the training log, and {theirs} in the test "
-            "log; use two logs of one kind"
-        )
+def refuse_mixture(
+    first: Data, *others: Data, names: Sequence[str] = ("source", "p_target_unit")
+) -> None:
+    """Refuse logs that differ in attributes, or, by the name ``channels``, in these."""
+    kinds = [
+        {**data.attributes, "channels": ", ".join(sorted(data.channels))}
+        for data in (first, *others)
+    ]
+    problems = [
+        f"{data.name}: {name} is {kind.get(name)}, in {first.name} {kinds[0].get(name)}; use logs "
+        "of one kind"
+        for data, kind in zip(others, kinds[1:], strict=True)
+        for name in names
+        if kind.get(name) != kinds[0].get(name)
+    ]
+    if problems:
+        raise LogError("\n".join(problems))
 
 
 class RigSettings(Section):
@@ -233,7 +227,7 @@ def trained_on(model: Any, data: Data, name: str, models: Mapping[str, Any] | No
     """
     model.sample_rate_hz_ = 1.0 / data.period_s
     model.units_ = np.array(data.units(entry_of(name, models).inputs), dtype=object)
-    if isinstance(model, SequenceModel) and model.learns_online():
+    if model.learns_online():
         X, _, lengths = data.samples(name, models)
         return model.remember(X, lengths)
     return model

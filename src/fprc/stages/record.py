@@ -1,19 +1,16 @@
 """Run experiments on the simulated rig and write their raw logs."""
 
-import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from fprc.config.settings import Control, Signal, Tracking
 from fprc.experiments.data import acquire
-from fprc.experiments.tracking import Track, describe_model, tracking_rmse
+from fprc.experiments.tracking import Track, describe_model
 from fprc.logs import write_raw
 from fprc.models import load_model
 from fprc.paper import reference_and_controller
 from fprc.registry import feedforward_of, outside_classes
-
-log = logging.getLogger(__name__)
 
 
 def record(
@@ -35,7 +32,6 @@ def record(
             path, channels, experiment=experiment, source="sim", seed=seed,
             sample_rate_hz=control.sample_rate_hz, rig={"rig": rig, **read},
         )  # fmt: skip
-        log.info("simulated %d samples, wrote %s", len(channels["time_s"]), path)
 
 
 def track(
@@ -69,5 +65,3 @@ def track(
             if feedforward := feedforward_of(controller):
                 described |= describe_model(fitted[feedforward], files[feedforward])
             write_raw(paths[controller], channels, **described)
-            rmse_deg = tracking_rmse(channels, described["settle_s"])
-            log.info("%s, %s: RMSE %.3f deg", reference, controller, rmse_deg)

@@ -59,7 +59,7 @@ def test_logs_that_do_not_go_together_are_refused_with_every_reason():
         join(logs, 0.005)
     lines = str(caught.value).splitlines()
     assert [line.split(" is ")[0] for line in lines] == [
-        "b.h5: source", "b.h5: target", "c.h5: list of channels"
+        "b.h5: source", "b.h5: target", "c.h5: channels"
     ]  # fmt: skip
 
 
