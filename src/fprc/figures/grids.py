@@ -4,28 +4,26 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
-from pandas import DataFrame, concat
+from pandas import DataFrame, Series, concat
 
 from fprc import escape
 from fprc.figures import style
 from fprc.given import read_json, read_yaml
-from fprc.intervals import mean_and_std
 from fprc.paper import GRID_SETTINGS, PUBLISHED
 from fprc.registry import title_of
 
 _PHASES = {"train": "training", "validation": "validation", "test": "test"}
-#: Panels of Fig. 10: title, and label and base of the axis of the setting.
+#: Panels of Fig. 10: title, label and base of the axis of the setting, and what is shown.
 _PANELS = {
-    "a": ("Errors of FPRC", r"$\epsilon$", 10),
-    "b": ("Errors", "$n_c$", 2),
-    "c": ("Execution times, batch", "$n_c$", 2),
+    "a": ("Errors of FPRC", r"$\epsilon$", 10, "RMSE"),
+    "b": ("Errors", "$n_c$", 2, "RMSE"),
+    "c": ("Execution times, batch", "$n_c$", 2, "Time"),
 }
 #: Edges of the grids' colours, as shares of the errors' range on a logarithmic scale.
 _EDGES = np.linspace(0.0, 1.0, 11) ** 2
@@ -44,51 +42,64 @@ def draw_grids(
     reports, timed = [read_json(path) for path in grids], read_json(times)
     several = len(reports) > 1
     marks = {"seeds": [report["seed"] for report in reports]} if several else reports[0]
-    batch = (entry for entry in timed["times"] if entry["mode"] == "batch")
-    rows = (_row(x, "n_c", x["phase"], x["seconds"], "s", timed["source"]) for x in batch)
-    panels = {"a": _grid_errors(reports, "epsilon"), "b": _grid_errors(reports, "n_c")}
+    batch = DataFrame(entry for entry in timed["times"] if entry["mode"] == "batch")
+    batch = batch.set_index(["model", "n_c", "phase"])["seconds"]
+    panels = {"a": _errors(reports, "epsilon"), "b": _errors(reports, "n_c")}
     panels = {panel: table for panel, table in panels.items() if not table.empty}
-    panels["c"] = DataFrame(rows)
+    panels["c"] = _statistics(batch, "n_c", "s", timed["source"])
     shown = concat(panels, names=["panel"]).reset_index("panel")
     fig = _draw_settings(panels, f"± std over {'seeds' if several else 'folds'}")
     style.save(fig, marks, *fig10, table=shown)
     if fig11:
-        table = _grid_errors(reports, "taps")
-        printed = read_yaml(PUBLISHED)["table_1_configuration"]
-        papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
-        style.save(_draw_taps(table, papers), marks, *fig11, table=table)
+        taps = _errors(reports, "taps")
+        style.save(_draw_taps(taps), marks, *fig11, table=taps)
 
 
-def _grid_errors(reports: Sequence[Mapping[str, Any]], grid: str) -> DataFrame:
-    """Mean and standard deviation of each phase's RMSE over the settings of a grid, tidy.
-
-    They are over further seeds, a report each, or over the folds of one report.
-    """
-    unit, source = reports[0].get("unit", "kPa"), reports[0]["source"]
-    return DataFrame(
-        _row(cells[0], grid, phase, [cell[f"{phase}_rmse_kpa"] for cell in cells], unit, source)
-        for cells in zip(*(report[grid] for report in reports), strict=True)
-        for phase in _PHASES
-    )
+def _errors(reports: Sequence[Mapping[str, Any]], grid: str) -> DataFrame:
+    """Statistics of each phase's RMSE over further seeds, a report each, or over folds."""
+    unit = reports[0].get("unit", "kPa")
+    cells = DataFrame(cell for report in reports for cell in report[grid])
+    if cells.empty:
+        return cells
+    cells = cells.set_index(["model", *GRID_SETTINGS[grid]]).rename_axis(columns="phase")
+    cells = cells.rename(columns={f"{phase}_rmse_kpa": phase for phase in _PHASES})
+    return _statistics(cells[[*_PHASES]].stack(), grid, unit, reports[0]["source"])
 
 
-def _row(
-    cell: Mapping[str, Any], grid: str, phase: str, values: Any, unit: str, source: str
-) -> dict[str, Any]:
-    several = {name: cell[name] for name in GRID_SETTINGS[grid]}
-    setting = several if len(several) > 1 else {"setting": grid, "value": cell[grid]}
-    mean, std = mean_and_std(values)
-    spread = {"mean": mean, "std": std, "values": np.size(values)}
-    named = {"model": cell["model"], **setting, "phase": phase}
-    return {**named, **spread, "unit": unit, "source": source}
+def _statistics(values: Series, grid: str, unit: str, source: str) -> DataFrame:
+    """Mean and standard deviation of values by model, setting of a grid and phase, tidy."""
+    groups = values.explode().astype(float).groupby(level=values.index.names, sort=False)
+    table = groups.agg(["mean", "std", "count"]).reset_index()
+    if grid != "taps":
+        table = table.rename(columns={grid: "value"})
+        table.insert(1, "setting", grid)
+    return table.rename(columns={"count": "values"}).assign(unit=unit, source=source)
 
 
 def _draw_settings(panels: Mapping[str, DataFrame], spread: str) -> Figure:
-    """Figure 10, the tables of its panels, one above the other; ``spread`` says what a band is."""
+    """Draw Fig. 10, the tables of its panels, one above the other; ``spread``: what a band is.
+
+    Errors have bands of their standard deviation, times bars: on a logarithmic axis, a band that
+    reaches below zero would cover the rest.
+    """
     fig, axes = style.figure(len(panels), 1, style.COLUMN_IN, 4.6 if "a" in panels else 3.4)
     for (panel, table), ax in zip(panels.items(), axes, strict=True):
-        title, label, base = _PANELS[panel]
-        _plot_over(table, ax, times=panel == "c")
+        for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
+            rows = rows.sort_values("value")
+            x, mean, std = rows["value"], rows["mean"], rows["std"]
+            look = style.line_of(model)
+            colour = look["color"]
+            ax.plot(x, mean, **look, **style.PHASES[phase], linewidth=0.8)
+            if panel == "c":
+                ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=colour, elinewidth=0.6)
+            else:
+                ax.fill_between(x, mean - std, mean + std, color=colour, alpha=0.3, linewidth=0)
+        ax.margins(y=0.12)
+        title, label, base, quantity = _PANELS[panel]
+        if panel == "c":
+            ax.set_yscale("log")
+            ax.set_ylim(table["mean"].min() / 2.0, 2.0 * table["mean"].max())
+        ax.set_ylabel(f"{quantity} [{escape.figure(table['unit'].iloc[0])}]")
         style.letter(ax, f"({panel}) {title}")
         ax.set_xscale("log", base=base)
         ax.set_xlabel(label)
@@ -104,35 +115,15 @@ def _draw_settings(panels: Mapping[str, DataFrame], spread: str) -> Figure:
     return fig
 
 
-def _plot_over(table: DataFrame, ax: Axes, *, times: bool) -> None:
-    """Draw errors with bands of their standard deviation, or times with bars, over a setting.
-
-    On the logarithmic axis of times, a band that reaches below zero would cover the rest.
-    """
-    for (model, phase), rows in table.groupby(["model", "phase"], sort=False):
-        rows = rows.sort_values("value")
-        x, mean, std = rows["value"], rows["mean"], rows["std"]
-        look = style.line_of(model)
-        ax.plot(x, mean, **look, **style.PHASES[phase], linewidth=0.8)
-        if times:
-            ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=look["color"], elinewidth=0.6)
-        else:
-            ax.fill_between(x, mean - std, mean + std, color=look["color"], alpha=0.3, linewidth=0)
-    ax.margins(y=0.12)
-    if times:
-        ax.set_yscale("log")
-        ax.set_ylim(table["mean"].min() / 2.0, 2.0 * table["mean"].max())
-    quantity = "Time" if times else "RMSE"
-    ax.set_ylabel(f"{quantity} [{escape.figure(table['unit'].iloc[0])}]")
-
-
-def _draw_taps(table: DataFrame, papers: tuple[int, int]) -> Figure:
-    """Figure 11: the RMSE of each phase over n_u and n_y as a coloured grid.
+def _draw_taps(table: DataFrame) -> Figure:
+    """Draw Fig. 11: the RMSE of each phase over n_u and n_y as a coloured grid.
 
     All grids share the colours, which are closer together at small errors, so that neither these
-    nor the largest look alike. The lowest cell and that of the paper's setting, ``papers``, n_u and
-    n_y, are framed, and the titles have their numbers.
+    nor the largest look alike. The lowest cell and that of the paper's setting are framed, and the
+    titles have their numbers.
     """
+    printed = read_yaml(PUBLISHED)["table_1_configuration"]
+    papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]
     fig, axes = style.figure(1, 3, style.COLUMN_IN, 2.5, sharey=True)
     least, most = table["mean"].min(), max(table["mean"].max(), 1.01 * table["mean"].min())
     norm = BoundaryNorm(least * (most / least) ** _EDGES, 256)
