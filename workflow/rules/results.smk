@@ -212,10 +212,11 @@ SHOWN = {
         "draw_hysteresis draw_training draw_weights draw_grids ledger".split(), PLAN.data
     ),
 }
-MADE, TARGETS = {}, {}
+MADE, TARGETS, CAPTIONS = {}, {}, {}
 for name, behind in SHOWN.items():
     shown = getattr(rules, name)
     for target, files in shown.output.items():
+        CAPTIONS[target] = shown.params.get("caption", "")
         MADE[target], TARGETS[target] = list(files), [*files, *shown.input, *behind]
 #: Tables of the report; the claims have a place of their own.
 PAGES = [file for name in MADE if name != "claims" for file in MADE[name] if file.endswith(".json")]
@@ -241,6 +242,7 @@ rule report_page:
         stage="stages.report.write_report",
         code=SHOWS,
         sources=list(DRAWN.values()),
+        captions=CAPTIONS,
         missing={title_of_result(name): PLAN.unavailable[name] for name in PLAN.unavailable},
         settings=SETTINGS,
     message:

@@ -100,11 +100,6 @@ def figure(
     return plt.subplots(rows, columns, figsize=size, layout="constrained", **options)
 
 
-def shade(ax: Axes, name: str, first_s: float, last_s: float) -> None:
-    """Shade a time of a run over the height of the axes, named for a key."""
-    ax.axvspan(first_s, last_s, **TIMES[name], linewidth=0, zorder=0, label=name)
-
-
 def letter(ax: Axes, text: str) -> None:
     """Put a panel's letter and title above its left edge."""
     ax.set_title(text, loc="left")
@@ -112,16 +107,15 @@ def letter(ax: Axes, text: str) -> None:
 
 def legend_above(ax: Axes) -> None:
     """Put the legend of axes above their right edge."""
-    handles, labels = ax.get_legend_handles_labels()
-    ax.legend(handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1,
-              ncols=len(labels), handlelength=1.4, columnspacing=1.0)  # fmt: skip
+    columns = len(ax.get_legend_handles_labels()[1])
+    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=columns,
+              handlelength=1.4, columnspacing=1.0)  # fmt: skip
 
 
 def share_legend(fig: Figure, ax: Axes, columns: int = 2) -> None:
     """Put the legend of one axes above the figure, for all axes."""
-    handles, labels = ax.get_legend_handles_labels()
-    fig.legend(handles, labels, loc="outside upper center", ncols=columns, handlelength=1.4,
-               columnspacing=1.2)  # fmt: skip
+    fig.legend(*ax.get_legend_handles_labels(), loc="outside upper center", ncols=columns,
+               handlelength=1.4, columnspacing=1.2)  # fmt: skip
 
 
 #: Text under a figure, by the source of its data.

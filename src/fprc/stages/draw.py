@@ -195,7 +195,8 @@ def _draw_following(pair: Sequence[Any], shown: Sequence[Any], rmse_deg: pd.Seri
     titles = "(a) FPRC", "(b) FPRC+PD", "(c) Errors", "(d) Outputs in (b)", ""
     for (ax, end), title in zip(axes, titles, strict=True):
         style.letter(ax, title)
-        style.shade(ax, "settling", time_s[0], settle_s)
+        ax.axvspan(time_s[0], settle_s, label="settling", linewidth=0, zorder=0,
+                   **style.TIMES["settling"])  # fmt: skip
         ax.set_xlim(time_s[0], time_s[-1])
         end.set_xlim(time_s[-1] - _END_S, time_s[-1])
         end.set_ylabel("")
@@ -261,7 +262,7 @@ def _draw_disturbance(log: Any, quiet_s: float, files: Sequence[str]) -> None:
     edges = time_s[0], log.attributes["settle_s"], quiet_s, time_s[-1]
     for ax in axes:
         for name, first, last in zip(style.TIMES, edges, edges[1:], strict=False):
-            style.shade(ax, name, first, last)
+            ax.axvspan(first, last, label=name, linewidth=0, zorder=0, **style.TIMES[name])
         ax.margins(x=0)
     style.letter(axes[0], "(a) Actuator, FPRC+PD")
     style.letter(axes[2], "(b) Reservoir")

@@ -41,15 +41,18 @@ def write_report(
     html: str,
     *,
     sources: Sequence[str],
+    captions: Mapping[str, str],
     missing: Mapping[str, str],
     settings: Mapping[str, Any],
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
     ``ledger`` is empty if no claims were judged; tables are JSON, figures PNG. ``sources`` are
-    those of the figures' data, ``missing`` the results that the data do not allow, with reasons.
+    those of the figures' data; ``captions`` of rules replace those of ``captions.yaml``;
+    ``missing`` has the results that the data do not allow, with reasons.
     """
-    folder, captions = Path(html).parent, read_yaml(_HERE / "captions.yaml")
+    folder, known = Path(html).parent, read_yaml(_HERE / "captions.yaml")
+    captions = known | {target: caption for target, caption in captions.items() if caption}
     shown = [_figure(*drawn, captions, folder) for drawn in zip(figures, sources, strict=True)]
     pages = {Path(page).stem: _page(page, settings["fitted"]["to"], folder) for page in tables}
     # a table of one seed is folded up below the same one over seeds
@@ -58,7 +61,6 @@ def write_report(
         over = {"title": f"{one['title']}, over seeds", "short": one["short"], "one_seed": one}
         pages[name] = pages.pop(f"{name}_seeds") | over
         one["short"] += " with one seed"
-    drawn_from = set(sources) - {"none"}
     judged: Any = read_json(ledger[0]) if ledger else {"claims": [], "note": ""}
     code, here = Path(fprc.__path__[0]) / "claims" / "paper.py", Path.cwd()
     # a link where page and code are in one project, not where the package is installed elsewhere
@@ -67,12 +69,11 @@ def write_report(
         loader=jinja2.FileSystemLoader(_HERE), autoescape=True,
         undefined=jinja2.StrictUndefined, trim_blocks=True,
     )  # fmt: skip
-    environment.filters["symbols"] = symbols
-    environment.globals["zip"] = zip
+    environment.filters["symbols"] = lambda text: Markup(typeset(str(escape(text))))
     page = environment.get_template("page.html.j2").render(
-        kinds=in_words(SOURCES[source] for source in sorted(drawn_from)),
+        kinds=in_words(SOURCES[source] for source in sorted({*sources} - {"none"})),
         # the workflow refuses logs of which some are simulated and others are not
-        simulated="sim" in drawn_from,
+        simulated="sim" in sources,
         claims=judged["claims"],
         note=judged["note"],
         holding=holding(judged["claims"]),
@@ -95,15 +96,10 @@ def write_report(
     log.info("wrote %s, %d tables and %d figures", html, len(pages), len(shown))
 
 
-def symbols(text: object) -> Markup:
-    """Return text as HTML with the paper's symbols typeset: theta_d as θ with a low d."""
-    return Markup(typeset(str(escape(text))))
-
-
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     """Return the settings of models, experiments and evaluation that differ from the defaults."""
     default, ours = (
-        pd.json_normalize(section).to_dict("records")[0]
+        pd.json_normalize(section).iloc[0]
         for section in (Settings().model_dump(mode="json"), dict(settings))
     )
     return {
@@ -115,13 +111,12 @@ def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
 
 def _line(page: Mapping[str, Any]) -> tuple[Mapping[str, Any], str, str]:
     """Return of Table II or IV what a reader asks first: what it is, and numbers."""
-    table = pd.DataFrame(page["table"]["data"], columns=page["table"]["columns"])
-    first = table.columns[0]
+    table = pd.DataFrame(page["data"], columns=page["columns"]).set_index(page["columns"][0])
     if page["anchor"].startswith("table2"):
-        cells = table.set_index(first).iloc[-1].filter(like="ours")
-        what = f"{cells.name} of the models {first.partition(' ')[2]}"
+        cells = table.iloc[-1].filter(like="ours")
+        what = f"{cells.name} of the models {table.index.name.partition(' ')[2]}"
     else:
-        ours = table[table["Whose"] == "ours"].set_index(first)
+        ours = table[table["Whose"] == "ours"]
         cells = ours["Sweep" if "Sweep" in ours else ours.columns[-1]]
         what = f"RMSE of tracking, {str(cells.name).lower()} [deg]"
     # the means, without interval or deviation
@@ -131,21 +126,19 @@ def _line(page: Mapping[str, Any]) -> tuple[Mapping[str, Any], str, str]:
 
 def _page(path: str, fitted_to: Sequence[str], folder: Path) -> dict[str, Any]:
     """Return a table, with whether the rig was fitted to it or to some of its rows."""
-    table, name, kinds = read_json(path), Path(path).stem, []
+    table, name, kinds = read_json(path), Path(path).stem, {}
     if name.startswith("table4"):
-        kinds = ["fitted" if "open_loop" in fitted_to else "predicted"]
-        kinds += ["half fitted" if "closed_sweep" in fitted_to else "predicted"]
+        kinds["FPRC"] = "fitted" if "open_loop" in fitted_to else "predicted"
+        kinds["FPRC+PD"] = "half fitted" if "closed_sweep" in fitted_to else "predicted"
     elif name.removesuffix("_seeds") in ("table2", "table3"):
-        kinds = ["fitted" if "tables" in fitted_to else "predicted"]
-    mixed = len(set(kinds)) > 1
-    return {
+        kinds["all"] = "fitted" if "tables" in fitted_to else "predicted"
+    mixed = len({*kinds.values()}) > 1
+    return table | {
         "anchor": name,
         "short": table["title"].partition(". ")[0],
-        "kind": "half fitted" if mixed else "".join(kinds[:1]),
-        "rows": dict(zip(("FPRC", "FPRC+PD"), kinds, strict=True)) if mixed else {},
-        "title": table["title"],
+        "kind": "half fitted" if mixed else next(iter(kinds.values()), ""),
+        "rows": kinds if mixed else {},
         "note": table["note"][:1].upper() + table["note"][1:],
-        "table": table,
         "one_seed": None,
         **_origin(path, folder, ".csv", ".tex"),
     }

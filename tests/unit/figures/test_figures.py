@@ -64,18 +64,6 @@ def test_figure_is_marked_by_the_source_of_its_data_alone(axes, data, mark):
     assert [text.get_text() for text in axes.figure.texts] == [mark]
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
-    [
-        ("FPRC on low-passed theta_d", r"FPRC on low-passed $\theta_{d}$"),
-        ("P_ff over P_fb's n_c", r"$P_\mathrm{ff}$ over $P_\mathrm{fb}$'s $n_{c}$"),
-        ("fuzzy_linear costs $5", r"fuzzy_linear costs \$5"),
-    ],
-)
-def test_symbols_of_the_paper_are_typeset(text, shown):
-    assert style.symbols(text) == shown
-
-
 @pytest.mark.parametrize("unit", [r"$\frac{$", "$x$", "\x1b[31mN"])
 def test_unit_from_a_file_is_drawn_as_text(axes, unit):
     """A pair of dollars would be a formula, and a wrong one an error."""

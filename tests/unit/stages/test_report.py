@@ -14,10 +14,11 @@ from PIL import Image
 import fprc
 from fprc.artifacts import write_json
 from fprc.config import Settings
+from fprc.escape import typeset
 from fprc.given import read_yaml
 from fprc.provenance import hash_of
 from fprc.stages import report
-from fprc.stages.report import symbols, write_report
+from fprc.stages.report import write_report
 from fprc.tables.text import write_table
 
 DOI = "https://doi.org/10.1109/LRA.2024.3523229"
@@ -68,7 +69,7 @@ class Project:
     """Files of a report, and what goes to the stage."""
 
     def __init__(self, folder):
-        self.folder, self.settings, self.missing = folder, SETTINGS, {}
+        self.folder, self.settings, self.missing, self.captions = folder, SETTINGS, {}, {}
         self.claims = [dict(row) for row in CLAIMS]
         self.ledger = [str(folder / "claims.json")]
         self.tables, self.figures, self.sources = [], [], []
@@ -93,7 +94,7 @@ class Project:
         target = self.folder / "report.html"
         write_report(
             self.ledger, self.tables, self.figures, str(target), sources=self.sources,
-            missing=self.missing, settings=self.settings,
+            captions=self.captions, missing=self.missing, settings=self.settings,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -153,7 +154,7 @@ def test_page_opens_with_what_holds_and_what_was_measured(tmp_path):
 
 def test_every_claim_is_shown_with_its_verdict_its_numbers_and_its_code(project, monkeypatch):
     def shown(text):
-        return html.unescape(re.sub("<[^>]*>", "", str(symbols(text))))
+        return html.unescape(re.sub("<[^>]*>", "", typeset(text)))
 
     (project.folder / "fig04_name.csv").touch()
     monkeypatch.chdir(os.path.commonpath([project.folder, fprc.__path__[0]]))
@@ -214,6 +215,7 @@ def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(
 
 
 def test_tables_and_figures_are_shown_with_their_notes_captions_and_files(project):
+    project.captions = {"fig4": "", "fig6": "What a rule says."}
     page = project.page()
     assert page.texts("h3") == ["Table IV. Tracking", "Table I. Settings"]
     assert "Pff alone." in page.texts("p", **{"class": "note"})
@@ -222,10 +224,9 @@ def test_tables_and_figures_are_shown_with_their_notes_captions_and_files(projec
         ["RMSE [deg]", "Sweep", "FPRC", "2.67", "PD", ""], ["Model", "Value", "ESN", "800"]
     ]  # fmt: skip
     assert [figure["id"] for figure in page.all("figure")] == ["fig4", "fig6", "fig12"]
-    captions, known = (
-        page.texts("figcaption"),
-        read_yaml(Path(report.__file__).parent / "captions.yaml"),
-    )
+    captions = page.texts("figcaption")
+    known = read_yaml(Path(report.__file__).parent / "captions.yaml")
+    known["fig6"] = project.captions["fig6"]
     assert captions[0].startswith(f"Fig. 4. {known['fig4'][:40]}")
     for figure, image, picture in zip(
         page.all("figure"), page.all("img"), project.figures, strict=True
