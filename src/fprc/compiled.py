@@ -22,7 +22,10 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
         compiled = numba.njit(cache=True, **options)(function)
     except RuntimeError:  # there is none, or numba found no folder
         return numba.njit(**options)(function)
-    cache, stamp = compiled._cache, _stamp(Path(function.__code__.co_filename).parent)  # noqa: SLF001
+    cache, here = compiled._cache, Path(__file__)  # noqa: SLF001
+    package = Path(function.__code__.co_filename).parent
+    sources = (here, here.with_name("control_laws.py"), *sorted(package.glob("*.py")))
+    stamp = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
     # numba has no public names for these. A stamp alone would not do: after a full disk or a kill
     # between its writes, a new index names the machine code of the old sources
     name = f"{cache._impl.filename_base}.{stamp[:16]}"  # noqa: SLF001
@@ -44,9 +47,3 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
 def summing_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile as ``kernel``, but allow the compiler to reorder sums for vector instructions."""
     return kernel(function, fastmath={"reassoc", "contract"})
-
-
-def _stamp(package: Path) -> str:
-    here = Path(__file__)
-    sources = (here, here.with_name("control_laws.py"), *sorted(package.glob("*.py")))
-    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()

@@ -16,11 +16,9 @@ _DESCRIPTION = """\
 Hysteresis of a soft bending actuator
 
 Task: predict P_exp (target) from the present and earlier samples of theta and P_o (data), which are
-in the order of time.
-
-The paper's models are trained on the sweep and tested on the complex signal, and the other way
-round, with the error RMSE: Shen, Miyazaki, Kawashima, IEEE RA-L 2024, 10.1109/LRA.2024.3523229,
-Secs. II-B and III-D.
+in the order of time. The paper's models are trained on the sweep and tested on the complex signal,
+and the other way round, with the error RMSE: Shen, Miyazaki, Kawashima, IEEE RA-L 2024,
+10.1109/LRA.2024.3523229, Secs. II-B and III-D.
 """
 
 
@@ -43,20 +41,9 @@ def load_hysteresis(
     Returns
     -------
     Bunch
-        ``data`` : ndarray of shape (n_samples, 2)
-            theta in deg and P_o in kPa.
-        ``target`` : ndarray of shape (n_samples,)
-            Commanded P_exp in kPa.
-        ``feature_names``, ``target_names`` : list of str
-            Channels of ``data`` and ``target``.
-        ``channels`` : dict of ndarray of shape (n_samples,)
-            Every channel of the raw log.
-        ``units`` : dict of str
-            Unit of each channel.
-        ``sample_rate_hz`` : float
-            Samples per second.
-        ``DESCR`` : str
-            Description of the task.
+        ``data`` of shape (n_samples, 2), theta in deg and P_o in kPa; ``target`` of shape
+        (n_samples,), the commanded P_exp in kPa; their ``feature_names`` and ``target_names``;
+        ``channels`` and ``units`` of the raw log by name; ``sample_rate_hz``, and ``DESCR``.
 
     Raises
     ------

@@ -1,11 +1,9 @@
 """Feedforward hysteresis compensation models, as scikit-learn estimators."""
 
-from fprc.models.compose import FeatureModel, NodeFeatures, SideBySide
-from fprc.models.echo import EchoStates
-from fprc.models.esn import ESN
+from fprc.models.compose import NVAR, FeatureModel, NodeFeatures, SideBySide
+from fprc.models.esn import ESN, EchoStates
 from fprc.models.features import FeatureMap, LowpassBank, PlayOperators, TapFeatures
 from fprc.models.fprc import FPRC, FuzzyLinear
-from fprc.models.nvar import NVAR
 from fprc.models.online import Learning, Online
 from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel

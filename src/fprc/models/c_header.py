@@ -21,32 +21,15 @@ from fprc.models.takagi_sugeno import TakagiSugenoReadout
 def c_header(
     model: SequenceModel, name: str, *, origin: str = "", online: Online | None = None
 ) -> str:
-    """Return a C header that computes what ``model.step`` computes.
+    """Return a C header that computes what ``model.step`` computes, see docs/deploy.md.
 
-    It has the functions ``NAME_init(&state)``, ``NAME_reset(&state, x)`` and
-    ``NAME_step(&state, x)``. It needs the C library only for ``exp``.
+    The fitted ``model`` has taps, low-passes and plays as features, alone or side by side, and a
+    ridge or a fuzzy readout. ``name`` begins every name in the header; ``origin``, where the model
+    comes from, is for the comment at the top. With ``online``, the same model as it learns, the
+    header has ``NAME_learn(&state, error, theta)`` and ``NAME_sent(&state, p_fb)`` too.
 
-    Parameters
-    ----------
-    model : SequenceModel
-        Fitted model with taps, low-passes and plays as features, alone or side by side, and a
-        ridge or a fuzzy readout, such as FPRC and FuzzyLinear.
-    name : str
-        Begins every name in the header.
-    origin : str, optional
-        Where the model comes from, for the comment at the top.
-    online : Online, optional
-        The same model as it learns: the header then has ``NAME_learn(&state, error, theta)`` and
-        ``NAME_sent(&state, p_fb)`` too, as in ``Online``.
-
-    Raises
-    ------
-    FprcError
-        The model cannot be exported, or ``name`` is no C name.
-
-    References
-    ----------
-    Paper, Sec. III-B, Eqs. (4), (6), (10)-(12).
+    FprcError: the model cannot be exported, or ``name`` is no C name. Paper, Sec. III-B, Eqs. (4),
+    (6), (10)-(12).
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
         raise FprcError(

@@ -9,10 +9,9 @@ from sklearn.neural_network import MLPRegressor
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
-from fprc.models.compose import FeatureModel, Part, SideBySide
-from fprc.models.echo import EchoStates
+from fprc.models.compose import NVAR, FeatureModel, Part, SideBySide
+from fprc.models.esn import EchoStates
 from fprc.models.features import LowpassBank, PlayOperators, TapFeatures
-from fprc.models.nvar import NVAR
 from fprc.models.ridge import RidgeReadout
 from fprc.models.takagi_sugeno import TakagiSugenoReadout
 

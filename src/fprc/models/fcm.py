@@ -2,7 +2,6 @@
 
 import warnings
 from collections import deque
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +11,7 @@ from sklearn.utils import check_random_state
 
 from fprc.models.kernels import alternate
 
-#: A sample counts as lying on a centre if its distance is below this fraction of the
-#: largest absolute number in the data: smaller distances are rounding errors.
+#: Distances below this fraction of the largest absolute number in the data are rounding errors.
 NEAR = 64.0 * np.finfo(float).eps
 #: Extrapolate only when no membership changes by more than this: further from an optimum, an
 #: extrapolation could lead to another one.
@@ -53,12 +51,11 @@ def fuzzy_c_means(
 ) -> Clusters:
     """Cluster the rows of ``X``, finite numbers, by alternating memberships and centres.
 
-    The centres start at k-means++ samples and first converge on every
-    ``coarse``-th row, so that few iterations on all rows remain. Each iteration
-    extrapolates the earlier ones (Anderson 1965), which converges in tens of
-    iterations where plain alternation takes hundreds. If an extrapolation raises
-    the objective, a longer step and then the plain step replace it. The iterations
-    end when no membership changes by more than ``tolerance``.
+    The centres start at k-means++ samples and first converge on every ``coarse``-th row, so that
+    few iterations on all rows remain. Each iteration extrapolates the earlier ones (Anderson 1965):
+    tens of iterations where plain alternation takes hundreds. If an extrapolation raises the
+    objective, a longer step and then the plain step replace it. The iterations end when no
+    membership changes by more than ``tolerance``.
 
     Of ``restarts`` starts the one with the lowest objective is kept; ``init``, of shape
     (n_clusters, n_features), is the only start instead, and converges on all rows at once.
@@ -69,10 +66,7 @@ def fuzzy_c_means(
             "use fewer clusters or a longer log"
         )
     if (largest := np.abs(X).max()) > LARGEST:
-        raise ValueError(
-            f"X has numbers up to {largest:g}; must be within {LARGEST:g}, or distances overflow: "
-            "scale it"
-        )
+        raise ValueError(f"X has numbers up to {largest:g}; scale it to within {LARGEST:g}")
     if init is not None:
         return _converge(X, init, tolerance, max_iterations)
     thinned = X[::coarse]
@@ -96,7 +90,7 @@ def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) 
     floor = max((NEAR * np.abs(X).max()) ** 2, np.finfo(float).tiny ** 0.5)
     best = Clusters(centers, np.zeros((len(centers), len(X))), np.inf, 0.0)
     spare = np.empty_like(best.memberships)
-    past: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=DEPTH + 1)
+    past: deque[np.ndarray] = deque(maxlen=DEPTH + 1)  # end points and steps
     tries, stretch = [centers], 1.0  # the last try, a plain step, never raises the objective
     for passes in range(1, limit + 1):
         centers = np.clip(tries.pop(0), lowest, highest)
@@ -111,11 +105,15 @@ def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) 
         if change > SMALL:
             past.clear()
         step = means - centers
-        past.append((means, step))
+        past.append(np.array([means, step]))
         # growing steps lead away from a saddle; an extrapolation would lead back, so step further
         tries = [means]
         if len(past) > 1:
-            tries = [_extrapolated(past), means + 2.0 * stretch * step, means]
+            # the centres at which the step would be zero if steps were linear in the centres
+            ends, steps = np.array(past).reshape(len(past), 2, -1).swapaxes(0, 1)
+            factors = np.linalg.lstsq(np.diff(steps, axis=0).T, steps[-1], rcond=RANK)[0]
+            extrapolated = (ends[-1] - factors @ np.diff(ends, axis=0)).reshape(means.shape)
+            tries = [extrapolated, means + 2.0 * stretch * step, means]
     else:
         warnings.warn(
             f"fuzzy c-means did not converge to {tolerance:g} in {limit} iterations",
@@ -123,13 +121,3 @@ def _converge(X: np.ndarray, centers: np.ndarray, tolerance: float, limit: int) 
             stacklevel=4,
         )
     return best._replace(memberships=best.memberships.T)
-
-
-def _extrapolated(past: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """Return the centres at which the step would be zero if steps were linear in the centres.
-
-    ``past`` holds the end point and the step of two or more iterations.
-    """
-    ends, steps = (np.array(arrays).reshape(len(past), -1) for arrays in zip(*past, strict=True))
-    factors = np.linalg.lstsq(np.diff(steps, axis=0).T, steps[-1], rcond=RANK)[0]
-    return (ends[-1] - factors @ np.diff(ends, axis=0)).reshape(past[-1][0].shape)

@@ -57,10 +57,6 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         self.reset()
         return self
 
-    def transform(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> np.ndarray:
-        """Return what ``map_log`` does, in the container that ``set_output`` asks for."""
-        return self.map_log(X, lengths)
-
     def map_log(self, X: ArrayLike, lengths: Sequence[int] | None = None) -> np.ndarray:
         """Return the features of every sample of a log, of shape (n_samples, n_features).
 
@@ -69,6 +65,8 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         """
         rows = list(self.blocks(X, lengths, most=None))
         return rows[0] if len(rows) == 1 else np.concatenate(rows)
+
+    transform = map_log  # which returns the container that ``set_output`` asks for
 
     def blocks(
         self, X: ArrayLike, lengths: Sequence[int] | None = None, most: int | None = BLOCK

@@ -29,9 +29,9 @@ class FPRC(SequenceModel):
     n_y : int, default=5
         Taps of theta_d.
     sigma : float, default=2.0
-        Gaussian membership scaling.
+        Gaussian membership scaling, in the unit of the features.
     alpha : float, default=1e-3
-        Ridge parameter of every rule.
+        Ridge parameter of every rule, >= 0.
     random_state : int or None, default=None
         Start of the clustering.
     restarts : int, default=1

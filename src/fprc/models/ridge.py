@@ -3,8 +3,7 @@
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import reduce
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,16 +23,17 @@ def with_bias(X: np.ndarray) -> np.ndarray:
     return np.column_stack([np.ones(len(X)), X])
 
 
-def sums_of_products(blocks: Iterable[np.ndarray], y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sums of the products of [1, x] with itself and y, over blocks in its order."""
-    gram, moments, done = np.zeros(()), np.zeros(()), 0
+def sums_of_products(blocks: Iterable[np.ndarray], y: np.ndarray) -> Any:
+    """Return the sums of the products of [1, x] with [1, x, y], over blocks of x in y's order."""
+    sums: Any = 0.0
+    done = 0
     for block in blocks:
         for first in range(0, len(block), ROWS):
             extended = with_bias(block[first : first + ROWS])
-            gram = gram + extended.T @ extended
-            moments = moments + extended.T @ y[done : done + len(extended)]
+            moments = extended.T @ y[done : done + len(extended)]
+            sums = sums + np.column_stack([extended.T @ extended, moments])
             done += len(extended)
-    return gram, moments
+    return sums
 
 
 def solve_ridge(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarray:
@@ -69,7 +69,6 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     alpha: float = MODEL["alpha"].default
 
     def learned(self) -> dict[str, Array]:
-        """Return the shape of the weights, see ``fprc.models.limits``."""
         return {"w_out_": Array((1 + self.n_features_in_,))}
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
@@ -80,7 +79,7 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
     def fit_blocks(self, blocks: Iterable[np.ndarray], y: np.ndarray) -> Self:
         """Fit to rows that come in blocks, each of which the next may overwrite, without checks."""
         check_limits(self)
-        return self.fit_sums(*sums_of_products(blocks, y))
+        return self.fit_sums(sums_of_products(blocks, y))
 
     def fit_complements(
         self, blocks: Iterable[np.ndarray], y: np.ndarray, parts: Sequence[np.ndarray]
@@ -94,19 +93,17 @@ class RidgeReadout(RegressorMixin, BaseEstimator):
         part_of, done = np.empty(len(y), dtype=int), 0
         for i, part in enumerate(parts):
             part_of[part] = i
-        sums: list[list[np.ndarray]] = [[] for _ in parts]
+        sums = [0.0] * len(parts)
         for block in blocks:
             here = slice(done, done := done + len(block))
-            for i, whole in enumerate(sums):
+            for i in range(len(parts)):
                 ours = part_of[here] == i
-                found = sums_of_products([block[ours]], y[here][ours])
-                whole[:] = map(np.add, whole, found) if whole else found
-        others = (zip(*sums[:i], *sums[i + 1 :], strict=True) for i in range(len(parts)))
-        return [clone(self).fit_sums(*(reduce(np.add, terms) for terms in rest)) for rest in others]
+                sums[i] += sums_of_products([block[ours]], y[here][ours])
+        return [clone(self).fit_sums(sum(sums[:i] + sums[i + 1 :])) for i in range(len(parts))]
 
-    def fit_sums(self, gram: np.ndarray, moments: np.ndarray) -> Self:
-        self.n_features_in_ = len(moments) - 1
-        self.w_out_ = solve_ridge(gram, moments, self.alpha)
+    def fit_sums(self, sums: np.ndarray) -> Self:
+        self.n_features_in_ = len(sums) - 1
+        self.w_out_ = solve_ridge(sums[:, :-1], sums[:, -1], self.alpha)
         return self
 
     def predict(self, X: ArrayLike) -> np.ndarray:

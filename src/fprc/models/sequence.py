@@ -22,10 +22,9 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
     """Base of the feedforward models: rows of ``X`` are samples in time.
 
     Shuffled rows, as of ``KFold(shuffle=True)``, are wrong without a word: the model takes each row
-    for the next sample. In scikit-learn's tools use ``TimeSeriesSplit``.
-    The features depend on the history of the log, the readout on single rows.
-    Cross-validation therefore computes the features once and fits one readout
-    per fold; ``assembled`` joins the two into a model.
+    for the next sample. In scikit-learn's tools use ``TimeSeriesSplit``. The features depend on the
+    history of the log, the readout on single rows. Cross-validation therefore computes the features
+    once and fits one readout per fold; ``assembled`` joins the two into a model.
     """
 
     @abstractmethod
@@ -45,12 +44,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Train on a log; ``fprc.evaluation.prepare`` also takes several recordings.
 
-        Parameters
-        ----------
-        X : array-like of shape (n_samples, n_inputs)
-            Samples in the order of time, at least as many as taps.
-        y : array-like of shape (n_samples,)
-            P_exp, kPa.
+        ``X`` has the samples in the order of time, at least as many as taps; ``y`` is P_exp, kPa.
         """
         rows, targets = training_data(self, X, y)
         self.features_ = self.make_features().fit(rows)
@@ -101,11 +95,11 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         return model
 
     def learned(self) -> dict[str, Any]:
-        """Return the parts, and the shape of what is remembered, see ``fprc.models.limits``."""
-        parts = {"features_": BaseEstimator, "readout_": BaseEstimator}
-        if not self.learns_online():
-            return parts
-        return parts | {"information_": Array((self.readout_.weights.size,) * 2)}
+        """Return what each attribute must be, see ``fprc.models.limits``."""
+        parts: dict[str, Any] = {"features_": BaseEstimator, "readout_": BaseEstimator}
+        if self.learns_online():
+            parts["information_"] = Array((self.readout_.weights.size,) * 2)
+        return parts
 
     def reset(self, x: ArrayLike | None = None) -> None:
         """Begin a new stream; ``x`` is the assumed input at all earlier times."""

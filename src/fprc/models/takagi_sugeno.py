@@ -27,15 +27,11 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     Parameters
     ----------
     n_c : int, default=8
-        Fuzzy rules, >= 1.
     sigma : float, default=2.0
-        Gaussian membership scaling, in the unit of the features.
     alpha : float, default=1e-3
-        Ridge parameter of every rule, >= 0.
     random_state : int or None, default=None
-        Start of the clustering.
     restarts : int, default=1
-        Starts of the clustering, >= 1; the one with the lowest objective is kept.
+        All as in ``FPRC``.
 
     Attributes
     ----------
@@ -58,7 +54,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     restarts: int = MODEL["restarts"].default
 
     def learned(self) -> dict[str, Array | Limit]:
-        """Return the shapes of centres and weights, see ``fprc.models.limits``."""
         # as far as samples go: C computes with distances from the centres
         centers = Array((self.n_c, self.n_features_in_), Limit(-LARGEST, LARGEST))
         weights = Array((self.n_c, 1 + self.n_features_in_))

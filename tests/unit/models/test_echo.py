@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fprc.models import echo
-from fprc.models.echo import echo_states
+from fprc.models import esn
+from fprc.models.esn import echo_states
 
 
 def network(r=40, rho=0.4, inputs=1):
@@ -61,7 +61,7 @@ def test_network_that_does_not_forget_runs_sample_by_sample():
     states = by_log(X, w_in, W_r, 0.5)
     state = np.zeros((2, len(W_r)))
     for u, row in zip(X, states, strict=True):
-        echo.update(state, u, (W_r, w_in, 0.5))
+        esn.update(state, u, (W_r, w_in, 0.5))
         assert np.array_equal(row, state[0])
     # chaos: no two ways of rounding agree for long
     assert_allclose(states[:10], by_step(X[:10], w_in, W_r, 0.5), atol=1e-9)
