@@ -12,8 +12,8 @@ from scipy.signal import lfilter
 
 from fprc.models import ESN, FPRC, FuzzyLinear, RidgeReadout, TapFeatures
 from fprc.models.fcm import fuzzy_c_means
+from fprc.models.fprc import gaussian_memberships
 from fprc.models.ridge import with_bias
-from fprc.models.takagi_sugeno import gaussian_memberships
 
 
 def hysteresis(size):

@@ -9,7 +9,7 @@ from fprc.evaluation.crossval import refusals_of
 from fprc.evaluation.folds import Fold
 from fprc.models import SequenceModel, TakagiSugenoReadout
 from fprc.models.fcm import fuzzy_c_means
-from fprc.models.takagi_sugeno import gaussian_memberships
+from fprc.models.fprc import gaussian_memberships
 
 #: An error below this share of the target's standard deviation counts as this share.
 FLOOR = 1e-6

@@ -12,10 +12,10 @@ from fprc.control_laws import FARTHEST_DEG, LARGEST_ERROR_DEG
 from fprc.errors import FprcError
 from fprc.limits import LARGEST
 from fprc.models.features import TapFeatures, rows_of
+from fprc.models.fprc import TakagiSugenoReadout
 from fprc.models.online import Online
 from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel
-from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
 
 def c_header(

@@ -12,8 +12,8 @@ from sklearn.preprocessing import StandardScaler
 from fprc.models.compose import NVAR, FeatureModel, Part, SideBySide
 from fprc.models.esn import EchoStates
 from fprc.models.features import LowpassBank, PlayOperators, TapFeatures
+from fprc.models.fprc import TakagiSugenoReadout
 from fprc.models.ridge import RidgeReadout
-from fprc.models.takagi_sugeno import TakagiSugenoReadout
 
 
 def on_taps(alpha: float, **taps: Any) -> FeatureModel:

@@ -29,8 +29,7 @@ class FeatureModel(SequenceModel):
         Unfitted map, such as TapFeatures, LowpassBank or SideBySide of several.
     readout : estimator
         Unfitted regressor: RidgeReadout, TakagiSugenoReadout, or any regressor or pipeline of
-        scikit-learn. ``step`` takes microseconds with the readouts of this package, but 0.1 to
-        10 ms with others, whose ``predict`` it calls with one row.
+        scikit-learn. ``step`` takes microseconds with ours, 0.1 to 10 ms with others.
     random_state : int or None, default=None
         Replaces every ``random_state`` in ``features`` and ``readout``, but not those of the maps
         in a SideBySide; None leaves them.
@@ -53,9 +52,9 @@ class FeatureModel(SequenceModel):
 
     def _seeded(self, part: BaseEstimator) -> BaseEstimator:
         part = clone(part)
-        if self.random_state is not None:
-            keys = [key for key in part.get_params() if key.split("__")[-1] == "random_state"]
-            part.set_params(**dict.fromkeys(keys, self.random_state))
+        for key in part.get_params():
+            if key.split("__")[-1] == "random_state" and self.random_state is not None:
+                part.set_params(**{key: self.random_state})
         return part
 
 
@@ -68,8 +67,7 @@ class SideBySide(FeatureMap):
     Parameters
     ----------
     maps : sequence of (FeatureMap, sequence of int)
-        Each map, and the numbers of the columns of ``X`` that it gets, counted from 0. Maps may
-        share columns.
+        Each map, and the numbers of its columns of ``X``, counted from 0; maps may share them.
 
     Attributes
     ----------
@@ -80,7 +78,7 @@ class SideBySide(FeatureMap):
     maps: Sequence[Part]
 
     def count_features(self, columns: int) -> int:
-        allowed = Whole(0, columns - 1)
+        allowed, count = Whole(0, columns - 1), 0
         for part, chosen in self.maps:
             right = len(chosen) and all(map(allowed.allows, chosen))
             if not isinstance(part, FeatureMap) or not right:
@@ -89,7 +87,8 @@ class SideBySide(FeatureMap):
                     f"each {allowed}"
                 )
             check_limits(part)
-        return sum(part.count_features(len(chosen)) for part, chosen in self.maps)
+            count += part.count_features(len(chosen))
+        return count
 
     def learned(self) -> dict[str, Any]:
         return {"maps_": list}
@@ -132,8 +131,7 @@ class NodeFeatures(FeatureMap):
     node : object
         Node before its first run; each ``fit`` takes a copy. Give it a seed.
     washout : int, default=100
-        Steps with the first sample as constant input, in which its state settles before a log
-        begins.
+        Steps with the first sample as constant input, in which the state settles.
     """
 
     node: Any
@@ -160,8 +158,8 @@ class NVAR(FeatureMap):
     z(k) = [x(k), x(k-s), ..., x(k-(n_taps-1) s)], of every column, standardised
     features(k) = [z(k), every product of ``degree`` elements of z(k)]
 
-    The columns are standardised by the training log's mean and standard deviation: a ridge with
-    one alpha would penalise the taps of a signal of 60 deg far more than its squares of 3,600.
+    Columns are standardised because a ridge with one alpha would penalise the taps of a signal of
+    60 deg far more than its squares of 3,600.
 
     Parameters
     ----------

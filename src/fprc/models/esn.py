@@ -15,11 +15,8 @@ from fprc.models.ridge import RidgeReadout
 from fprc.models.sequence import SequenceModel
 
 #: Shortest segment, samples: almost three times what the paper's network needs to forget its
-#: initial state.
-SHORTEST = 600
-
-#: States, in [-1, 1], that differ by less than this count as equal.
-EQUAL = 64 * np.finfo(float).eps
+#: initial state. States, in [-1, 1], that differ by less than EQUAL count as equal.
+SHORTEST, EQUAL = 600, 64 * np.finfo(float).eps
 
 #: W_r, w_in and gamma of Eq. (3).
 Network = tuple[np.ndarray, np.ndarray, float]
@@ -27,23 +24,12 @@ Network = tuple[np.ndarray, np.ndarray, float]
 
 @dataclass(eq=False, repr=False)
 class EchoStates(FeatureMap):
-    """Taps of the input beside the state of a leaky echo state network.
+    """Taps of the input beside the state of an echo state network; parameters are as in ``ESN``.
 
     x(k+1) = gamma x(k) + (1 - gamma) tanh(w_in theta(k) + W_r x(k))     (3)
     features(k) = [theta(k), ..., theta(k-n_y+1), x(k)]
 
     The leak rate of other libraries is 1 - gamma.
-
-    Parameters
-    ----------
-    r : int, default=800
-    f_input : float, default=0.02
-    gamma : float, default=0.8
-    rho : float, default=0.4
-    n_y : int, default=5
-    washout : int, default=100
-    random_state : int or None, default=None
-        All as in ``ESN``.
 
     Attributes
     ----------
@@ -111,10 +97,10 @@ def echo_states(X: np.ndarray, state: np.ndarray, network: Network, states: np.n
     """Compute x(k) of Eq. (3) for each sample of a log, into the rows of ``states``.
 
     A step reads all of W_r and is limited by memory bandwidth. The log is therefore cut into
-    segments that advance together and share each read of W_r. All but the first segment start
-    from a wrong state, which an echo state network forgets: they run again, from the end state
-    of their predecessor, until their states equal those of the first run. A network that does
-    not forget within a segment is run sample by sample.
+    segments that advance together and share each read of W_r. All but the first start from a wrong
+    state, which an echo state network forgets: they run again, from the end state of their
+    predecessor, until their states equal those of the first run. A network that does not forget
+    within a segment is run sample by sample.
 
     ``state``, of shape (2, r), has x and tanh(w_in theta + W_r x) of the sample before, zeros
     before the first one; it is moved on, in place, to those of the last sample.

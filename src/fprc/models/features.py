@@ -79,9 +79,7 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         samples = self._samples(X, first=False)
         lengths = [len(samples)] if lengths is None else lengths
         if min(lengths, default=0) < 1 or sum(lengths) != len(samples):
-            raise ValueError(
-                f"lengths = {list(lengths)!r:.60}; must be above 0, in sum {len(samples)} samples"
-            )
+            raise ValueError(f"lengths must be above 0, in sum {len(samples)} samples")
         for part in np.split(samples, np.cumsum(lengths)[:-1]):
             yield from self._blocks(part, most or len(part))
 
@@ -242,12 +240,10 @@ class LowpassBank(FeatureMap):
 
     x~(k) = epsilon x(k) + (1 - epsilon) x~(k-1), from x~(-1) = x(0)
 
-    The time constant is about 1 / epsilon samples.
-
     Parameters
     ----------
     epsilons : sequence of float, default=(0.03, 0.01, 0.003)
-        Filter factors, in [1e-9, 1]; 1 is the column itself.
+        Filter factors, in [1e-9, 1]: about 1 over the time constant in samples. 1 is the column.
     """
 
     epsilons: Sequence[float] = (0.03, 0.01, 0.003)
@@ -271,10 +267,8 @@ class PlayOperators(FeatureMap):
 
     A play follows its input at the distance r; after a reversal it waits until the input has moved
     by 2 r. A ridge on plays is a Prandtl-Ishlinskii model, whose loops do not depend on the speed
-    of the input.
-
-    The half-widths r divide half the range of each column of the training log into n_plays + 1
-    equal parts; a play with half the range as r would not move.
+    of the input. The half-widths r divide half the range of each column of the training log into
+    n_plays + 1 equal parts; a play with half the range as r would not move.
 
     Parameters
     ----------

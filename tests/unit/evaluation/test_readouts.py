@@ -9,7 +9,7 @@ from fprc.evaluation.folds import split_blocks
 from fprc.evaluation.readouts import BlockReadouts
 from fprc.models import RidgeReadout
 from fprc.models.fcm import fuzzy_c_means
-from fprc.models.takagi_sugeno import gaussian_memberships
+from fprc.models.fprc import gaussian_memberships
 from fprc.registry import build
 
 MODELS = Settings().model_dump(mode="json")["models"]
