@@ -52,7 +52,7 @@ COMPUTING = {"shared", "studies", *MODELS}
 def test_edit_of_a_module_changes_what_runs_it(changed, name, expected):
     assert changed(name, "# a comment, and\ndef documented():\n    pass") == expected
     assert changed(name, "# another one") == set()
-    assert changed(name, "", "    pass", '    """Docstring."""\n    pass') == set()
+    assert changed(name, "", "():\n    pass", '():\n    """Docstring."""\n    pass') == set()
 
 
 def test_model_from_outside_counts_by_the_file_of_its_class(tmp_path, monkeypatch):
