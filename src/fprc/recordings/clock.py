@@ -11,8 +11,11 @@ from fprc.recordings.table import Column, Table
 
 #: Largest distance of a clock that jitters from a straight line, as a share of its span.
 _OFF_LINE = 0.01
-#: First stamp of a clock that counts from 1970 (or 1904), by unit: up to five times this.
-_EPOCHS = {"s": 1e9, "ms": 1e12, "us": 1e15, "ns": 1e18}
+#: Range of the first stamp of a clock that counts from 1970 (or 1904), or days as Excel or MATLAB.
+_EPOCHS = (
+    (1e9, 5e9, "s"), (1e12, 5e12, "ms"), (1e15, 5e15, "us"), (1e18, 5e18, "ns"),
+    (3e4, 6e4, "d"), (7e5, 8e5, "d"),
+)  # fmt: skip
 #: Range of sample rates of a column that may be a clock, Hz.
 _LIKELY_HZ = (0.05, 50000.0)
 #: A time step longer than this many median steps is a pause.
@@ -43,10 +46,7 @@ def pauses_of(time_s: np.ndarray) -> np.ndarray:
 
 
 def rate_of(time_s: np.ndarray) -> float:
-    """Return the sample rate of a recording, Hz: its steps over their span, without pauses.
-
-    If it differs from a whole number by no more than a clock's error, it is that number.
-    """
+    """Return the sample rate of a recording, Hz: its steps over their span, without pauses."""
     mean = float(np.delete(np.diff(time_s), pauses_of(time_s)).mean())
     rate_hz = 1.0 / mean if mean > 0.0 else np.inf
     whole_hz = float(np.round(rate_hz))
@@ -55,12 +55,12 @@ def rate_of(time_s: np.ndarray) -> float:
 
 def clocks_of(table: Table) -> dict[str, Clock]:
     """Return every column that may be a clock, the likeliest first."""
-    guesses = {name: guess_clock(name, column) for name, column in table.columns.items()}
-    found = {name: clock for name, clock in guesses.items() if clock is not None}
+    found = {n: clock for n, column in table.columns.items() if (clock := guess_clock(n, column))}
 
     def rank(name: str) -> tuple[bool, bool]:
-        named = " + " in name or is_time(f"{name} {table.columns[name].label}")
-        return not named, found[name].repeated > 0.5 * len(table.columns[name].values)
+        column = table.columns[name]
+        named = " + " in name or is_time(f"{name} {column.label}")
+        return not named, found[name].repeated > 0.5 * len(column.values)
 
     return {name: found[name] for name in sorted(found, key=rank)}
 
@@ -78,13 +78,16 @@ def guess_clock(name: str, column: Column) -> Clock | None:
     if len(stamps) < max(3, 0.9 * len(column.values)) or (other and other.quantity != "s"):
         return None
     steps, span = np.diff(stamps), float(stamps[-1] - stamps[0])
-    back = int((steps < 0.0).sum())
-    step, line = np.median(steps), np.linspace(stamps[0], stamps[-1], len(stamps))
+    back, step = int((steps < 0.0).sum()), np.median(steps)
     even = (np.abs(steps - step) < 0.5 * step).mean() > 0.9
-    likely = named or even or np.abs(stamps - line).max() < _OFF_LINE * span
+    off_line = np.abs(stamps - np.linspace(stamps[0], stamps[-1], len(stamps))).max()
+    likely = named or even or off_line < _OFF_LINE * span
     if not likely or span <= 0.0 or back > 0.01 * len(steps) * named:
         return None
-    stated, epoch = other.text if other else time_unit_in(words), _epoch(stamps)
+    stated, epoch = other.text if other else time_unit_in(words), None
+    for begin, end, unit in _EPOCHS:
+        if begin <= stamps[0] <= end and span / len(steps) * SECONDS[unit] <= 1.0 / _LIKELY_HZ[0]:
+            epoch = unit
     whole = bool((stamps == np.round(stamps)).all())
     if whole and not stated and (has(name, "count") or (step == 1.0 and not epoch)):
         return None  # the number of the sample
@@ -103,16 +106,6 @@ def guess_clock(name: str, column: Column) -> Clock | None:
         k = int(np.argmax(steps < 0.0)) + 1
         doubts += (f"it goes back at sample {k}, from {stamps[k - 1]:.10g} to {stamps[k]:.10g}",)
     return Clock(unit, rate_hz, int((steps == 0.0).sum()), doubts)
-
-
-def _epoch(stamps: np.ndarray) -> str | None:
-    """Return the unit of stamps that count from 1970, by their magnitude; days of Excel, MATLAB."""
-    first, step = float(stamps[0]), float(np.diff(stamps).mean())
-    for unit, begin in _EPOCHS.items():
-        if begin <= first <= 5.0 * begin and step * SECONDS[unit] <= 1.0 / _LIKELY_HZ[0]:
-            return unit
-    of_excel, of_matlab = 30000.0 < first < 60000.0, 700000.0 < first < 800000.0
-    return "d" if (of_excel or of_matlab) and step * SECONDS["d"] <= 1.0 else None
 
 
 def own_clock(name: str, table: Table, clocks: dict[str, Clock]) -> str | None:

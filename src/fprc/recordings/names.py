@@ -8,19 +8,38 @@ from typing import NamedTuple
 
 from fprc.channels import RAW_CHANNELS
 
-#: Units of time in s, coarsest first, and the words for them.
+#: Units of time in s, coarsest first.
 SECONDS = {"d": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_TIME_UNITS = {
-    "d": "d|days?|tage?|jours?|日数",
-    "h": "h|hrs?|hours?|std|stunden?|heures?|horas?|ore|uren|時間\\(h\\)",
-    "min": "min|mins|minutes?|minuten|minutos|minuti|分",
-    "s": "s|sec|secs|seconds?|sek|sekunden?|secondes?|segundos?|secondi|seconden|秒",
-    "ms": "ms|msec|millis|milliseconds?|millisekunden?|ミリ秒|毫秒",
-    "us": "us|usec|micros|microseconds?|mikrosekunden?|マイクロ秒|微秒",
-    "ns": "ns|nsec|nsecs|nanosec|nanoseconds?|nanos|纳秒",
-}
-#: Of these, what is nothing else: no single letter, and not ``min``.
-_LONG = [_TIME_UNITS["s"].removeprefix("s|"), *(_TIME_UNITS[unit] for unit in ("ms", "us", "ns"))]
+#: Units as people write them, in lower case, by how pint reads them.
+_SPELLINGS = {
+    word: unit
+    for unit, words in {
+        **{unit: unit.lower() for unit in (
+            "Pa kPa MPa hPa bar mbar psi torr mmHg cmH2O inHg atm mrad mV N mm mA rpm Hz ohm "
+            "rad/s").split()},
+        "d": "d day days tag tage jour jours 日数",
+        "h": "h hr hrs hour hours std stunde stunden heure heures horas ore uren",
+        "min": "min mins minute minutes minuten minutos minuti 分",
+        "s": "s sec secs second seconds sek sekunde sekunden seconde secondes segundo segundos "
+             "secondi seconden 秒",
+        "ms": "ms msec millis millisecond milliseconds millisekunde millisekunden ミリ秒 毫秒",
+        "us": "us usec micros microsecond microseconds mikrosekunde mikrosekunden マイクロ秒 微秒",
+        "ns": "ns nsec nsecs nanosec nanosecond nanoseconds nanos 纳秒",
+        "deg": "deg degs degree degrees grad grado gradi grados degre degres graden 度 °",
+        "rad": "rad rads radian radians 弧度 ラジアン",
+        "kgf/cm**2": "kgf/cm2 kg/cm2", "N/mm**2": "n/mm2", "N/m**2": "n/m2", "V": "v volt volts",
+        "N*m": "nm", "degC": "degc °c", "L/min": "l/min lpm", "deg/s": "deg/s °/s",
+    }.items()
+    for word in words.split()
+}  # fmt: skip
+#: Of these, what is a unit without brackets too.
+_BARE = set(_SPELLINGS) - set("n grad 度 pa s h d min std ore tag second seconde segundo".split())
+_LETTERS = set("shdVANm°%K")
+_REFERENCE = (
+    r"(?i)\b(?:abs|absolute|absolut|rel|relative|relativ|gauge|gage)\b\.?|\((?:g|a|abs|rel)\)"
+)
+#: Units of pressure that say in their last letter whether they are gauge or absolute.
+_GAUGE = r"(bar|psi|kpa|mbar)[ag]$"
 #: Words in names of columns, in English, German, French, Spanish, Italian, Dutch, Japanese and
 #: Chinese. ``~`` is the rest of a compound.
 _WORDS = {
@@ -51,31 +70,11 @@ _WORDS = {
     "moment~|torque|drehmoment|couple|temperature|temp|temperatur|speed|velocity|vel|rate|omega|"
     "accel|acceleration|dot|ddot|~dot|flow|durchfluss|debit|voltage|spannung|memory|power|energy|status|"
     "電流|~力矩~|トルク|速度|温度|电流|電圧|电压|流量|~角速度~",
-    "absolute": "abs|absolute|absolut|absolu|absoluto|assoluta|kpaa|bara|psia|~絶対~|~绝对~",
+    "absolute": "abs|absolute|absolut|absolu|absoluto|assoluta|kpaa|bara|psia|(?:bar|psi|kpa)_a|"
+    "~絶対~|~绝对~",
     "gauge": "gauge|gage|rel|relative|relativ|relatif|ueberdruck|uberdruck|barg|psig|kpag|mbarg|"
-    "~ゲージ~|~表压~",
+    "(?:bar|psi|kpa)_g|~ゲージ~|~表压~",
 }
-#: Units as people write them, in lower case, as pint reads them.
-_SPELLINGS = {
-    **{unit.lower(): unit for unit in (
-        "Pa kPa MPa hPa bar mbar psi torr mmHg cmH2O inHg atm deg rad mrad V mV N mm mA rpm degC "
-        "Hz ohm L/min deg/s rad/s").split()},
-    **dict.fromkeys(
-        "degs degree degrees grad grado gradi grados degre degres graden 度 ° º".split(), "deg"),
-    **dict.fromkeys("rads radian radians 弧度 ラジアン".split(), "rad"),
-    "kgf/cm2": "kgf/cm**2", "kg/cm2": "kgf/cm**2", "n/mm2": "N/mm**2", "n/m2": "N/m**2",
-    "volt": "V", "volts": "V", "nm": "N*m", "°c": "degC", "lpm": "L/min", "°/s": "deg/s",
-}  # fmt: skip
-#: Of these, what is a unit without brackets too.
-_BARE = set(_SPELLINGS) - {"n", "grad", "度", "pa"}
-_LETTERS = set("shdVANm°%K")
-_REFERENCE = (
-    r"(?i)\b(?:abs|absolute|absolut|rel|relative|relativ|gauge|gage)\b\.?|\((?:g|a|abs|rel)\)"
-)
-#: Units of pressure that say in their last letter whether they are gauge or absolute.
-_GAUGE = r"(bar|psi|kpa|mbar)[ag]$"
-#: Angles in pint, which for it have no dimension.
-_ANGLES = ("degree", "radian", "arcminute", "arcsecond", "turn")
 
 
 class Unit(NamedTuple):
@@ -92,25 +91,26 @@ def parse_unit(text: str) -> Unit | None:
     """Return the unit that a text is, perhaps with a factor; None if it is none."""
     import pint  # slow
 
-    text = unicodedata.normalize("NFKC", text).strip().replace("µ", "u").replace("μ", "u")
+    text = unicodedata.normalize("NFKC", text).replace("μ", "u")
     text = re.sub(_REFERENCE, "", text).strip()
     plain = re.sub(_GAUGE, r"\1", text.lower())
-    for unit, seconds in SECONDS.items():
-        if re.fullmatch(_TIME_UNITS[unit], plain):
-            return Unit(unit, "s", seconds)
     multiple = re.match(r"[x×*]?\s*(\d[\d.]*(?:e[+-]?\d+|\^[+-]?\d+)?)\s*[x×*]?\s*(\D.*)", text)
     if multiple and (inner := parse_unit(multiple[2])):
         base, _, power = multiple[1].partition("^")
         return inner._replace(multiple=float(base) ** float(power or 1))
     known = _SPELLINGS.get(plain.replace("^", "").replace("·", ""))
-    for spelled in (known,) if known else (text, plain):
+    if known in SECONDS:
+        return Unit(known, "s", SECONDS[known])
+    for spelled in [known] if known else [text, plain]:
         if re.fullmatch(r"[A-Za-z°%][\w°%/*^ .-]*", spelled):
             with suppress(Exception):  # pint raises many types
                 one = pint.application_registry.Quantity(1.0, spelled.replace("^", "**"))
-                kinds = [kind for kind in ("kPa", "V") if one.is_compatible_with(kind)]
-                kinds += ["deg"] * (re.sub("milli|micro", "", str(one.units)) in _ANGLES)
-                factor = float(one.to(kinds[0]).magnitude) if kinds else 1.0
-                return Unit(spelled, [*kinds, str(one.units)][0], factor)
+                # for pint, angles have no dimension
+                angle = str(one.units).endswith(("degree", "radian", "arcminute", "turn"))
+                for quantity in ("deg",) if angle else ("kPa", "V"):
+                    if one.is_compatible_with(quantity):
+                        return Unit(spelled, quantity, float(one.to(quantity).magnitude))
+                return Unit(spelled, str(one.units), 1.0)
     return None
 
 
@@ -124,7 +124,7 @@ def is_unit(text: str) -> bool:
 @cache
 def unit_in(name: str) -> Unit | None:
     """Return the unit in a name: in the bracket at its end, or its last word that is one."""
-    name = unicodedata.normalize("NFKC", name).strip()
+    name = unicodedata.normalize("NFKC", name).replace("μ", "u").strip()
     bracket = re.search(r"[\[({<]([^\[\](){}<>]*(?:\([a-z]+\))?)[\])}>]$", name)
     if bracket and (unit := parse_unit(bracket[1])):
         return unit
@@ -146,59 +146,47 @@ def stated_unit(name: str, label: str, unit: str) -> Unit | None:
 
 def factor_of(unit: str, quantity: str) -> float | None:
     """Return the factor from a unit to that of a channel; None if it is of another quantity."""
-    found = Unit("1", quantity, 1.0) if unit == "1" else parse_unit(unit)
+    if unit == "1":
+        return 1.0
+    found = parse_unit(unit)
     return found.factor * found.multiple if found and found.quantity == quantity else None
 
 
 def reference_of(name: str) -> str | None:
     """Return ``absolute`` or ``gauge`` if a pressure's name says which it is."""
-    for reference, letter in (("absolute", "a"), ("gauge", "g")):
-        if has(name, reference) or re.search(rf"(?i)(bar|psi|kpa)\s*\({letter}\)", name):
-            return reference
-    return None
+    return next((reference for reference in ("absolute", "gauge") if has(name, reference)), None)
 
 
 def time_unit_in(name: str) -> str | None:
-    """Return the unit of time in the name of a clock; None without one."""
-    inside = unit_in(name)
-    if inside is not None and inside.quantity == "s":
-        return inside.text
-    return next((unit for unit, words in _TIME_UNITS.items() if _has_word(name, words)), None)
+    """Return the last word in the name of a clock that is a unit of time; None without one."""
+    words = re.split(r"[\W\d_]+|(?<=[a-z])(?=[A-Z])", name)
+    units = [unit for word in reversed(words) if (unit := parse_unit(word))]
+    return next((unit.text for unit in units if unit.quantity == "s"), None)
 
 
 def is_time(name: str) -> bool:
-    """Return whether a name says that the column holds times.
-
-    A single letter or ``min`` may be something else than a unit of time.
-    """
+    """Return whether a name says that the column holds times."""
     inside = unit_in(name)
-    if inside is not None:
-        return inside.quantity == "s"
-    return has(name, "time") or any(_has_word(name, words) for words in _LONG)
-
-
-def has(name: str, what: str) -> bool:
-    """Return whether a name has one of the words for something."""
-    return _has_word(name, _WORDS[what])
+    return inside.quantity == "s" if inside else has(name, "time")
 
 
 def known_words(text: str) -> bool:
     """Return whether a text has a Japanese or Chinese word for what a recording has."""
-    words = "|".join(_WORDS[key] for key in ("time", "angle", "pressure", "command", "chamber"))
-    return any(word in text for word in re.findall(r"[\u3000-\u9fff]{2,}", words))
+    words = re.findall(r"[\u3000-\u9fff]{2,}", "|".join(_WORDS.values()))
+    return any(word in text for word in words)
 
 
 def _plain(text: str) -> str:
     """Return a text in lower case without accents."""
-    text = text.replace("µ", "u").replace("μ", "u").lower().replace("ß", "ss")
-    return "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
+    text = unicodedata.normalize("NFKD", text.lower().replace("ß", "ss"))
+    return "".join(c for c in text if not unicodedata.combining(c))
 
 
 @cache
-def _has_word(name: str, words: str) -> bool:
-    # bendAngle are two words
+def has(name: str, what: str) -> bool:
+    """Return whether a name has one of the words for something; bendAngle are two words."""
     separate = re.sub(r"[\W_]+", "_", _plain(re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name)))
-    pattern = _plain(words).replace("~", r"[^\W_]*")
+    pattern = _plain(_WORDS[what]).replace("~", r"[^\W_]*")
     return bool(re.search(rf"(?<![^\W_])(?:{pattern})(?![^\W_])", separate))
 
 

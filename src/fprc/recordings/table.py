@@ -16,6 +16,7 @@ import numpy as np
 from fprc.errors import LogError
 from fprc.given import open_given
 from fprc.logs.columns import open_hdf5, refuse_absent
+from fprc.recordings.names import is_time
 
 #: Attributes of HDF5 and fields of a struct that hold a unit, and a label, as Simulink writes them;
 #: attributes that name the columns of a matrix.
@@ -36,7 +37,7 @@ class Column(NamedTuple):
 
 
 #: Names of parts, each with its array, or with the reason why it cannot be a channel.
-Parts = Iterable[tuple[str, Column | str]]
+Parts = Iterator[tuple[str, Column | str]]
 
 
 class Table(NamedTuple):
@@ -80,15 +81,18 @@ def read_table(path: Path | str, **layout: Any) -> Table:
         head = file.read(512)
     if path.suffix.lower() == ".mat" and not head.startswith(b"\x89HDF"):
         head = b"MATLAB"  # version 4 begins with a number
-    formats = [(kind, reader) for begin, kind, reader in _FORMATS if head.startswith(begin)]
-    if not formats:
-        return read_text(path, **layout)
-    ((kind, reader),) = formats
+    known = [(kind, reader) for begin, kind, reader in _FORMATS if head.startswith(begin)]
+    kind, reader = known[0] if known else ("text", None)
     try:
         if head.startswith(b"PK") and any(n.startswith("xl/") for n in ZipFile(path).namelist()):
             table = read_xlsx(path)
+        elif reader is None:
+            table = read_text(path, **layout)
         else:
-            table = Table(path, kind, *_columns_of(reader(path)))
+            found = dict(pair for part in reader(path) for pair in _split(*part))
+            others = {name: part for name, part in found.items() if isinstance(part, str)}
+            columns = {name: part for name, part in found.items() if isinstance(part, Column)}
+            table = Table(path, kind, columns, others)
     except (LogError, MemoryError):
         raise
     except ImportError as error:
@@ -103,55 +107,52 @@ def read_table(path: Path | str, **layout: Any) -> Table:
         ) from error
     if not table.columns and not table.others:
         raise LogError(f"{path}: has no content; the file is empty or cut short")
-    return table._replace(columns=table.columns | joined_clocks(table.columns))
+    return table._replace(columns=table.columns | _joined_clocks(table.columns))
 
 
-def _columns_of(parts: Parts) -> tuple[dict[str, Column], dict[str, str]]:
-    """Return the columns in named parts of a file, and why others cannot be channels.
+def _split(name: str, part: Column | str) -> Parts:
+    """Yield the columns in a part of a file, or why it cannot be a channel.
 
     Dates become seconds since 1970. Dimensions of length 1 are dropped. The longer dimension of a
     matrix is time; its columns are ``name[:, 0]``, its rows ``name[0, :]``, or ``name.part``.
     """
-    columns: dict[str, Column] = {}
-    others: dict[str, str] = {}
-    for name, part in parts:
-        if isinstance(part, str):
-            others[name] = part
-            continue
-        array: Any = np.squeeze(part.values)
-        if fields := array.dtype.names:
-            found = _columns_of((f"{name}.{f}", part._replace(values=array[f])) for f in fields)
-            columns, others = columns | found[0], others | found[1]
-        elif array.size < 2:
-            others[name] = "one number" if array.size else "empty"
-        elif array.ndim > 2 or array.dtype.kind not in "fiubmM":
-            others[name] = f"{array.dtype} of shape {array.shape}"
-        else:
-            if array.dtype.kind in "mM":  # what is missing becomes NaN
-                since = array if array.dtype.kind == "m" else array - np.datetime64(0, "s")
-                array = since / np.timedelta64(1, "s")
-            upright = array.shape[0] >= array.shape[-1]
-            named = array.ndim == 2 and len(part.parts) == min(array.shape)
-            array = array.astype(np.float64, copy=False)
-            for k, values in enumerate(np.atleast_2d(array.T if upright else array)):
-                place = f"[:, {k}]" if upright else f"[{k}, :]"
-                place = f".{part.parts[k]}" if named else place * (array.ndim == 2)
-                columns[f"{name}{place}"] = part._replace(values=values)
-    return columns, others
+    if isinstance(part, str):
+        yield name, part
+        return
+    array: Any = np.squeeze(part.values)
+    if array.dtype.names:
+        for field in array.dtype.names:
+            yield from _split(f"{name}.{field}", part._replace(values=array[field]))
+    elif array.size < 2 or array.ndim > 2 or array.dtype.kind not in "fiubmM":
+        yield name, f"{array.dtype} of shape {np.shape(part.values)}"
+    else:
+        if array.dtype.kind in "mM":  # what is missing becomes NaN
+            since = array if array.dtype.kind == "m" else array - np.datetime64(0, "s")
+            array = since / np.timedelta64(1, "s")
+        upright = array.shape[0] >= array.shape[-1]
+        array = array.astype(np.float64, copy=False)
+        for k, values in enumerate(np.atleast_2d(array.T if upright else array)):
+            place = f"[:, {k}]" if upright else f"[{k}, :]"
+            if len(part.parts) == min(array.shape):
+                place = f".{part.parts[k]}"
+            yield f"{name}{place}" if array.ndim == 2 else name, part._replace(values=values)
 
 
-def joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
-    """Return, for each pair of columns of seconds and nanoseconds, their sum, in s.
-
-    They stand side by side, and are named so, or the seconds count from 1970.
-    """
+def _joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
+    """Return the sums of columns side by side: seconds and nanoseconds, or days and times, in s."""
     joined = {}
     for (name, (coarse, *_)), (fine, (parts, *_)) in pairwise(columns.items()):
-        if len(coarse) == len(parts) > 1:
-            named = re.search(r"(?<![a-z])secs?$", name) and re.search(r"n(ano)?secs?$", fine)
-            whole = 0.0 <= parts.min() <= parts.max() < 1e9 and np.ptp(parts) > 1e6
-            if named or (whole and 1e9 < coarse[0] < 5e9):
-                joined[f"{name} + {fine.rpartition('.')[2]}"] = Column(coarse + 1e-9 * parts, "s")
+        if len(coarse) != len(parts) or len(parts) < 2:
+            continue
+        seconds = re.search(r"(?<![a-z])secs?$", name) and re.search(r"n(ano)?secs?$", fine)
+        whole = 0.0 <= parts.min() <= parts.max() < 1e9 and np.ptp(parts) > 1e6
+        if seconds or (whole and 1e9 < coarse[0] < 5e9):
+            total = coarse + 1e-9 * parts
+        elif coarse[0] > 1e8 and not (coarse % 86400.0).any() and is_time(fine):
+            total = coarse[0] + parts  # which goes on at midnight
+        else:
+            continue
+        joined[f"{name} + {fine.rpartition('.')[2]}"] = Column(total, "s")
     return joined
 
 
@@ -167,22 +168,20 @@ def read_matlab(path: Path) -> Parts:
             yield from _of_matlab(name, value)
 
 
-def _of_matlab(name: str, thing: Any) -> Iterator[tuple[str, Column | str]]:
+def _of_matlab(name: str, thing: Any) -> Parts:
     from pandas import DataFrame
 
     if isinstance(thing, DataFrame):  # a table, or a timetable, whose times are the index
         table = thing.reset_index() if thing.index.name else thing
         yield from ((f"{name}.{column}", Column(table[column].to_numpy())) for column in table)
-    elif not isinstance(thing, np.ndarray | str):
+    elif isinstance(thing, str) or not isinstance(thing, np.ndarray):
         fields = getattr(thing, "properties", None)
         fields = fields if isinstance(fields, dict) else {}
-        parts = [part for field in fields for part in _of_matlab(f"{name}.{field}", fields[field])]
-        yield from parts
-        if not any(isinstance(part, Column) and np.size(part.values) > 1 for _, part in parts):
+        for field, value in fields.items():
+            yield from _of_matlab(f"{name}.{field}", value)
+        if not any(np.size(value) > 1 for value in fields.values()) and not isinstance(thing, str):
             kind = getattr(thing, "classname", type(thing).__name__)
             yield name, f"a {kind} of MATLAB; save its times and values as a struct or a table"
-    elif isinstance(thing, str) or thing.dtype.kind == "U":
-        return
     elif thing.dtype.names:
         for index, element in enumerate(thing.ravel("F"), 1):
             place = name if thing.size == 1 else f"{name}({index})"
@@ -196,7 +195,7 @@ def _of_matlab(name: str, thing: Any) -> Iterator[tuple[str, Column | str]]:
     elif thing.dtype == object and thing.size:
         for index, element in enumerate(thing.ravel("F"), 1):
             yield from _of_matlab(f"{name}{{{index}}}" if thing.ndim else name, element)
-    else:
+    elif thing.dtype.kind != "U":
         yield name, Column(thing)
 
 

@@ -5,55 +5,60 @@ import io
 import re
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from itertools import islice
+from operator import ge, itemgetter
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from fprc.errors import LogError
 from fprc.given import read_given
-from fprc.recordings.grid import STAMP, columns_of, is_value
-from fprc.recordings.names import is_unit, known_words
-from fprc.recordings.table import Table
+from fprc.recordings.names import is_time, is_unit, known_words
+from fprc.recordings.table import Column, Table
 
 #: Largest text file; reading it takes about ten times as much memory.
 LARGEST_TEXT_BYTES = 256 << 20
 #: Accepted separators and their names; a blank stands for any run of blanks and tabs.
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
-#: Lines that are looked at to find the separator and where the table begins.
-_TRIED = 300
-#: Most lines that are no samples, as a share of the table; more mean that it was misunderstood.
-_MOST_UNUSABLE = 0.1
-#: Encodings tried if a text is not Unicode: spreadsheets in Japan and China write them.
-_ENCODINGS = ("cp932", "gb18030")
+#: Lines that are looked at to find the separator and the first sample, and lines above it.
+_TRIED, _ABOVE = 300, 40
+#: Most lines of a table that are no samples, and texts of a column that are no numbers, as a share.
+_MOST_ODD = 0.1
 #: How a comment begins; ``#DIV/0!`` and the like are values that Excel could not compute.
 _COMMENT = re.compile(r"\s*(?:#(?!N/A|NV\b|[A-ZÄÖÜ/0]+[!?])|%|//|sep=)")
-#: A name, and the unit behind it, in a header that blanks separate.
-_WITH_BRACKET = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")
 #: First field of a line that has the unit of each column.
 _UNITS = re.compile(r"(?i)(y_unit_label|units?|einheit(en)?|unit[eéà]s?|unidad|単位|单位)\b.*")
 #: What TwinCAT writes before each channel's name, unit and period.
-_KEYS = {"name", "unit", "data-type", "sampletime", "symbolname", "netid", "port", "offset"}
-#: What a serial monitor writes before each line.
-_SERIAL = re.compile(r"\s*(\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s*(.*)", re.DOTALL)
+_TWINCAT = {"Name", "Unit", "Data-Type", "SampleTime", "SymbolName", "NetID", "Port", "Offset"}
+#: Texts that stand for a missing value, in lower case.
+_MISSING = {"", "-nan", "nan", "na", "n/a", "#n/a", "#na", "<na>", "null", "none", "1.#qnan",
+            "-1.#ind", "--", "-"}  # fmt: skip
+#: Numbers by their decimal mark; before it, the other mark may group thousands, as in 1.234,5.
+_NUMBERS = {
+    mark: re.compile(
+        rf"(?i)[+-]?(?:(?:\d+(?:[{mark}]\d*)?|[{mark}]\d+)(?:[ed][+-]?\d+)?|inf(?:inity)?"
+        rf"|\d{{1,3}}(?:[{other}]\d{{3}})+[{mark}]\d+)"
+    )
+    for mark, other in (".,", ",.")
+}
+#: A number in which marks may group thousands; no digit before them is a 0.
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+")
+_CLOCK_TIME = re.compile(r"(?:\d{1,2}:)?\d{1,2}:\d\d(?:[.,]\d+)?(?:\s*[AaPp][Mm])?")
+#: A date, a time of day, or both.
+_STAMP = re.compile(
+    rf"{_CLOCK_TIME.pattern}|\d{{1,4}}[-/.]\d{{1,2}}[-/.]\d{{1,4}}"
+    rf"(?:[T ]+{_CLOCK_TIME.pattern}(?:\s*(?:Z|UTC|[+-]\d\d:?\d\d))?)?"
+)
 #: A name, its value and perhaps its unit within a line, as ``angle: 12.5 deg``.
 _NAMED = re.compile(
     r"(?<!\w)([^\W\d]\w*)\"?\s*[:=]\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)"
     r"(?:\s*([%°]|[^\W\d]+(?:/\w+)?)(?!\w*\s*[:=]))?"
 )
-
-
-class Place(NamedTuple):
-    """Where a table is."""
-
-    #: Share of the lines and fields that are its values; whether it has names.
-    score: tuple[float, bool] = (0.0, False)
-    width: int = 0  #: columns; 0: there is no table
-    first: int = 1  #: line of the first sample
-    names: Sequence[str] = ()  #: empty without names
-    units: Sequence[str] = ()
+#: What a serial monitor writes before each line, or a logger before names and values.
+_PREFIX = re.compile(rf"\s*({_STAMP.pattern})(?:\s*->|\s+(?=[^\W\d]\w*\s*[:=]))")
 
 
 def read_text(path: Path, **layout: Any) -> Table:
@@ -67,23 +72,26 @@ def read_text(path: Path, **layout: Any) -> Table:
     text, has no samples, or many lines with more or fewer fields than the first.
     """
     raw = read_given(path, error=LogError, most_bytes=LARGEST_TEXT_BYTES)
-    bom = raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE))
-    wide = bom or raw[1:200:2].count(0) > 80
-    if b"\0" in raw and not wide:
-        raise LogError(f"{path}: not text, and of no known format; save it as .csv, .mat or .h5")
-    others = [e for e in _ENCODINGS if known_words(raw[:4000].decode(e, errors="ignore"))]
-    code = "utf-16" if bom else "utf-16-le" if wide else "utf-8-sig"
-    try:
-        text = raw.decode(code)
-    except UnicodeDecodeError:
-        text = raw.decode(code if wide else [*others, "latin-1"][0], errors="replace")
-    numbered = enumerate(io.StringIO(text, newline=""), 1)
+    numbered = enumerate(io.StringIO(_decoded(raw), newline=""), 1)
     lines = {number: line for number, line in numbered if line.strip()}
     last, notes = max(lines, default=0), []
+    if any("\0" in line for line in lines.values()):
+        raise LogError(f"{path}: not text, and of no known format; save it as .csv, .mat or .h5")
     if len(lines) > 1 and not lines[last].endswith(("\n", "\r")):
         notes = [f"line {last}, the last, has no line end and may be cut short; it was left out"]
         del lines[last]
     return _table_of(path, lines, notes, **layout)
+
+
+def _decoded(raw: bytes) -> str:
+    if raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+        return raw.decode("utf-16", errors="replace")
+    for code in ("utf-8-sig", "cp932", "gb18030"):  # spreadsheets in Japan and China
+        with suppress(UnicodeDecodeError):
+            text = raw.decode(code)
+            if code == "utf-8-sig" or known_words(text[:4000]):
+                return text
+    return raw.decode("latin-1")
 
 
 def read_xlsx(path: Path) -> Table:
@@ -101,7 +109,7 @@ def read_xlsx(path: Path) -> Table:
 
 def _table_of(
     path: Path,
-    lines: Mapping[int, str],
+    lines: dict[int, str],
     notes: list[str],
     separator: str | None = None,
     decimal: str | None = None,
@@ -109,19 +117,17 @@ def _table_of(
     data_line: int | None = None,
 ) -> Table:
     """Return the table in the lines of a text that are not blank."""
-    labview: dict[str, str] = {}
-    if next(iter(lines.values()), "").startswith("LabVIEW Measurement"):
-        keys = r"(?m)^(X0|Delta_X|Decimal_Separator)[\t,;]([^\t\r\n]+)"
-        labview = {"X0": "0", "Delta_X": "1", "Decimal_Separator": "."}
-        labview |= dict(re.findall(keys, "".join(islice(lines.values(), 60))))
-        decimal = decimal or labview["Decimal_Separator"]
-    place, mark, split = _best(lines, separator, decimal, header_line, data_line)
+    stamps = {n: found for n, line in lines.items() if (found := _PREFIX.match(line))}
+    if 2 * len(stamps) <= len(lines):
+        stamps = {}
+    lines = lines | {n: lines[n][found.end() :] for n, found in stamps.items()}
+    marks = [separator] if separator else [mark for mark in _SEPARATORS if mark != decimal]
+    fit, mark, width, begin = _locate(lines, marks, header_line, data_line)
     kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
-    if place.score[0] < 0.5 and (worded := _without_words(lines)):
-        (lines, *header), kind = worded, "text with a name before each number"
-        place, mark, split = _best(lines, "\t", decimal)
-        place = Place(*place[:3], *header)
-    if not place.width:
+    if fit < 0.6 and (worded := _without_words(lines)):
+        lines, header_line, kind = worded, None, "text with a name before each number"
+        _, mark, width, begin = _locate(lines, ["\t"])
+    if not width:
         raise LogError(
             f"{path}: no samples; the file has no lines of plain numbers, or csv.header_line or "
             "csv.data_line are past them"
@@ -129,193 +135,251 @@ def _table_of(
     rows: dict[int, list[str]] = {}
     odd: dict[int, str] = {}
     for number, line in lines.items():
-        if number < place.first or _COMMENT.match(line) or not line.strip(" \t\r\n,;|"):
+        fields = _split(line, mark) if number >= begin and not _COMMENT.match(line) else []
+        if not any(fields):
             continue
-        fields = split(line)
-        if len(fields) == place.width + 1 and not fields[-1]:
+        if len(fields) == width + 1 and not fields[-1]:
             fields.pop()
-        if len(fields) != place.width:
+        if len(fields) != width:
             odd[number] = line.strip()[:60]
-            if len(fields) > place.width or not all(map(is_value, fields)):
+            if len(fields) > width or not all(map(is_value, fields)):
                 continue
-            fields = [""] * place.width  # a sample that was cut keeps its place
+            fields = [""] * width  # a sample that was cut keeps its place
         rows[number] = fields
-    last = max(rows, default=0)
-    if len(odd) > _MOST_UNUSABLE * len(rows) and (few := min(odd)) < last:
+    last = max(rows)
+    if len(odd) > _MOST_ODD * len(rows) and (few := min(odd)) < last:
         raise LogError(
-            f"{path}: the first sample seems to be line {place.first}, with {place.width} fields; "
-            f"line {few} is {odd[few]!r}; lines of another kind in all: {len(odd)} of "
-            f"{len(odd) + len(rows)}; if the table begins elsewhere, say where in a map, as "
-            f"`csv: {{header_line: {max(place.first - 1, 1)}, data_line: {place.first}}}`, or give "
-            "csv.separator; --draft takes that map too (--map)"
+            f"{path}: the first sample seems to be line {begin}, with {width} fields; line {few} "
+            f"is {odd[few]!r}; lines of another kind in all: {len(odd)}; give in a map, also to "
+            f"--draft, where the table begins, as `csv: {{header_line: {max(begin - 1, 1)}, "
+            f"data_line: {begin}}}`, or csv.separator"
         )
     if footer := [n for n in odd if n > last]:
         notes.append(f"lines {footer[0]} to {footer[-1]}, below the last sample, were left out")
-    if labview and not any(fields[0] for fields in rows.values()):  # X0 and multiples of Delta_X
-        zero, step = (float(labview[key].replace(",", ".")) for key in ("X0", "Delta_X"))
+    above = [(n, line) for n, line in lines.items() if begin - _ABOVE <= n < begin]
+    names, units, keys = _header(above[::-1], mark, width, header_line)
+    decimal = decimal or keys.get("Decimal_Separator", [None])[0]
+    if "Delta_X" in keys:  # LabVIEW
+        units[0] = "s"
+        zero, step = (float(keys[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
         for k, fields in enumerate(rows.values()):
-            fields[0] = repr(zero + k * step).replace(".", decimal or ".")
-    names = place.names or [""] * place.width
-    columns, others, more = columns_of(names, place.units, rows, decimal, mark)
+            fields[0] = fields[0] or repr(zero + k * step).replace(".", decimal or ".")
+    if stamps:
+        names, units = ["time", *names], ["", *units]
+        rows = {n: [stamps[n][1] if n in stamps else "", *fields] for n, fields in rows.items()}
+    columns, others, more = _columns_of(names, units, rows, decimal, mark)
     unusable = tuple(f"line {n}: {line!r}" for n, line in odd.items() if n < last)
     return Table(path, kind, columns, others, (*notes, *more), np.array([*rows]), unusable)
 
 
-def _best(
-    lines: Mapping[int, str],
-    separator: str | None,
-    decimal: str | None,
-    header_line: int | None = None,
-    data_line: int | None = None,
-) -> tuple[Place, str, Callable[[str], list[str]]]:
-    """Return where a table is, what separates it, and what splits its lines."""
-    # the first lines, or those around the header that is given
-    start = header_line or max((data_line or 1) - 40, min(lines, default=1))
-    head = dict(islice(((n, line) for n, line in lines.items() if n >= start), _TRIED))
-    serial = 2 * sum(map(bool, map(_SERIAL.match, head.values()))) > len(head)
-    splits = {mark: _splitter(mark, serial) for mark in ([separator] if separator else _SEPARATORS)}
-    places = {
-        mark: _locate(split, head, header_line, data_line, decimal)
-        for mark, split in splits.items()
-    }
-    # blanks split wherever tabs do
-    mark = max(places, key=lambda mark: (*places[mark].score, mark != " ", places[mark].width))
-    return places[mark], mark, splits[mark]
+def _split(line: str, mark: str) -> list[str]:
+    """Return the fields of a line, which may be in double quotes."""
+    if '"' not in line:
+        fields = line.split(None if mark == " " else mark)
+    else:
+        if mark == " ":  # csv.reader takes one separator
+            line = re.sub(r'("[^"]*")|\s+', lambda found: found[1] or " ", line.strip())
+        (fields,) = csv.reader([line], delimiter=mark, skipinitialspace=True)
+    return [field.strip() for field in fields]
 
 
-def _splitter(mark: str, serial: bool) -> Callable[[str], list[str]]:
-    """Return what splits a line into fields; fields may be in double quotes."""
-    csv.field_size_limit(LARGEST_TEXT_BYTES)
-
-    def split(line: str) -> list[str]:
-        found = _SERIAL.match(line) if serial else None
-        line = (found[2] if found else line).rstrip("\r\n")
-        if '"' in line:
-            if mark == " ":  # csv.reader takes one separator
-                line = re.sub(r'("[^"]*")|\s+', lambda found: found[1] or " ", line)
-            (fields,) = csv.reader([line], delimiter=mark, skipinitialspace=True)
-        else:
-            fields = line.split() if mark == " " else line.split(mark)
-        fields = [field.strip() for field in fields]
-        if not found:
-            return fields
-        return [found[1] if any(map(is_value, fields)) else "time", *fields]
-
-    return split
-
-
-def _without_words(
-    lines: Mapping[int, str],
-) -> tuple[dict[int, str], list[str], list[str]] | None:
-    """Return lines that name each number as rows of numbers, names and units; None for others."""
-    found = {n: _NAMED.findall(line) for n, line in islice(lines.items(), _TRIED)}
-    labels = Counter(tuple(part[0] for part in parts) for parts in found.values() if parts)
-    names, count = (labels.most_common(1) or [((), 0)])[0]
-    if 2 * count <= len(found):
-        return None
-    first = next(n for n, parts in found.items() if tuple(part[0] for part in parts) == names)
-    units = [part[2] for part in found[first]]
-    stamped = bool(STAMP.fullmatch(lines[first].split()[0]))
-    tabbed = {}
-    for n, line in lines.items():
-        parts = _NAMED.findall(line)
-        same = tuple(part[0] for part in parts) == names
-        fields = [*line.split()[:stamped], *(part[1] for part in parts)] if same else [line]
-        tabbed[n] = "\t".join(fields)
-    return tabbed, ["time"][:stamped] + [*names], [""][:stamped] + units
+def is_value(text: str) -> bool:
+    """Return whether a text is a number, a time, or a word for a missing value."""
+    patterns = (*_NUMBERS.values(), _STAMP)
+    return text.lower() in _MISSING or any(pattern.fullmatch(text) for pattern in patterns)
 
 
 def _locate(
-    split: Callable[[str], list[str]],
     lines: Mapping[int, str],
-    header_line: int | None,
-    data_line: int | None,
-    decimal: str | None,
-) -> Place:
-    """Find a table in the first lines: the width that most lines of numbers have.
+    marks: Sequence[str],
+    header_line: int | None = None,
+    data_line: int | None = None,
+) -> tuple[float, str, int, int]:
+    """Return how much is a table (0 to 1), its separator, its width (0: none), its first line.
 
-    Comments may hold names, but no samples.
+    Samples have values wherever most of the lines have them.
     """
-    rows, begin = {n: split(line) for n, line in lines.items()}, data_line or (header_line or 0) + 1
-    below = {n: f for n, f in rows.items() if n >= begin and not _COMMENT.match(lines[n])}
-    values = {}
-    for n, fields in below.items():
-        filled = [field for field in fields if field]
-        if 2 * sum(map(is_value, filled)) >= len(filled) > 0:
-            values[n] = fields
-    if not values:
-        return Place()
-    widths = Counter(map(len, values.values()))
-    width = max(widths, key=lambda width: (widths[width], width))
-    table = {n: fields for n, fields in values.items() if len(fields) == width}
-    later = [*zip(*[*table.values()][len(table) // 2 :], strict=True)]
-    counted = [
-        k
-        for k in range(width)
-        if 2 * sum(bool(c) and is_value(c) for c in later[k]) > len(later[k])
-    ]
-    samples = [n for n, fields in table.items() if all(is_value(fields[k]) for k in counted)]
-    first = data_line or min(samples or table)
-    table = {n: fields for n, fields in table.items() if n >= first}
-    if width > 1 and all(not fields[-1] for fields in table.values()):
-        width -= 1
-    above = [n for n in rows if n < first and any(rows[n]) and n == (header_line or n)]
-    names, units = _header([(rows[n], lines[n]) for n in reversed(above)], width)
-    if not names and len(asked := rows.get(header_line or 0, [])) >= width:
-        names = asked[:width]  # the caller says so, though they are numbers
-    cells = [cell for fields in table.values() for cell in fields[:width]]
-    share = sum(map(is_value, cells)) / len(cells)
-    if width == 1 and (share < 1.0 or (decimal is None and any("," in cell for cell in cells))):
-        return Place()  # it has another separator
-    in_table = share * len(table) / sum(any(fields) for n, fields in below.items() if n >= first)
-    return Place((round(in_table, 2), bool(names)), width, first, names, units)
+    begin = data_line or (header_line or 0) + 1
+    below = ((n, line) for n, line in lines.items() if n >= begin and not _COMMENT.match(line))
+    head, best = dict(islice(below, _TRIED)), (False, 0.0, False, 0, marks[0], 1)
+    for mark in marks:
+        rows = {n: fields for n, line in head.items() if any(fields := _split(line, mark))}
+        kinds = {n: tuple(map(is_value, fields)) for n, fields in rows.items()}
+        usual = Counter(
+            kind for n, kind in kinds.items() if sum(map(bool, rows[n])) >= 2 * kind.count(False)
+        )
+        if not usual:
+            continue
+        kind = max(usual, key=lambda kind: (usual[kind], len(kind)))
+        width, alike = len(kind), {n: k for n, k in kinds.items() if len(k) == len(kind)}
+        first = next(n for n, k in alike.items() if all(map(ge, k, kind)))
+        values = sum(sum(k) for n, k in alike.items() if n >= first)
+        share = values / width / sum(n >= first for n in rows)
+        if width > 1 and not any(rows[n][-1] for n in alike if n >= first):
+            width -= 1
+        # one column may be several with another separator; blanks split wherever tabs do
+        best = max(best, (width > 1, share, mark != " ", width, mark, first))
+    _, share, _, width, mark, first = best
+    return share, mark, width, data_line or first
+
+
+def _without_words(lines: Mapping[int, str]) -> dict[int, str] | None:
+    """Return lines that name each number as a table with names and units; None for others."""
+    found = {n: _NAMED.findall(line) for n, line in lines.items()}
+    labels = {n: tuple(name for name, *_ in parts) for n, parts in found.items()}
+    names, count = max(Counter(labels.values()).items(), key=itemgetter(1), default=((), 0))
+    if not names or 2 * count <= len(found):
+        return None
+    first = next(n for n in labels if labels[n] == names)
+    units = [f"[{unit if is_unit(unit) else '-'}]" for _, _, unit in found[first]]
+    table = {first - 2: "\t".join(names), first - 1: "\t".join(units)}
+    for n, parts in found.items():
+        if n >= first:
+            table[n] = "\t".join(part[1] for part in parts) if labels[n] == names else lines[n]
+    return table
 
 
 def _header(
-    above: Sequence[tuple[list[str], str]], width: int
-) -> tuple[Sequence[str], Sequence[str]]:
-    """Return names and units from fields and lines above the first sample, nearest first."""
-    keyed: dict[str, list[str]] = {}
-    names: Sequence[str] = ()
-    units: Sequence[str] = ()
-    for fields, line in above[:40]:
-        keys = {key.partition("[")[0].lower() for key in fields[0:width:2]}
-        if width % 2 == 0 and len(fields) >= width and len(keys) == 1 and keys <= _KEYS:
-            keyed.setdefault(fields[0].lower(), fields[:width])
-        elif _UNITS.fullmatch(fields[0]) and len(fields) >= width:
+    above: Sequence[tuple[int, str]], mark: str, width: int, header_line: int | None
+) -> tuple[list[str], list[str], dict[str, list[str]]]:
+    """Return names, units, and fields by the first one of the lines above, nearest first."""
+    keys: dict[str, list[str]] = {}
+    names: list[str] = []
+    units: list[str] = []
+    for number, line in above:
+        fields = _split(line, mark)
+        keys.setdefault(fields[0], fields[1:width])
+        pairs = {field.partition("[")[0] for field in fields[0:width:2]}
+        if len(pairs) == 1 and pairs <= _TWINCAT:
+            continue
+        if _UNITS.fullmatch(fields[0]) and len(fields) >= width:
             units = ["", *fields[1:width]]
-        elif not names and (found := _names_in(line, fields, width)):
-            if not units and all(is_unit(name) for name in found if name):
-                units = found
-            else:
-                names = found
-    if "name" in keyed and not names:  # TwinCAT: a time and a value for each channel
-        stamp = re.findall(r"sampletime\[(.*)\]", " ".join(keyed)) or [""]
-        names = [part for name in keyed["name"][1::2] for part in (f"{name} time", name)]
-        units = [part for u in keyed.get("unit", [""] * width)[1::2] for part in (stamp[0], u)]
-    if names[:1] == ["X_Value"] and units:  # LabVIEW's clock
-        units = ["s", *units[1:]]
-    if not names and not all(unit[:1] in ("", "[", "(") for unit in units):
-        return units, ()
-    return names, units
+        elif not names and header_line in (None, number):
+            names = _names_in(line, mark, width, asked=header_line is not None)
+            if names and not units and all(is_unit(name) for name in names if name):
+                names, units = [], names
+    if not names and "Name" in keys:  # TwinCAT: a time and a value for each channel
+        stamp = "".join(re.findall(r"SampleTime\[(.*)\]", " ".join(keys)))
+        names = [part for name in keys["Name"][::2] for part in (f"{name} time", name)]
+        units = [part for unit in keys.get("Unit", names)[::2] for part in (stamp, unit)]
+    if not names:
+        names, units = units or [""] * width, []
+    return names, units or [""] * width, keys
 
 
-def _names_in(line: str, fields: list[str], width: int) -> list[str]:
+def _names_in(line: str, mark: str, width: int, *, asked: bool) -> list[str]:
     """Return the names in a line, one for each column; none if it has not as many."""
-    stripped = line.strip().lstrip("#%/").strip()
-    others = [_WITH_BRACKET.findall(stripped)]
-    if re.match(r"\s*(?:#|%|//)", line):
-        stripped = re.sub(r"^\w+:\s+", "", stripped)
-        others = [re.split(mark, stripped) for mark in (r"\s*[,;|\t]\s*", r"\s{2,}|\t", r"\s+")]
-        fields = [fields[0].lstrip("#%/ "), *fields[1:]]
-        fields = fields[1:] if not fields[0] and len(fields) == width + 1 else fields
-    for found in (fields, *others):
+    if _COMMENT.match(line):
+        line = re.sub(r"^[\s#%/]*(?:\w+:\s+)?", "", line)
+    plain = line.replace('"', "").strip()
+    for found in (
+        _split(line, mark),
+        re.split(r"\s*[,;|\t]\s*|\s{2,}", plain),
+        re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", plain),  # blanks outside of brackets
+    ):
         names = [name.strip() for name in found]
-        if len(names) == width + 1 and names[-1].lower() in ("", "comment"):
-            names.pop()
-        if len(names) == width - 1 > 1 and line.startswith('"'):
-            names = ["", *names]  # R: the row's number has no name
+        if asked or (len(names) == width + 1 and names[-1].lower() in ("", "comment")):
+            names = names[:width]
         some = [name for name in names if name]
-        if len(names) == width <= 2 * len(some) and not any(map(is_value, some)):
+        if len(names) == width <= 2 * len(some) and (asked or not any(map(is_value, some))):
             return names
     return []
+
+
+def _columns_of(
+    names: Sequence[str],
+    units: Sequence[str],
+    rows: Mapping[int, list[str]],
+    decimal: str | None,
+    separator: str,
+) -> tuple[dict[str, Column], dict[str, str], list[str]]:
+    """Return the columns of rows of texts, why others are none, and notes."""
+    columns: dict[str, Column] = {}
+    others: dict[str, str] = {}
+    notes: list[str] = []
+    texts = list(zip(*rows.values(), strict=True))
+    decimal = decimal or _decimal_of(texts, separator)
+    for k, column in enumerate(texts):
+        if not names[k] and not any(column):
+            continue  # separators at the line ends make columns with neither name nor value
+        repeats = names[:k].count(names[k]) if names[k] else 0
+        name = f"{names[k]} ({repeats + 1})" if repeats else names[k] or str(k)
+        unit, values = units[k].strip("[]() -"), _stamps(column)
+        if values is None:
+            values = _numbers(column, decimal)
+        else:
+            unit = "s"
+        bad = [k for k in np.flatnonzero(np.isnan(values)) if column[k].lower() not in _MISSING]
+        first = f"line {[*rows][bad[0]]} holds {column[bad[0]][:60]!r}, not a number" if bad else ""
+        if len(bad) > _MOST_ODD * len(column):
+            doubt = "" if decimal else ", or its mark may group thousands: set csv.decimal"
+            others[name] = f"{first}{doubt}"
+        elif not np.isfinite(values).any():
+            others[name] = "no numbers"
+        else:
+            columns[name] = Column(values, unit)
+            notes += [f"{name}: {first}; such lines in all: {len(bad)}"] if bad else []
+    clocks = [name for name in columns if is_time(name)]
+    length = None
+    for name, found in columns.items() if len(clocks) > 1 else ():
+        if name in clocks:  # between several clocks, columns end with the clock before them
+            length = 1 + int(np.flatnonzero(np.isfinite(found.values))[-1])
+        columns[name] = found._replace(values=found.values[:length])
+    return columns, others, notes
+
+
+def _numbers(texts: Sequence[str], mark: str | None) -> np.ndarray:
+    """Return the numbers in texts; NaN for other texts, and without a mark where it matters."""
+    import pandas as pd
+
+    if mark is None:
+        points, commas = _numbers(texts, "."), _numbers(texts, ",")
+        return np.where(points == commas, points, np.nan)
+    found = pd.Series(texts).str.lower()
+    numbers = found.where(found.str.fullmatch(_NUMBERS[mark].pattern))
+    plain = numbers.str.replace(".,"[mark == "."], "").str.replace(mark, ".").str.replace("d", "e")
+    return pd.to_numeric(plain, errors="coerce").to_numpy(np.float64, na_value=np.nan)
+
+
+def _decimal_of(columns: Sequence[Sequence[str]], separator: str) -> str | None:
+    """Return the one decimal mark of a table.
+
+    None if numbers contradict each other, or if all marks may group thousands: if there are three
+    digits after each, as in 980, 990, 1,000. Columns between semicolons usually have decimal
+    commas, others decimal points.
+    """
+    marked: dict[str, list[str]] = {".": [], ",": []}
+    mixed = False  # whether a column has numbers with a comma, and others without
+    for texts in columns:
+        for mark, pattern in _NUMBERS.items():
+            given = [text for text in texts if mark in text and pattern.fullmatch(text)]
+            marked[mark] += given
+            mixed |= mark == "," and 0 < len(given) < sum(map(str.isdigit, texts)) + len(given)
+    if all(marked.values()):
+        return None
+    mark = "," if marked[","] else "."
+    usual = (mark == ",") == (separator == ";")
+    if all(map(_GROUPED.fullmatch, marked[mark])) and marked[mark] and (mixed or not usual):
+        return None
+    return mark
+
+
+def _stamps(texts: Sequence[str]) -> np.ndarray | None:
+    """Return dates as seconds since 1970, or times of day in s; None for other texts."""
+    given = [text for text in texts[:50] if text.lower() not in _MISSING]
+    if not given or not all(map(_STAMP.fullmatch, given)):
+        return None
+    import pandas as pd
+
+    series, clock = pd.Series(texts), all(map(_CLOCK_TIME.fullmatch, given))
+    if clock:  # min:s too
+        hours = series.str.replace(r"^(\d+:\d+[.,])", r"0:\1", regex=True)
+        series = ("1970-01-01 " + hours).mask(series == "")
+    years_first = re.match(r"\d{4}", series.dropna().iloc[0])
+    days_first = "/" not in given[0] or any(re.match(r"(1[3-9]|[23]\d)/", d) for d in texts)
+    form: dict[str, Any] = {"format": "mixed", "dayfirst": days_first and not years_first}
+    found = pd.to_datetime(series, utc=True, errors="coerce", **form)
+    since = (found - pd.Timestamp(0, tz="UTC")) / pd.Timedelta(seconds=1)
+    seconds = since.to_numpy(np.float64, na_value=np.nan)
+    midnights = np.append(0, np.cumsum(np.diff(seconds) < -43200.0))
+    return seconds + 86400.0 * midnights if clock else seconds

@@ -80,7 +80,7 @@ def test_what_is_no_column_of_matlab_leaves_the_rest_and_is_told(read, matlab_fi
         "run.q": "did you mean run.q[:, ",
         "run.q[:,2]": "did you mean run.q[:, 2]?",
         "run(3).y": "did you mean run.y?",
-        "run.a": "cannot be a channel: empty",
+        "run.a": "cannot be a channel: float64 of shape (0, 0)",
     }.items():
         with pytest.raises(LogError) as caught:
             table.pick(text)

@@ -7,9 +7,8 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from fprc.errors import LogError
-from fprc.recordings.grid import is_value
 from fprc.recordings.names import is_unit
-from fprc.recordings.text import read_text
+from fprc.recordings.text import is_value, read_text
 
 
 @pytest.fixture
