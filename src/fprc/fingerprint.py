@@ -1,35 +1,25 @@
-"""Digests of this package's code: the workflow runs a rule again when its code has changed.
+"""Digests of this package's files: the workflow runs a rule again when its code has changed.
 
 Snakemake does not look into an installed package. Each rule therefore has a digest among its
-params, of the code that computes or of that which shows; comments and docstrings do not count.
+params, of the files that compute or of those that show.
 """
 
-import ast
 import hashlib
 import sys
 from collections.abc import Iterable, Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import fprc
 from fprc.registry import COMPETITORS, class_module
 
-
-def _named(names: str) -> tuple[str, ...]:
-    return tuple(f"fprc.{name}" for name in names.split())
-
-
-#: Beginnings of the names of what makes tables, figures, claims and pages of results.
-SHOWS = _named(
-    "claims escape figures provenance stages.draw stages.report stages.tabulate studies.beyond "
-    "studies.online studies.pages studies.verdicts tables"
-)
+#: Files and folders that make tables, figures, claims and pages of results.
+SHOWS = """claims config/published.yaml escape.py figures provenance.py stages/draw.py
+    stages/report.py stages/tabulate.py stages/*.j2 stages/*.yaml studies/beyond.py
+    studies/online.py studies/pages.py studies/verdicts.py tables""".split()
 #: Those of what no rule of the paper runs, or what only passes on files and settings.
-ELSEWHERE = _named(
-    "__init__ __main__ apparatus cli commands config datasets errors fingerprint given plan "
-    "recordings studies"
-)
+ELSEWHERE = """__init__.py __main__.py apparatus cli.py commands config datasets.py errors.py
+    fingerprint.py given.py plan.py recordings studies""".split()
 
 
 def code_that_computes(
@@ -38,47 +28,33 @@ def code_that_computes(
     """Return a digest of the code that computes, with these models and not with others.
 
     Of a model from outside, which ``settings``, the section ``models``, names, the file of its
-    class counts. ``also`` are beginnings of the names of further modules, as ``fprc.studies``.
+    class counts. ``also`` are further files and folders, as ``studies``.
     """
-    own = {class_module(name) for name in COMPETITORS}
-    shared = {
-        name
-        for name in modules()
-        if not name.startswith(SHOWS) and (name.startswith(also) or not name.startswith(ELSEWHERE))
-    }
-    return _digest(shared - own | {class_module(name, settings) for name in models})
+    shared = {*_folder().rglob("*.py")} - _files(SHOWS) - (_files(ELSEWHERE) - _files(also))
+    shared -= {_file_of(class_module(name)) for name in COMPETITORS}
+    own = {_file_of(class_module(name, settings)) for name in models}
+    return _digest([*sorted(shared), *sorted(own)])
 
 
 def code_that_shows() -> str:
     """Return a digest of the code and the other files of what is shown."""
-    folder = Path(fprc.__path__[0])
-    patterns = ("config/published.yaml", "claims/*.*", "figures/drawings/*", "stages/*.*")
-    files = sorted(path for pattern in patterns for path in folder.glob(pattern))
-    data = (path.read_bytes() for path in files if path.suffix != ".py")
-    code = _digest(name for name in modules() if name.startswith(SHOWS))
-    return hashlib.sha256(b"".join([code.encode(), *data])).hexdigest()[:16]
+    return _digest(sorted(_files(SHOWS)))
 
 
-def modules() -> dict[str, Path]:
-    """Return the files of this package by their modules."""
-    folder = Path(fprc.__path__[0])
-    found = {path: path.relative_to(folder).with_suffix("").parts for path in folder.rglob("*.py")}
-    return {".".join(("fprc", *parts)): path for path, parts in found.items()}
+def _folder() -> Path:
+    return Path(fprc.__path__[0])
 
 
-def _digest(names: Iterable[str]) -> str:
-    ours = modules()
-    files = {name: ours.get(name) or Path(sys.modules[name].__file__ or "") for name in names}
-    lines = (f"{name} {_code_of(path.read_bytes())}" for name, path in sorted(files.items()))
-    return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
+def _files(names: Iterable[str]) -> set[Path]:
+    tops = [top for name in names for top in _folder().glob(name)]
+    found = (path for top in tops for path in (top, *top.rglob("*")))
+    return {path for path in found if path.is_file() and path.suffix != ".pyc"}
 
 
-@cache
-def _code_of(source: bytes) -> str:
-    """Return code without docstrings and comments."""
-    tree = ast.parse(source)
-    for node in ast.walk(tree):
-        match getattr(node, "body", None):
-            case [ast.Expr(ast.Constant(str())), *_] as body:
-                body.pop(0)
-    return ast.dump(tree)
+def _file_of(module: str) -> Path:
+    ours = _folder().parent.joinpath(*module.split(".")).with_suffix(".py")
+    return ours if ours.exists() else Path(sys.modules[module].__file__ or "")
+
+
+def _digest(files: Iterable[Path]) -> str:
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]

@@ -1,4 +1,7 @@
-"""The workflow's plan: the results, what they are made of, and which of them the logs allow."""
+"""The workflow's plan: its results, what they are made of, which of them the logs allow.
+
+And what the rules pass to their stages: a stage gets only the settings that it reads.
+"""
 
 import re
 from collections.abc import Mapping
@@ -12,10 +15,17 @@ from fprc.escape import in_words
 from fprc.logs import Columns, read_columns
 from fprc.logs.columns import read_each
 from fprc.paper import DISTURBANCE, EXPERIMENTS, LOOPS, REFERENCES, run_log
-from fprc.registry import controllers, entries, feedforward_of, outside_classes, settings_of
+from fprc.registry import (
+    controllers,
+    entries,
+    feedforward_of,
+    model_of_run,
+    outside_classes,
+    settings_of,
+)
 
-#: The settings as plain data, of which a stage gets only what it reads.
-Sections = Mapping[str, Any]
+#: Settings as plain data.
+Plain = Mapping[str, Any]
 
 #: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
 TRAINING = EXPERIMENTS[0]
@@ -145,16 +155,27 @@ class Plan:
             "predictions": f"{predictions}_test.h5",
         }
 
+    def driver(self, log: str) -> list[str]:
+        """Return the file of the model that a raw log is recorded with; an experiment has none."""
+        return [] if log in EXPERIMENTS else [self.judged("sweep", model_of_run(log))["fitted"]]
+
     def replicates(self, part: str) -> list[str]:
-        """Return one part of each further seed's report."""
-        seeds = self.settings.evaluation.replicate_seeds
+        """Return one part of each further seed's report; none where there is no further rig."""
+        seeds = self.settings.evaluation.replicate_seeds if self.on_simulated_rig else ()
         return [f"{self._results}/replicates/{part}_{seed}.json" for seed in seeds]
 
     @property
     def grids(self) -> list[str]:
         """Reports that Figs. 10 and 11 show: of further seeds, or of the logs of one rig."""
-        one = [f"{self._results}/grids.json"]
-        return self.replicates("grids") if self.on_simulated_rig else one
+        return self.replicates("grids") or [f"{self._results}/grids.json"]
+
+    def table(self, name: str) -> list[str]:
+        """Return the files of a table: numbers, and pages with title and note."""
+        return [f"{self._results}/{name}.{kind}" for kind in ("csv", "md", "tex", "json")]
+
+    def figure(self, name: str, *numbers: str) -> list[str]:
+        """Return the files of a figure; with "csv" also the numbers that it shows."""
+        return [f"{self._results}/figures/{name}.{kind}" for kind in ("pdf", "png", *numbers)]
 
     def possible(self, **files: list[str]) -> dict[str, list[str]]:
         """Return those of the results, named with their files, that can be made."""
@@ -203,36 +224,30 @@ def read_plan(settings: Settings) -> Plan:
     return plan
 
 
-def pick(section: Sections, *names: str) -> dict[str, Any]:
+def pick(section: Plain, *names: str) -> dict[str, Any]:
     """Return some keys of a section."""
     return {name: section[name] for name in names}
 
 
-def paper_models(settings: Sections) -> dict[str, Any]:
+def paper_models(settings: Plain) -> dict[str, Any]:
     """Return the section ``models`` without the models from outside the package."""
     return {**settings["models"], "others": {}}
 
 
-def validation(
-    settings: Sections, model: str | None = None, *, without: str = "", **changed: Any
-) -> dict[str, Any]:
-    """Return the arguments of ``CrossValidation`` for one model, or for all of them.
-
-    ``without`` is an argument that the stage adds itself; ``changed`` differ from the settings.
-    """
+def validation(settings: Plain, model: str | None = None, **changed: Any) -> dict[str, Any]:
+    """Return the arguments of ``CrossValidation`` for one model, or for all of them."""
     models = settings_of(model, settings["models"]) if model else settings["models"]
-    how = pick(settings["evaluation"], "folds", "split", "purge_s") | pick(settings, "seed")
-    arguments = {"models": models, **how, **changed}
-    return {name: value for name, value in arguments.items() if name != without}
+    folds = pick(settings["evaluation"], "folds", "split", "purge_s")
+    return {"models": models, **folds, "seed": settings["seed"], **changed}
 
 
-def of_pressures(settings: Sections) -> dict[str, Any]:
+def of_pressures(settings: Plain) -> dict[str, Any]:
     """Return the section ``control`` without what tracks an angle."""
     tracks = ("feedback", "pd", "feedforward")
     return {name: value for name, value in settings["control"].items() if name not in tracks}
 
 
-def feedback_in_words(settings: Sections) -> str:
+def feedback_in_words(settings: Plain) -> str:
     """Return a sentence on the PD controller, for the notes of tables."""
     if settings["source"] == "recorded":
         return "The controllers are those of the logs."
@@ -242,7 +257,7 @@ def feedback_in_words(settings: Sections) -> str:
     return f"PD: P_fb {law} kp e + kd de/dt, with {kp:g} kPa/deg and {kd:g} kPa s/deg."
 
 
-def on_rig(settings: Sections) -> dict[str, Any]:
+def on_rig(settings: Plain) -> dict[str, Any]:
     """Return the arguments of ``RigSettings``."""
     return {
         **pick(settings, "rig", "control"),

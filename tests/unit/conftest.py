@@ -88,7 +88,7 @@ def make_data():
         rig = {"control": of_pressures(settings), "rig": settings["rig"]}
         validate_call(record)([raw], signals=signals, seed=seed, **rig)
         validate_call(preprocess)(
-            [raw], data, quality, experiment=name, target="command", sample_rate_hz=200.0,
+            [data], [quality], **{name: [raw]}, target="command", sample_rate_hz=200.0,
             limits=settings["quality"],
         )  # fmt: skip
         return raw, data

@@ -54,3 +54,18 @@ TYPESET = [
 def test_symbols_in_prose_have_low_indices_and_code_is_untouched(text, set_low):
     assert escape.typeset(text) == set_low
     assert escape.typeset(set_low) == set_low
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("FPRC on low-passed theta_d", r"FPRC on low-passed $\theta_d$"),
+        (
+            "P_ff over P_fb's n_c, epsilon",
+            r"$P_\mathrm{ff}$ over $P_\mathrm{fb}$'s $n_c$, $\epsilon$",
+        ),
+        (r"fuzzy\_linear, P\_o and theta\_deg", r"fuzzy\_linear, $P_o$ and theta\_deg"),
+    ],
+)
+def test_symbols_are_formulas_of_tex(text, shown):
+    assert escape.typeset(text, tex=True) == shown

@@ -34,7 +34,7 @@ def test_paper_makes_whole_files_of_every_promised_output_and_says_where_the_rep
     counts = Counter((Path(name).parent.name, Path(name).suffix) for name in made)
     assert {kind: counts[kind] for kind in MADE} == MADE
     assert "Job 0: Target all: open results/report.html" in printed
-    assert len(re.findall("Finished jobid", printed)) == 30
+    assert len(re.findall("Finished jobid", printed)) == 26
 
 
 def test_verdicts_are_as_declared_and_the_numbers_of_the_readme_as_built(paper, tmp_path):

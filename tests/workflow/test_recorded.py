@@ -83,7 +83,7 @@ def test_logs_without_p_o_give_two_models_and_a_page_that_says_so(recording):
     project = recording("theta_deg", "p_exp_kpa", names=("sweep", "complex", "sweep_2"))
     assert project.planned("all", *SMOKE, *ARGUMENTS).keys() == {
         "all", "preprocess", "judge", "tabulate_models", "draw_without_data", "grid",
-        "measure_times", "tabulate_times", "draw_hysteresis", "draw_grids", "report_page",
+        "measure_times", "tabulate_times", "draw_experiments", "show_seeds", "report_page",
     }  # fmt: skip
     done = project.smoke("all", *ARGUMENTS)
     assert done.returncode == 0, done.stdout

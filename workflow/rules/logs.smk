@@ -11,16 +11,15 @@ if PLAN.on_simulated_rig:
 
     rule record:
         output:
-            raw=[f"{RAW}/{experiment}.h5" for experiment in SETTINGS["experiments"]],
+            raw=[PLAN.log(experiment) for experiment in EXPERIMENTS],
         log:
             f"{RESULTS}/logs/record.log",
         params:
+            **pick(SETTINGS, "rig", "seed"),
             stage="stages.record.record",
             code=computes(),
             signals=SETTINGS["experiments"],
             control=of_pressures(SETTINGS),
-            rig=SETTINGS["rig"],
-            seed=SETTINGS["seed"],
         message:
             "Hysteresis experiments on the simulated rig"
         script:
@@ -31,7 +30,7 @@ if PLAN.on_simulated_rig:
             models=DRIVEN_BY,
         output:
             raw=[
-                f"{RAW}/{run_log(reference, controller)}.h5"
+                PLAN.log(run_log(reference, controller))
                 for reference in (*REFERENCES, DISTURBANCE)
                 for controller in PLAN.controllers
             ],
@@ -50,13 +49,11 @@ if PLAN.on_simulated_rig:
 
 if SETTINGS["source"] == "rig":
 
-    FITTED = lambda wildcards: PLAN.judged("sweep", model_of_run(wildcards.name))["fitted"]
-
     rule record_on_rig:
         input:
-            lambda wildcards: [] if wildcards.name in EXPERIMENTS else [FITTED(wildcards)],
+            lambda wildcards: PLAN.driver(wildcards.name),
         output:
-            raw=f"{RAW}/{{name}}.h5",
+            raw=PLAN.log("{name}"),
         log:
             f"{RESULTS}/logs/record_on_rig_{{name}}.log",
         # no rule for a log that exists: it is neither recorded again nor overwritten
@@ -77,20 +74,19 @@ if SETTINGS["source"] == "rig":
 
 rule preprocess:
     input:
-        raw=lambda wildcards: PLAN.logs_of(wildcards.experiment),
+        **{experiment: PLAN.logs_of(experiment) for experiment in PLAN.experiments},
     output:
-        data=f"{RESULTS}/data/{{experiment}}.h5",
-        quality=f"{RESULTS}/quality/{{experiment}}.json",
+        data=[f"{RESULTS}/data/{experiment}.h5" for experiment in PLAN.experiments],
+        quality=[f"{RESULTS}/quality/{experiment}.json" for experiment in PLAN.experiments],
     log:
-        f"{RESULTS}/logs/preprocess_{{experiment}}.log",
+        f"{RESULTS}/logs/preprocess.log",
     params:
         stage="experiments.data.preprocess",
         code=computes(),
-        experiment="{experiment}",
         target=SETTINGS["evaluation"]["target"],
         sample_rate_hz=SETTINGS["control"]["sample_rate_hz"],
         limits=SETTINGS["quality"],
     message:
-        "Quality and channels of the {wildcards.experiment} log"
+        "Quality and channels of the experiments' logs"
     script:
         "../scripts/stage.py"

@@ -1,28 +1,16 @@
 # Tables, figures, claims and the report, made from result files. Each named output is a target.
 
-#: Figures that show no data, by their targets.
-SCHEMATICS = {
-    "fig1": "fig01_actuator",
-    "fig2": "fig02_reservoir",
-    "fig3": "fig03_apparatus",
-    "fig6": "fig06_esn_system",
-    "fig7": "fig07_fprc_system",
-}
-#: Tables and figures of closed loops.
-LOOPS = {
-    "table4": table("tables/table4"),
-    **{
-        f"fig{number}": figure(f"fig{number}_{reference}", "csv")
-        for number, reference in enumerate(REFERENCES, start=12)
-    },
-    "fig16": figure("fig16_loops"),
-    "fig17": figure("fig17_disturbance", "csv"),
-}
+import sys
+from difflib import get_close_matches
 
 
 rule draw_without_data:
     output:
-        **{target: figure(name) for target, name in SCHEMATICS.items()},
+        fig1=figure("fig01_actuator"),
+        fig2=figure("fig02_reservoir"),
+        fig3=figure("fig03_apparatus"),
+        fig6=figure("fig06_esn_system"),
+        fig7=figure("fig07_fprc_system"),
         table1=table("tables/table1"),
     log:
         f"{RESULTS}/logs/draw_without_data.log",
@@ -40,6 +28,7 @@ rule tabulate_models:
     input:
         **{log: [PLAN.judged(log, model)["errors"] for model in PLAN.models] for log in EXPERIMENTS},
         quality=[f"{RESULTS}/quality/{log}.json" for log in EXPERIMENTS],
+        made_from=PLAN.data,
     output:
         **PLAN.possible(table2=table("tables/table2"), table3=table("tables/table3")),
     log:
@@ -54,115 +43,20 @@ rule tabulate_models:
         "../scripts/stage.py"
 
 
-rule tabulate_times:
-    input:
-        times=f"{RESULTS}/timing/times.json",
-    output:
-        **PLAN.possible(timing=table("timing/table2_timing")),
-    log:
-        f"{RESULTS}/logs/tabulate_times.log",
-    params:
-        stage="stages.tabulate.tabulate_times",
-        code=SHOWS,
-        left_out=PLAN.left_out,
-    message:
-        "Table II, execution times"
-    script:
-        "../scripts/stage.py"
-
-
-rule tabulate_seeds:
-    input:
-        models=PLAN.replicates("models"),
-        loops=PLAN.replicates("control"),
-    output:
-        **PLAN.possible(seeds=sum((table(f"tables/table{n}_seeds") for n in (2, 3, 4)), [])),
-    log:
-        f"{RESULTS}/logs/tabulate_seeds.log",
-    params:
-        stage="stages.tabulate.tabulate_seeds",
-        code=SHOWS,
-        feedback=feedback_in_words(SETTINGS),
-    message:
-        "Tables II to IV over further seeds"
-    script:
-        "../scripts/stage.py"
-
-
-rule draw_hysteresis:
-    input:
-        **BOTH_LOGS,
-    output:
-        **PLAN.possible(
-            fig4=figure("fig04_hysteresis_actuator"), fig5=figure("fig05_hysteresis_reservoir")
-        ),
-    log:
-        f"{RESULTS}/logs/draw_hysteresis.log",
-    params:
-        stage="figures.hysteresis.draw_hysteresis",
-        code=SHOWS,
-    message:
-        "Figs. 4 and 5: hysteresis of actuator and reservoir"
-    script:
-        "../scripts/stage.py"
-
-
-rule draw_training:
-    input:
-        **pick(PLAN.judged("sweep", "fprc"), "fits", "predictions"),
-    output:
-        **PLAN.possible(fig8=figure("fig08_training", "csv")),
-    log:
-        f"{RESULTS}/logs/draw_training.log",
-    params:
-        stage="figures.hysteresis.draw_training",
-        code=SHOWS,
-    message:
-        "Fig. 8: FPRC on its training and test logs"
-    script:
-        "../scripts/stage.py"
-
-
-rule draw_weights:
-    input:
-        train=f"{RESULTS}/data/sweep.h5",
-    output:
-        **PLAN.possible(fig9=figure("fig09_weights", "csv")),
-    log:
-        f"{RESULTS}/logs/draw_weights.log",
-    params:
-        stage="stages.draw.draw_weights",
-        code=[computes("fprc"), SHOWS],
-        validation=validation(SETTINGS, "fprc"),
-    message:
-        "Fig. 9: weights of FPRC"
-    script:
-        "../scripts/stage.py"
-
-
-rule draw_grids:
-    input:
-        grids=PLAN.grids,
-        times=f"{RESULTS}/timing/times_over_n_c.json",
-    output:
-        **PLAN.possible(fig10=figure("fig10_settings", "csv"), fig11=figure("fig11_taps", "csv")),
-    log:
-        f"{RESULTS}/logs/draw_grids.log",
-    priority: LONG  # its execution times are measured last, and the report waits for it
-    params:
-        stage="figures.grids.draw_grids",
-        code=SHOWS,
-    message:
-        "Figs. 10 and 11: errors and times over the settings of FPRC"
-    script:
-        "../scripts/stage.py"
-
-
 rule draw_loops:
     input:
-        runs=[f"{RAW}/{run}.h5" for run in PLAN.runs],
+        runs=[PLAN.log(run) for run in PLAN.runs],
+        made_from=[*(PLAN.data if PLAN.records else []), *DRIVEN_BY],
     output:
-        **PLAN.possible(**LOOPS),
+        **PLAN.possible(
+            table4=table("tables/table4"),
+            fig12=figure("fig12_sine_0p2", "csv"),
+            fig13=figure("fig13_sine_0p5", "csv"),
+            fig14=figure("fig14_sweep", "csv"),
+            fig15=figure("fig15_complex", "csv"),
+            fig16=figure("fig16_loops"),
+            fig17=figure("fig17_disturbance", "csv"),
+        ),
     log:
         f"{RESULTS}/logs/draw_loops.log",
     params:
@@ -178,46 +72,101 @@ rule draw_loops:
         "../scripts/stage.py"
 
 
-rule ledger:
+rule tabulate_times:
     input:
-        replicates=PLAN.replicates("models"),
-        grids=PLAN.replicates("grids"),
-        controls=PLAN.replicates("control"),
         times=f"{RESULTS}/timing/times.json",
-        times_over_n_c=f"{RESULTS}/timing/times_over_n_c.json",
+        made_from=PLAN.data,
     output:
-        **PLAN.possible(claims=[f"{RESULTS}/claims.json", f"{RESULTS}/claims.csv"]),
+        **PLAN.possible(timing=table("timing/table2_timing")),
     log:
-        f"{RESULTS}/logs/ledger.log",
+        f"{RESULTS}/logs/tabulate_times.log",
     params:
-        stage="claims.paper.write_ledger",
+        stage="stages.tabulate.tabulate_times",
         code=SHOWS,
-        fitted=SETTINGS["fitted"],
+        left_out=PLAN.left_out,
     message:
-        "Claims C1 to C22"
+        "Table II, execution times"
     script:
         "../scripts/stage.py"
 
 
-#: Rules whose named outputs are targets, in the order of the report; and what they are made from,
-#: beside their inputs. Otherwise a result of an earlier run would count as complete after a job has
-#: failed, since Snakemake removes only the outputs of that job.
-SHOWN = {
-    "draw_without_data": [],
-    "tabulate_models": PLAN.data,
-    "draw_loops": [*(PLAN.data if PLAN.records else []), *DRIVEN_BY],
-    "tabulate_times": PLAN.data,
-    "tabulate_seeds": [],
-    **dict.fromkeys(
-        "draw_hysteresis draw_training draw_weights draw_grids ledger".split(), PLAN.data
-    ),
-}
+rule show_seeds:
+    input:
+        grids=PLAN.grids,
+        times=f"{RESULTS}/timing/times.json",
+        times_over_n_c=f"{RESULTS}/timing/times_over_n_c.json",
+        models=PLAN.replicates("models"),
+        controls=PLAN.replicates("control"),
+        made_from=PLAN.data,
+    output:
+        **PLAN.possible(
+            seeds=sum((table(f"tables/table{n}_seeds") for n in (2, 3, 4)), []),
+            fig10=figure("fig10_settings", "csv"),
+            fig11=figure("fig11_taps", "csv"),
+            claims=[f"{RESULTS}/claims.json", f"{RESULTS}/claims.csv"],
+        ),
+    log:
+        f"{RESULTS}/logs/show_seeds.log",
+    priority: LONG  # the execution times are measured last, and the report waits for this
+    params:
+        stage="stages.tabulate.show_seeds",
+        code=SHOWS,
+        feedback=feedback_in_words(SETTINGS),
+        fitted=SETTINGS["fitted"],
+    message:
+        "Figs. 10 and 11; Tables II to IV over further seeds, and claims C1 to C22"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_experiments:
+    input:
+        **{log: f"{RESULTS}/data/{log}.h5" for log in PLAN.experiments},
+        made_from=PLAN.data,
+    output:
+        **PLAN.possible(
+            fig4=figure("fig04_hysteresis_actuator"),
+            fig5=figure("fig05_hysteresis_reservoir"),
+            fig9=figure("fig09_weights", "csv"),
+        ),
+    log:
+        f"{RESULTS}/logs/draw_experiments.log",
+    params:
+        stage="stages.draw.draw_experiments",
+        code=[computes("fprc"), SHOWS],
+        validation=validation(SETTINGS, "fprc"),
+    message:
+        "Figs. 4 and 5: hysteresis of actuator and reservoir; Fig. 9: weights of FPRC"
+    script:
+        "../scripts/stage.py"
+
+
+rule draw_training:
+    input:
+        **pick(PLAN.judged("sweep", "fprc"), "fits", "predictions"),
+        made_from=PLAN.data,
+    output:
+        **PLAN.possible(fig8=figure("fig08_training", "csv")),
+    log:
+        f"{RESULTS}/logs/draw_training.log",
+    params:
+        stage="figures.hysteresis.draw_training",
+        code=SHOWS,
+    message:
+        "Fig. 8: FPRC on its training and test logs"
+    script:
+        "../scripts/stage.py"
+
+
+#: Rules whose named outputs are targets, in the order of the report. A target asks also for what
+#: its files are made from.
+SHOWN = """draw_without_data tabulate_models draw_loops tabulate_times show_seeds draw_experiments
+    draw_training"""
 MADE, TARGETS, CAPTIONS = {}, {}, {}
-for name, behind in SHOWN.items():
-    shown = getattr(rules, name)
+for shown in (getattr(rules, name) for name in SHOWN.split()):
     for target, files in shown.output.items():
         CAPTIONS[target] = shown.params.get("caption", "")
-        MADE[target], TARGETS[target] = list(files), [*files, *shown.input, *behind]
+        MADE[target], TARGETS[target] = list(files), [*files, *shown.input]
 #: Tables of the report; the claims have a place of their own.
 PAGES = [file for name in MADE if name != "claims" for file in MADE[name] if file.endswith(".json")]
 #: Figures of the report, with the sources of their data.
@@ -252,7 +201,7 @@ rule report_page:
 
 
 TARGETS["report"] = [f"{RESULTS}/report.html", *sorted(set(sum(TARGETS.values(), [])))]
-TARGETS["logs"] = [f"{RAW}/{experiment}.h5" for experiment in PLAN.experiments]
+TARGETS["logs"] = [PLAN.log(experiment) for experiment in PLAN.experiments]
 
 for target, files in TARGETS.items():
 
@@ -278,3 +227,9 @@ for target in PLAN.unavailable:
             PLAN.refusal(target)
         shell:
             "exit 1"
+
+
+# Snakemake itself says only that no rule makes a mistyped target
+for word in set(sys.argv[1:]) - {"all", *TARGETS, *PLAN.unavailable}:
+    for near in get_close_matches(word, TARGETS, n=1, cutoff=0.75):
+        print(f"{word}: did you mean {near}?", file=sys.stderr)

@@ -19,7 +19,7 @@ rule judge_family:
         runtime=120,
     params:
         stage="studies.family.judge_family",
-        code=code_that_computes(*COMPETITORS, also=("fprc.studies",)),
+        code=code_that_computes(*COMPETITORS, also=("studies",)),
         judge=lambda wildcards: STUDIES[wildcards.study]["judge"],
         how=lambda wildcards: STUDIES[wildcards.study]["how"],
         family=family_of,

@@ -33,7 +33,7 @@ def calibrate_from_files(
     refuse_output(ensemble or out, ".json" if ensemble else ".yaml")
     printed, rig = read_yaml(PUBLISHED), RigSettings(**on_rig(settings))
     how = {
-        "validation": validation(settings, without="seed"),
+        "validation": validation(settings),
         "calibration": settings["calibration"],
         "tracking": settings["tracking"],
         "workers": effective_n_jobs(-1),

@@ -79,15 +79,30 @@ def read_data(path: str) -> Data:
     return Data(file.channels, file.attributes, path)
 
 
-def preprocess(raw: Sequence[str], data: str, quality: str, *, limits: Quality, **how: Any) -> None:
+def preprocess(
+    data: Sequence[str],
+    quality: Sequence[str],
+    sweep: Sequence[str] = (),
+    complex: Sequence[str] = (),
+    *,
+    limits: Quality,
+    **how: Any,
+) -> None:
     """Write the models' channels of raw logs and the quality records, see ``read_recordings``.
 
     Nothing is filtered here: filter and taps are parts of the models, since the control loop
     needs the same ones.
     """
-    read, reports = read_recordings(raw, limits=limits, **how)
-    write_json(quality, {"recordings": reports})
-    write_columns(data, read.channels, read.attributes)
+    raw = {name: paths for name, paths in (("sweep", sweep), ("complex", complex)) if paths}
+
+    def read(name: str) -> Any:
+        return read_recordings(raw[name], experiment=name, limits=limits, **how)
+
+    for (found, reports), samples, record in zip(
+        read_each(read, [*raw]), data, quality, strict=True
+    ):
+        write_json(record, {"recordings": reports})
+        write_columns(samples, found.channels, found.attributes)
 
 
 def read_recordings(

@@ -1,4 +1,4 @@
-"""Figure 9, the weights of FPRC; and the closed loops, Table IV and Figs. 12 to 17.
+"""Figures 4 and 5; 9, the weights of FPRC; the closed loops, Table IV and Figs. 12 to 17.
 
 The files of a figure are its PDF and PNG, and the CSV with the statistics that it shows, if any.
 """
@@ -20,6 +20,7 @@ from fprc.errors import LogError
 from fprc.experiments.comparison import CrossValidation, weight_shares
 from fprc.experiments.data import read_data
 from fprc.figures import style
+from fprc.figures.hysteresis import draw_hysteresis
 from fprc.given import read_yaml
 from fprc.logs import assess, read_run
 from fprc.logs.columns import read_each
@@ -43,6 +44,21 @@ _AVERAGES = {"mean_of_feature": "mean", "published_mean_of_feature": "paper"}
 _END_S = 5.0
 #: Panels of Fig. 17 (b), below those of (a).
 _RESERVOIR = {"p_i_kpa": "$P_i$ [kPa]", "phi_deg": r"$\phi$ [deg]", "p_o_kpa": "$P_o$ [kPa]"}
+
+
+def draw_experiments(
+    sweep: str = "",
+    complex: str = "",
+    fig4: Sequence[str] = (),
+    fig5: Sequence[str] = (),
+    fig9: Sequence[str] = (),
+    *,
+    validation: CrossValidation,
+) -> None:
+    """Figures 4, 5 and 9, those that are asked for; Fig. 9 needs no log ``complex``."""
+    draw_hysteresis(sweep, complex, fig4, fig5)
+    if fig9:
+        draw_weights(sweep, fig9, validation=validation)
 
 
 def draw_weights(train: str, fig9: Sequence[str], *, validation: CrossValidation) -> None:

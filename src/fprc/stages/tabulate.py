@@ -9,7 +9,9 @@ import numpy as np
 import pandas as pd
 
 from fprc.artifacts import replacing
+from fprc.claims.paper import write_ledger
 from fprc.figures import DRAWINGS
+from fprc.figures.grids import draw_grids
 from fprc.given import read_json, read_yaml
 from fprc.intervals import mean_and_std
 from fprc.logs.quality import warnings
@@ -88,6 +90,27 @@ def tabulate_models(
             f"{_without(left_out)}{checks}"
         )
         _write_errors(_comparison(reports), note, files, _TITLES[first["trained_on"]])
+
+
+def show_seeds(
+    grids: Sequence[str],
+    times: str,
+    times_over_n_c: str,
+    models: Sequence[str] = (),
+    controls: Sequence[str] = (),
+    seeds: Sequence[str] = (),
+    fig10: Sequence[str] = (),
+    fig11: Sequence[str] = (),
+    claims: Sequence[str] = (),
+    *,
+    feedback: str,
+    fitted: Mapping[str, Any],
+) -> None:
+    """Figs. 10 and 11; of further seeds, which recorded logs have not, tables and the ledger."""
+    draw_grids(grids, times_over_n_c, fig10, fig11)
+    if models:
+        tabulate_seeds(models, controls, seeds, feedback=feedback)
+        write_ledger(models, grids, controls, times, times_over_n_c, claims, fitted=fitted)
 
 
 def tabulate_seeds(

@@ -90,9 +90,10 @@ def judge_tables(
 ) -> dict[str, Any]:
     """Return what Tables II and III (``compared``) and IV (``measured``) of a unit's rig rest on.
 
-    ``validation`` has the arguments of ``CrossValidation`` without the seed.
+    ``validation`` has the arguments of ``CrossValidation``; the seed is the unit's.
     """
-    how, data = CrossValidation(**validation, seed=unit.seed), simulate(unit.on_rig, unit.seed)
+    how = CrossValidation(**{**validation, "seed": unit.seed})
+    data = simulate(unit.on_rig, unit.seed)
     bench = Track(Tracking(**tracking), unit.on_rig.control, unit.on_rig.rig, unit.seed)
     compared, models = compare_models(data, how)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))

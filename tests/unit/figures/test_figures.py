@@ -130,7 +130,7 @@ def test_fig_9_writes_the_shares_and_their_means(figures, place, monkeypatch):
     monkeypatch.setattr(draw, "read_data", lambda path: data)
     monkeypatch.setattr(draw, "weight_shares", lambda data, how: found)
     how = CrossValidation(models={}, folds=5, split="shuffled", seed=1)
-    draw.draw_weights("sweep.h5", [*PICTURES, place("t.csv")], validation=how)
+    draw.draw_experiments("sweep.h5", fig9=[*PICTURES, place("t.csv")], validation=how)
     table = pd.read_csv(place("t.csv"))
     assert table.groupby("rule")["share"].sum().tolist() == pytest.approx([1.0, 1.0])
     of_p_o = table[table["feature"] == "p_o"]

@@ -10,7 +10,7 @@ from fprc.experiments.data import read_data
 from fprc.given import read_json
 from fprc.logs import read_columns
 from fprc.models import load_model
-from fprc.stages.draw import draw_weights
+from fprc.stages.draw import draw_experiments
 from fprc.stages.models import judge, replicate
 
 pytestmark = pytest.mark.slow
@@ -101,7 +101,7 @@ def test_weights_are_those_of_the_main_run_with_that_seed(
     errors, logs, validation, tmp_path, undrawn
 ):
     csv = str(tmp_path / "weights.csv")
-    validate_call(draw_weights)(logs["sweep"], [csv], validation=validation)
+    validate_call(draw_experiments)(logs["sweep"], fig9=[csv], validation=validation)
     shown, ours = pd.read_csv(csv), read_json(errors)["weights"]
     for feature, rules in ours["shares"].items():
         rows = shown[shown["feature"] == feature]

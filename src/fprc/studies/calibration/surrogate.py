@@ -56,7 +56,7 @@ def judge_by_surrogate(
     centers : Mapping
         Centres at which clusterings begin; those that are not in it begin at random.
     validation : Mapping
-        Arguments of ``CrossValidation`` without the seed.
+        Arguments of ``CrossValidation``; the seed is ``seed``.
     tracking : Mapping
         Section of the configuration.
 
@@ -100,7 +100,7 @@ def judge_fully(
     tracking: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Return what ``judge_by_surrogate`` does, errors, shares and loops of the full models."""
-    how = CrossValidation(**validation, seed=seed)
+    how = CrossValidation(**{**validation, "seed": seed})
     data = simulate(on_rig, seed)
     of_models = {name: cross_validate_both(name, how, data) for name in MODELS}
     reports = [report for directions in of_models.values() for _, report, _ in directions]
