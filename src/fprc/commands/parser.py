@@ -150,7 +150,6 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
     """, [
         _SOURCE,
         _arg("--map", "MAP.yaml", "columns, units and parts", dest="map_", **_OUT),
-        _arg("--train", "FILE", "further recordings with the same columns", **_MANY),
         _arg("--out", "FOLDER", "folder to write; by default results/ and SOURCE's name"),
         _arg("--config", "FILE", f"configuration that overrides the defaults; {_LATER}", **_MANY),
     ]),

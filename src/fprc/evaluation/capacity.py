@@ -1,6 +1,6 @@
 """Memory and capacity of a reservoir's state, for an input that may be correlated."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import combinations_with_replacement
 from math import comb
 from typing import NamedTuple
@@ -37,17 +37,9 @@ class Capacity(NamedTuple):
 
 
 def capacity(
-    state: ArrayLike,
-    u: ArrayLike,
-    *,
-    rate_hz: float = 1.0,
-    lags: int = 50,
-    spacing: int = 1,
-    degree: int = 3,
-    most: int = 150,
-    taps: int = 1,
-    shifts: int = 19,
-) -> Capacity:
+    state: ArrayLike, u: ArrayLike, *, rate_hz: float = 1.0, lags: int = 50, spacing: int = 1,
+    degree: int = 3, most: int = 150, taps: int = 1, shifts: int = 19,
+) -> Capacity:  # fmt: skip
     """Return what a state remembers of its input: memory curve, and capacity by degree.
 
     The targets are products of lagged inputs, z(k - l1) z(k - l2) ... of the standardised input z,
@@ -108,7 +100,14 @@ def capacity(
         for share in np.linspace(0.0, 1.0, shifts + 2)[1:-1]
     ]
     names = [*_products(lags, degree, most)]
-    shares = _capacities(basis, moved, [spaced[:, list(name)].prod(axis=1) for name in names])
+    products = [spaced[:, list(name)].prod(axis=1) for name in names]
+    columns = np.column_stack([np.ones(len(basis)), *products])
+    goals, sizes = np.linalg.qr(columns)
+    left = np.abs(np.diag(sizes)) > _RANK * np.linalg.norm(columns, axis=0)
+    found, *by_chance = (((one.T @ goals) ** 2).sum(axis=0) for one in (basis, *moved))
+    mean, highest = np.mean(by_chance, axis=0), np.max(by_chance, axis=0)
+    above = np.where(left & (found > highest), (found - mean) / np.maximum(1.0 - mean, _RANK), 0.0)
+    shares = np.clip(above, 0.0, 1.0)[1:].tolist()
     targets = {tuple(spacing * k for k in name): x for name, x in zip(names, shares, strict=True)}
     curve = _memory(basis, own, spaced)
     chance = np.max([_memory(other, own, spaced) for other in moved], axis=0)
@@ -127,21 +126,8 @@ def filtered_capacity(signal: np.ndarray, theta: np.ndarray, rate_hz: float) -> 
     return capacity(state, theta, rate_hz=rate_hz, lags=LAGS, spacing=spacing, taps=TAPS)
 
 
-def _capacities(
-    basis: np.ndarray, moved: Sequence[np.ndarray], products: Sequence[np.ndarray]
-) -> list[float]:
-    """Return the share of each product, made orthogonal, that the basis explains above chance."""
-    columns = np.column_stack([np.ones(len(basis)), *products])
-    goals, sizes = np.linalg.qr(columns)
-    left = np.abs(np.diag(sizes)) > _RANK * np.linalg.norm(columns, axis=0)
-    found, *by_chance = (((one.T @ goals) ** 2).sum(axis=0) for one in (basis, *moved))
-    mean, highest = np.mean(by_chance, axis=0), np.max(by_chance, axis=0)
-    above = np.where(left & (found > highest), (found - mean) / np.maximum(1.0 - mean, _RANK), 0.0)
-    return np.clip(above, 0.0, 1.0)[1:].tolist()
-
-
 def _products(lags: int, degree: int, most: int) -> Iterator[tuple[int, ...]]:
-    """Yield the lags of each product, in the order of degree and then of the latest lag."""
+    """Yield the lags of each product, by degree and then by the latest lag."""
     for factors in range(1, degree + 1):
         reach = lags
         while factors > 1 and reach > 1 and comb(reach + factors - 1, factors) > most:

@@ -20,22 +20,15 @@ _TINY = 1e-11
 class BlockReadouts:
     """Ridge or Takagi-Sugeno readouts of a model, each fitted without some blocks of a log.
 
-    The blocks and their purged neighbours cut the log into cells. The moments of each cell are
-    computed once, so a fit without any blocks costs one sum and one solution, however long the log
-    is. The features of all samples are computed in the order of time. The rules of a Takagi-Sugeno
-    readout are placed once, by the inputs of the whole log; no target takes part in that.
-    Predictions are clipped to the range of the training targets.
+    The blocks and their purged neighbours cut the log, of recordings with ``lengths``, into cells.
+    The moments of each cell are computed once, so a fit without any blocks costs one sum and one
+    solution. Features are computed in the order of time. The rules of a Takagi-Sugeno readout are
+    placed once, by the inputs of the whole log; no target takes part in that. Predictions are
+    clipped to the range of the training targets.
 
-    Parameters
-    ----------
-    X, y, lengths
-        Inputs, targets, and samples of each recording.
-    folds : sequence of (ndarray, ndarray)
-        Training rows and rows of each block, see ``folds.split_blocks``.
-    alphas : sequence of float
-        Ridge parameters: shares of the weight of the training samples, on standardised features,
-        without a penalty on the bias. None is the model's own, as it fits: features as they are,
-        and the bias penalised too.
+    ``folds`` are of ``split_blocks``. ``alphas`` are ridge parameters: shares of the weight of the
+    training samples, on standardised features, without a penalty on the bias. None is the
+    model's own, as it fits: features as they are, and the bias penalised too.
     """
 
     def __init__(

@@ -12,10 +12,11 @@ import numpy as np
 from scipy.stats import gmean
 
 from fprc.evaluation.folds import Fold, split_blocks
-from fprc.evaluation.rates import PAPER_HZ, scaled
 from fprc.evaluation.readouts import BlockReadouts
 from fprc.registry import SIDES, build, entry_of
 
+#: Sample rate for which the settings of the paper and of the competitors were chosen, Hz.
+PAPER_HZ = 200.0
 #: Settings on either side: ridge parameters, shares of the weight of the training samples.
 ALPHAS = (1e-6, 1e-4, 1e-2)
 #: Errors inside that differ by less than this factor count as equal.
@@ -40,14 +41,19 @@ _ROUNDING = 0.01
 
 #: Number of shifts of P_o in time; P_o must beat 95 % of them, so each of 19.
 SHIFTS = 19
-#: No shift is within this time of none, s, at most a quarter of the shortest recording; nor within
-#: as much, at most a quarter of a period, of a multiple of the period of a motion that repeats.
+#: No shift is within this time of none, s, at most a quarter of the recording; nor within as much,
+#: at most a quarter of a period, of a multiple of the period of a motion that repeats.
 MEMORY_S, MEMORY_SHARE = 10.0, 0.25
 
 #: A motion repeats if theta comes back to itself within this share of its variance (mean square
 #: distance over twice the variance), after it went away by at least the other share. P_o repeats
 #: with it if it comes back within the other share: then it can only tell where in the motion it is.
 REPEATS, AWAY = 0.05, 0.5
+
+
+def seconds_of(blocks: int) -> float:
+    """Return how long a recording must be to have so many blocks, s."""
+    return WARM_UP_S + blocks * PURGES * PURGE_S
 
 
 class Recordings(NamedTuple):
@@ -68,17 +74,12 @@ class Recordings(NamedTuple):
         size = max(1, int(self.rate_hz / RATE_HZ * (1.0 + _ROUNDING)))
 
         def means(values: np.ndarray) -> np.ndarray:
-            wholes = (part[: len(part) // size * size] for part in self.parts(values))
-            return np.concatenate([part.reshape(-1, size) for part in wholes]).mean(axis=1)
+            wholes = [part[: len(part) // size * size] for part in self.parts(values)]
+            return np.concatenate(wholes).reshape(-1, size).mean(axis=1)
 
         theta, p_o, target = map(means, (self.theta, self.p_o, self.target))
         lengths = [length // size for length in self.lengths]
         return Recordings(theta, p_o, target, lengths, self.rate_hz / size)
-
-    def shifted(self, shares: float) -> "Recordings":
-        """Return them with P_o of each recording rotated by a share of its length."""
-        rotated = [np.roll(part, round(shares * len(part))) for part in self.parts(self.p_o)]
-        return self._replace(p_o=np.concatenate(rotated))
 
     def folds(self) -> list[Fold]:
         """Return training rows and rows of each block; the first seconds are in none of them."""
@@ -103,11 +104,6 @@ class Side(NamedTuple):
         """Family that is chosen most often."""
         names = [name for name, _ in self.chosen]
         return max(SIDES, key=names.count)
-
-    @property
-    def error(self) -> float:
-        """Geometric mean of the errors."""
-        return float(gmean(self.errors))
 
 
 def best_of_side(
@@ -137,11 +133,15 @@ def best_of_side(
 
 
 def error_when_shifted(
-    recordings: Recordings, chosen: Side, models: Mapping[str, Any], seed: int
+    recordings: Recordings, share: float, chosen: Side, models: Mapping[str, Any], seed: int
 ) -> float:
-    """Return the geometric mean of the errors of what was chosen with P_o, refitted."""
-    families = sorted({name for name, _ in chosen.chosen})
-    fits = {name: readouts_of(recordings, SIDES[name][True], models, seed) for name in families}
+    """Return the geometric mean of the errors of what was chosen, refitted to a rotated P_o.
+
+    It is rotated by a share of the length of the one recording.
+    """
+    p_o = np.roll(recordings.p_o, round(share * len(recordings.p_o)))
+    moved, families = recordings._replace(p_o=p_o), sorted({name for name, _ in chosen.chosen})
+    fits = {name: readouts_of(moved, SIDES[name][True], models, seed) for name in families}
     return float(gmean([fits[name].errors(i)[k] for i, (name, k) in enumerate(chosen.chosen)]))
 
 
@@ -159,55 +159,65 @@ def readouts_of(
 ) -> BlockReadouts:
     """Return the readouts of a model of ``SIDES`` on the blocks of recordings."""
     inputs = {"theta_deg": recordings.theta, "p_o_kpa": recordings.p_o}
-    X = np.column_stack([_scaled(inputs[channel]) for channel in entry_of(name).inputs])
+    columns = [inputs[channel] for channel in entry_of(name).inputs]
+    X = np.column_stack([_MEAN + _SPREAD * (x - x.mean()) / (x.std() or 1.0) for x in columns])
     ratio = recordings.rate_hz / PAPER_HZ
-    settings = {**models, "fprc": models["fprc"] | scaled(models["fprc"], ratio)}
     changed = scaled(entry_of(name).fixed, ratio)
     if name in ("echo", "echo_p_o"):  # one network on both sides
         changed["random_state"] = seed
-    model = build(name, settings, seed, **changed)
+    model = build(name, models_at(models, ratio), seed, **changed)
     lengths = recordings.lengths
     return BlockReadouts(model, X, recordings.target, lengths, recordings.folds(), ALPHAS)
 
 
-def _scaled(values: np.ndarray) -> np.ndarray:
-    spread = float(values.std())
-    return _MEAN + _SPREAD * (values - values.mean()) / (spread or 1.0)
+def models_at(models: Mapping[str, Any], ratio: float) -> dict[str, Any]:
+    """Return the section ``models`` for another sample rate, see ``scaled``."""
+    return {
+        **models,
+        **{name: models[name] | scaled(models[name], ratio) for name in ("esn", "fprc")},
+    }
 
 
-def shifts_of(recordings: Recordings, period_s: float | None) -> list[float]:
-    """Return the shifts of P_o, as shares of each recording; none if a period leaves too few."""
-    shortest_s = min(recordings.lengths) / recordings.rate_hz
-    memory_s = min(MEMORY_S, MEMORY_SHARE * shortest_s)
-    shares = np.linspace(memory_s / shortest_s, 1.0 - memory_s / shortest_s, 2000)
+def scaled(parameters: Mapping[str, Any], ratio: float) -> dict[str, Any]:
+    """Return those of a model's parameters that count samples, for another sample rate.
+
+    Low-pass factors, leak rates, the washout and the spacing of taps then mean the same time. The
+    number of taps is not among them: fewer than one tap there cannot be. ``ratio`` is the new rate
+    over the one that the parameters are for.
+    """
+    found: dict[str, Any] = {}
+    for name, value in parameters.items() if ratio != 1.0 else ():  # powers change the last digits
+        if name in ("epsilon", "epsilons", "epsilons_p_o"):
+            # their step responses are the same at the times of both rates
+            found[name] = (1.0 - (1.0 - np.asarray(value)) ** (1.0 / ratio)).tolist()
+        elif name == "gamma":
+            found[name] = float(value ** (1.0 / ratio))
+        elif name in ("washout", "spacing"):
+            found[name] = max(round(value * ratio), min(value, 1))
+    return found
+
+
+def shifts_of(duration_s: float, period_s: float | None) -> list[float]:
+    """Return the shifts of P_o, as shares of the recording; none if a period leaves too few."""
+    memory_s = min(MEMORY_S, MEMORY_SHARE * duration_s)
+    shares = np.linspace(memory_s / duration_s, 1.0 - memory_s / duration_s, 2000)
     if period_s:
-        away = min(memory_s, MEMORY_SHARE * period_s)
-        for length in recordings.lengths:
-            past = shares * length / recordings.rate_hz % period_s
-            shares = shares[(past >= away) & (past <= period_s - away)]
+        away, past = min(memory_s, MEMORY_SHARE * period_s), shares * duration_s % period_s
+        shares = shares[(past >= away) & (past <= period_s - away)]
     if len(shares) < SHIFTS:
         return []
     return shares[np.linspace(0, len(shares) - 1, SHIFTS).round().astype(int)].tolist()
 
 
-def period_of(recordings: Recordings) -> float | None:
-    """Return after which time theta repeats itself, s; None if it does not in any recording."""
-    periods = []
-    for theta in recordings.parts(recordings.theta):
-        away = distances(theta)
-        left = np.flatnonzero(away > AWAY)
-        back = left[0] + np.flatnonzero(away[left[0] :] < REPEATS) if left.size else left
-        if back.size:
-            dip = back[: np.flatnonzero(np.diff(np.append(back, len(theta))) > 1)[0] + 1]
-            periods.append(int(dip[away[dip].argmin()]))
-    return max(periods) / recordings.rate_hz if periods else None
-
-
-def p_o_repeats(recordings: Recordings, period_s: float) -> bool:
-    """Return whether P_o of any recording comes back to itself with the motion."""
-    lag = round(period_s * recordings.rate_hz)
-    parts = [part for part in recordings.parts(recordings.p_o) if lag <= len(part) // 2]
-    return any(distances(part)[lag] < AWAY for part in parts)
+def period_of(theta: np.ndarray) -> int | None:
+    """Return after how many samples theta repeats itself; None if it does not."""
+    away = distances(theta)
+    left = np.flatnonzero(away > AWAY)
+    back = left[0] + np.flatnonzero(away[left[0] :] < REPEATS) if left.size else left
+    if not back.size:
+        return None
+    dip = back[: np.flatnonzero(np.diff(np.append(back, len(theta))) > 1)[0] + 1]
+    return int(dip[away[dip].argmin()])
 
 
 def distances(signal: np.ndarray) -> np.ndarray:

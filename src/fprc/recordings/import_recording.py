@@ -7,6 +7,7 @@ from textwrap import shorten
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from fprc import escape
 from fprc.artifacts import refuse_output, replacing
@@ -17,8 +18,7 @@ from fprc.escape import in_words, visible
 from fprc.logs import read_columns, write_raw
 from fprc.provenance import sha256
 from fprc.recordings.clock import Clock, clocks_of, own_clock
-from fprc.recordings.gather import Recording, gather, resample
-from fprc.recordings.importing import ImportMap, read_csv, read_map
+from fprc.recordings.importing import Draft, ImportMap, Recording, gather, read_map, resample
 from fprc.recordings.judge import judge, other_units
 from fprc.recordings.names import factor_of, has, is_time, likely_channel, reference_of, stated_unit
 from fprc.recordings.table import Column, Table, read_table
@@ -29,21 +29,16 @@ RATE_HZ = 200.0
 _DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
 #: Largest share of missing values of a column whose samples are left out, not interpolated.
 _MISSING = 0.1
-#: Pressure of the air, and what of a pressure at rest may be it, kPa.
-AIR_KPA, _AT_REST_KPA = 101.325, (85.0, 110.0)
+#: Pressure of the air, kPa.
+AIR_KPA = 101.325
 
 
 def import_or_draft(
-    source: str,
-    *,
-    draft: bool = False,
-    map_: str | None = None,
-    out: str | None = None,
+    source: str, *, draft: bool = False, map_: str | None = None, out: str | None = None
 ) -> None:
     """Turn a recording of another program into a raw log; no file of another program is lost."""
     if draft:
-        # a map that is not complete may already say how the text is to be read
-        layout = read_csv(map_).model_dump() if map_ else {}
+        layout = read_map(map_, Draft).csv.model_dump(exclude_none=True) if map_ else {}
         print(draft_map(read_table(source, **layout), layout))
         return
     if not (map_ and out):
@@ -57,40 +52,40 @@ def import_or_draft(
     table = read_table(source, **mapping.csv.model_dump())
     recording = gather(table, mapping)
     found = judge(recording, mapping, table, Settings().quality, mapping.target("measured"))
-    rate_hz = mapping.sample_rate_hz or RATE_HZ
-    samples = resample(recording.time_s, recording.channels, rate_hz, source)
-    write_log(out, recording, *samples, mapping.changed(sample_rate_hz=rate_hz), source)
+    mapping = mapping.changed(sample_rate_hz=mapping.sample_rate_hz or RATE_HZ)
+    samples = resample(recording.time_s, recording.channels, mapping.sample_rate_hz, source)
+    write_log(out, recording, samples, mapping, source)
     draw_recording(recording, mapping, picture)
     doubts = [f"doubtful: {line}" for line in (*found.doubts, *found.stops)]
     lines = [*found.words, *doubts, *table.notes, *recording.notes]
     print("\n".join([f"{source}:", *(f"  {line}" for line in lines)]))
-    print(f"{out}: {len(samples[0])} samples at {rate_hz:g} Hz; beside it its picture, .png")
+    rate_hz, count = mapping.sample_rate_hz, len(samples[0])
+    print(f"{out}: {count} samples at {rate_hz:g} Hz; beside it its picture, .png")
 
 
 def write_log(
-    raw: Path | str,
-    recording: Recording,
-    time_s: np.ndarray,
-    channels: dict[str, np.ndarray],
-    mapping: ImportMap,
-    source: str,
-) -> None:
-    """Write what was resampled of a recording as a raw log."""
-    noted = {"time_s": "; ".join(recording.notes)} if recording.notes else {}
-    attributes: dict[str, Any] = {
-        "experiment": mapping.experiment,
-        "source": "import",
-        "sample_rate_hz": mapping.sample_rate_hz,
-        "seed": 0,
-        "rig": {},
-        "imported_from": visible(Path(source).name),
-        "imported_sha256": sha256(source),
-        "imported_start_s": recording.start_s + float(time_s[0]),
-        "map": json.dumps(mapping.model_dump(exclude_none=True)),
-        "notes": json.dumps(mapping.notes | noted),
-    }
+    raw: Path | str, recording: Recording, samples: tuple[np.ndarray, dict[str, np.ndarray]],
+    mapping: ImportMap, source: str,
+) -> None:  # fmt: skip
+    """Write what was resampled of a recording, times and channels, as a raw log."""
+    (time_s, channels), notes = samples, mapping.notes
+    if recording.notes:
+        notes["time_s"] = "; ".join(recording.notes)
     with replacing(raw) as log:
-        write_raw(log, {"time_s": time_s - time_s[0], **channels}, **attributes)
+        write_raw(
+            log,
+            {"time_s": time_s - time_s[0], **channels},
+            experiment=mapping.experiment,
+            source="import",
+            sample_rate_hz=mapping.sample_rate_hz,
+            seed=0,
+            rig={},
+            imported_from=visible(Path(source).name),
+            imported_sha256=sha256(source),
+            imported_start_s=recording.start_s + float(time_s[0]),
+            map=json.dumps(mapping.model_dump(exclude_none=True)),
+            notes=json.dumps(notes),
+        )
 
 
 def is_imported(old: Path | str) -> bool:
@@ -105,19 +100,14 @@ def draw_recording(recording: Recording, mapping: ImportMap, png: str) -> None:
     """Draw every channel over time, as it was recorded."""
     from fprc.figures import style  # slow to import, and a draft needs none
 
-    count = len(recording.channels)
-    fig, axes = style.figure(
-        count, 1, style.PAGE_IN, 0.4 + 0.85 * count, sharex=True, squeeze=False
-    )
-    for ax, (name, values) in zip(axes[:, 0], recording.channels.items(), strict=True):
-        quantity, spec = name.rpartition("_")[0].removesuffix("_command"), mapping.columns[name]
-        colour = style.SIGNALS.get(quantity, style.SIGNALS["valve"])  # grey: none of its own
-        ax.plot(recording.time_s, values, color=colour, linewidth=0.6)
-        title = f"{name} from {spec['column']}{': ' * bool(spec['note'])}{spec['note']}"
-        style.letter(ax, escape.figure(shorten(title, 100, placeholder=" ...")))
-        ax.set_ylabel("" if spec["unit"] == "1" else unit_of(name))
-    ax.set_xlim(*recording.time_s[[0, -1]])
-    ax.set_xlabel("Time [s]")
+    titles = []
+    for name, spec in mapping.columns.items():
+        text = f"{name} from {spec['column']}: {spec['note']}".removesuffix(": ")
+        titles.append(escape.figure(shorten(text, 100, placeholder=" ...")))
+    count, frame = len(titles), pd.DataFrame(recording.channels, recording.time_s)
+    fig, axes = style.figure(count, 1, style.PAGE_IN, 0.4 + 0.85 * count, sharex=True)
+    frame.plot(subplots=True, ax=axes, title=titles, legend=False, color="0.3", linewidth=0.6)
+    axes[-1].set(xlabel="Time [s]", xlim=recording.time_s[[0, -1]])
     style.save(fig, {"source": "import"}, png)
 
 
@@ -139,7 +129,8 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
         "channels:",
     ]
     missing = {name: ~np.isfinite(column.values) for name, column in columns.items()}
-    used, apart = {clock} if clock else set(), set()
+    used, apart = {clock}, set()
+    drafted = {name for name in _DRAFTED if name != "p_exp_kpa" or TARGETS["command"] not in best}
     for channel in CHANNELS:
         if channel.name in best:
             name, *others = best[channel.name]
@@ -153,22 +144,23 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
                 spec["time"] = clock
                 apart.add(name)
                 words.append("time: its samples are interpolated, since others lie between")
-            lines.append(_line(f"  {channel.name}", spec, words + _or(others[:3])))
-        elif channel.name in _DRAFTED and (
-            channel.name != TARGETS["measured"] or TARGETS["command"] not in best
-        ):
-            free = best.get("p_exp_kpa", [])[1:4] if channel.name == "p_o_kpa" else []
-            spec = {"column": "?", "unit": channel.unit}
-            lines.append(_line(f"  {channel.name}", spec, [channel.meaning, *_or(free)]))
-    if given := {key: value for key, value in (layout or {}).items() if value is not None}:
-        lines.append(_line("csv", given, ["as given"]))
-    words = [f"lines that are no samples: {len(table.unusable)}: {'; '.join(table.unusable[:3])}"]
-    words = words[: len(table.unusable)] + [
-        f"{gone.sum()} values of {_quoted(name)}, the first at {table.sample(int(gone.argmax()))}"
-        for name, gone in missing.items()
-        if name in used - apart and gone.sum() > len(table.unusable)
-    ]
-    lines += [f"skip_unusable: true  # leaves out {'; '.join(words)}"] * bool(words)
+        elif channel.name in drafted:
+            spec, words = {"column": "?", "unit": channel.unit}, [channel.meaning]
+            others = best.get("p_exp_kpa", [])[1:] if channel.name == "p_o_kpa" else []
+        else:
+            continue
+        lines.append(_line(f"  {channel.name}", spec, words + _or(others[:3])))
+    if layout:
+        lines.append(_line("csv", layout, ["as given"]))
+    words = []
+    if count := len(table.unusable):
+        words.append(f"lines that are no samples: {count}: {'; '.join(table.unusable[:3])}")
+    for name, gone in missing.items():
+        if name in used - apart and gone.sum() > count:
+            first = table.sample(int(gone.argmax()))
+            words.append(f"{gone.sum()} values of {_quoted(name)}, the first at {first}")
+    if words:
+        lines.append(f"skip_unusable: true  # leaves out {'; '.join(words)}")
     lines += [f"# {_quoted(n)}: {_in_words(c)}" for n, c in columns.items() if n not in used]
     lines += [f"# {name}: cannot be a channel: {why}" for name, why in table.others.items()]
     return "\n".join(visible(line) for line in (*lines, *(f"# {note}" for note in table.notes)))
@@ -177,16 +169,16 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
 def _best(table: Table, clocks: Mapping[str, Clock]) -> dict[str, list[str]]:
     """Return, by channel, the columns whose names fit it, the likeliest first."""
     found: dict[str, dict[str, int]] = {}
+    sensors = []
     for name, column in table.columns.items():
         channel, strength = likely_channel(name, column.label, column.unit) or ("", 0)
         named = name not in clocks or (strength >= 2 and not is_time(name))
         if channel and named and len(column.values) >= 3:
             found.setdefault(channel, {})[name] = strength
+        elif name not in clocks and has(f"{name} {column.label}", "sensor"):
+            sensors.append(name)
     best = {channel: sorted(of, key=of.__getitem__, reverse=True) for channel, of in found.items()}
-    taken = {*clocks, *(name for names in best.values() for name in names)}
-    sensors = [n for n, c in table.columns.items() if has(f"{n} {c.label}", "sensor")]
-    free = [name for name in sensors if name not in taken]
-    return {"p_o_kpa": free, **best} if free else best
+    return {"p_o_kpa": sensors, **best} if sensors else best
 
 
 def _spec(channel: str, name: str, column: Column) -> tuple[dict[str, Any], list[str]]:
@@ -198,27 +190,23 @@ def _spec(channel: str, name: str, column: Column) -> tuple[dict[str, Any], list
         words.append("no pressure, so in its own unit; scale it to between 1 and 1000")
         return {"column": name, "unit": "1", "note": what}, words
     spec: dict[str, Any] = {"column": name, "unit": unit.text if unit else target}
-    others = other_units(channel, spec["unit"], column.values * (unit.multiple if unit else 1.0))
+    multiple = unit.multiple if unit else 1.0
+    others = other_units(channel, spec["unit"], column.values * multiple)
     if unit is None:
         spec["unit"] = [*others, target][0]
         words.append(f"unit? {in_words(others, 'or')} by its size" if others else "unit?")
     elif others:
         words.append(f"unusual in {unit.text}; in {in_words(others, 'or')}?")
-    if unit and unit.multiple != 1.0:
-        spec["scale"] = unit.multiple
-        words.append(f"the name has a factor; delete scale if the numbers are in {unit.text}")
-    if target == "kPa":
-        factor = factor_of(spec["unit"], target) or 1.0
-        air = float(f"{-AIR_KPA / factor:.6g}")
-        reference = reference_of(f"{name} {column.label} {column.unit}")
-        lowest = float(np.nanmin(column.values)) * factor * spec.get("scale", 1.0)
+    if multiple != 1.0:
+        spec["scale"] = multiple
+        words.append(f"the name has a factor; delete scale if the numbers are in {spec['unit']}")
+    reference = reference_of(f"{name} {column.label} {column.unit}")
+    if target == "kPa" and reference != "gauge":
+        air = float(f"{-AIR_KPA / (factor_of(spec['unit'], target) or 1.0):.6g}")
+        words.append(f"gauge? if absolute, add offset: {air:g}")
         if reference == "absolute":
             spec |= {"offset": air, "note": "read as absolute"}
-            words.append("absolute: better the air's pressure of that day as offset")
-        elif reference is None:
-            at_rest = "command" not in channel and _AT_REST_KPA[0] < lowest < _AT_REST_KPA[1]
-            doubt = "absolute? then" if at_rest else "gauge? if absolute,"
-            words.append(f"{doubt} add offset: {air:g}")
+            words[-1] = "absolute: better the air's pressure of that day as offset"
     return spec, words
 
 
@@ -253,7 +241,11 @@ def _line(key: str, value: Mapping[str, Any], comments: list[str]) -> str:
 def _in_words(column: Column) -> str:
     """Describe a column: its label, its samples, their range, and how many are not finite."""
     finite = column.values[np.isfinite(column.values)]
-    words = [column.label] * bool(column.label) + [f"{len(column.values)} samples"]
-    words += [f"{finite.min():.4g} to {finite.max():.4g}"] * bool(finite.size)
-    missing = len(column.values) - len(finite)
-    return ", ".join(words + [f"{missing} not finite"] * bool(missing))
+    words = [f"{len(column.values)} samples"]
+    if column.label:
+        words.insert(0, column.label)
+    if finite.size:
+        words.append(f"{finite.min():.4g} to {finite.max():.4g}")
+    if missing := len(column.values) - len(finite):
+        words.append(f"{missing} not finite")
+    return ", ".join(words)

@@ -1,17 +1,23 @@
-"""The map of an import: which column of a foreign file is which channel, in which unit."""
+"""The map of an import, and what it takes from a table: channels on a uniform time grid."""
 
+import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from fprc.channels import TARGETS, unit_of
 from fprc.config.load import explained
 from fprc.config.section import Section
-from fprc.errors import ConfigError
+from fprc.errors import ConfigError, LogError
 from fprc.given import read_yaml
+from fprc.limits import LARGEST
 from fprc.logs.quality import other_quantity
+from fprc.recordings.clock import pauses_of, rate_of
 from fprc.recordings.names import SECONDS, factor_of
+from fprc.recordings.table import Table
 
 #: Text that YAML may have parsed as a number, as in ``unit: 1`` and ``column: 3``.
 Text = Annotated[str, Field(coerce_numbers_to_str=True)]
@@ -21,6 +27,16 @@ USUAL = {
     "deg": ("deg", "rad"),
     "V": ("V", "mV"),
 }
+
+#: Most samples per channel that resampling may process.
+MOST_POINTS = 10_000_000
+
+#: Edges of pass band and stop band, as shares of the new Nyquist frequency.
+PASS, STOP = 0.8, 1.0
+#: Attenuation in the stop band, dB.
+STOP_DB = 70.0
+#: Half the length of the low-pass, in new samples (Kaiser's formula).
+_HALF_TAPS = (STOP_DB - 7.95) / (2.285 * math.pi * (STOP - PASS)) / 2.0
 
 
 class Column(Section):
@@ -91,6 +107,12 @@ class Csv(Section):
     data_line: int | None = Field(None, ge=2)  #: line of the first sample, from 1
 
 
+class Draft(Section, extra="ignore"):
+    """What is read of a map that may be incomplete: how to read the file."""
+
+    csv: Csv = Csv()
+
+
 class ImportMap(Section):
     """How one file becomes one raw log, or, for `fprc readout`, two; times count from its begin."""
 
@@ -110,16 +132,14 @@ class ImportMap(Section):
         return self.channels.model_dump(exclude_none=True)
 
     @property
-    def units(self) -> dict[str, str]:
-        """Unit of each channel; empty where it holds another quantity."""
-        return {name: unit_of(name) * (spec["unit"] != "1") for name, spec in self.columns.items()}
-
-    @property
     def notes(self) -> dict[str, str]:
         """Notes on channels, as a raw log has them: whether one holds another quantity."""
-        units, specs = self.units, self.columns
-        notes = {n: other_quantity(n) * (not units[n]) + spec["note"] for n, spec in specs.items()}
-        return {name: note for name, note in notes.items() if note}
+        notes = {}
+        for name, spec in self.columns.items():
+            begin = other_quantity(name) if spec["unit"] == "1" else ""
+            if begin or spec["note"]:
+                notes[name] = begin + spec["note"]
+        return notes
 
     def target(self, wanted: str) -> str:
         """Return ``command`` or ``measured``: the P_exp that is wanted, or else the other."""
@@ -127,26 +147,158 @@ class ImportMap(Section):
         return wanted if wanted in names else names[0]
 
 
-def read_map(path: Path | str) -> ImportMap:
-    """Read the map of an import; ConfigError lists all that is wrong in it."""
-    return _valid(ImportMap, read_yaml(path), path)
-
-
-def read_csv(path: Path | str) -> Csv:
-    """Read the section ``csv`` of a map, whose other sections may be missing or wrong."""
-    return _valid(Csv, read_yaml(path).get("csv", {}), path, "csv")
-
-
-def _valid(section: Any, content: Any, path: Path | str, *above: str) -> Any:
+def read_map(path: Path | str, kind: Any = ImportMap) -> Any:
+    """Read the map of an import, or only its ``Draft``; ConfigError lists all that is wrong."""
     try:
-        return section.model_validate(content)
+        return kind.model_validate(read_yaml(path))
     except ValidationError as error:
         problems = []
         for item in error.errors():
-            place = (*above, *item["loc"])
-            problem = explained({**item, "loc": place}, ImportMap, "docs/own-data.md")
+            problem = explained(item, ImportMap, "docs/own-data.md")
             if item["input"] == "?":
-                key = ".".join(map(str, place))
+                key = ".".join(map(str, item["loc"]))
                 problem = f"{key} = ?: the draft did not find it; give it, or delete the line"
             problems.append(problem)
         raise ConfigError.listing(problems, "map", file=path) from error
+
+
+class Recording(NamedTuple):
+    """Channels at their original time stamps, in the units of a raw log."""
+
+    time_s: np.ndarray  #: time stamps, increasing, 0 at the first sample kept
+    channels: dict[str, np.ndarray]
+    start_s: float = 0.0  #: time stamp of the first sample kept, on the file's clock
+    since_s: float = 0.0  #: of the first sample kept, since the first one of the file
+    notes: tuple[str, ...] = ()  #: samples that were left out, and gaps that will be filled
+
+
+@np.errstate(all="ignore")  # numbers that overflow are refused
+def gather(table: Table, mapping: ImportMap) -> Recording:
+    """Select, convert and cut the channels of a file.
+
+    LogError: a column is missing, lengths differ, time does not increase, a value is not finite or
+    too large, or nothing is left.
+    """
+    path, specs, time = table.path, mapping.columns, mapping.time
+    picked = {name: table.pick(spec["column"]).values for name, spec in specs.items()}
+    clocks = {n: table.pick(spec["time"]).values for n, spec in specs.items() if "time" in spec}
+    shared = [name for name in specs if name not in clocks]
+    count = max((len(picked[name]) for name in shared), default=0)
+    stamps = np.arange(count) / (time.rate_hz or 1.0)
+    if time.column:
+        stamps = table.pick(time.column).values
+    if any(len(picked[name]) != len(stamps) for name in shared):
+        raise LogError(f"{path}: unequal numbers of samples; give each channel's clock, its `time`")
+    for name, clock in clocks.items():
+        values = picked[name]
+        known = np.isfinite(clock + values) if len(clock) == len(values) else np.zeros(1, bool)
+        if not known.any() or (np.diff(clock[known]) < 0.0).any():
+            raise LogError(f"{path}: channels.{name}.time is no clock of its column")
+        picked[name] = np.interp(stamps, clock[known], values[known], left=np.nan, right=np.nan)
+    names = [*shared, *clocks]
+    rows = np.array([stamps, *(picked[name] for name in names)])
+    usable = np.isfinite(rows[: 1 + len(shared)] if mapping.skip_unusable else rows[:1]).all(axis=0)
+    lost, notes = [], []
+    if table.unusable:
+        lines = "; ".join(table.unusable[:3])
+        lost.append(f"lines that are no samples: {len(table.unusable)}: {lines}")
+    if not usable.all():
+        first = table.sample(int(np.argmin(usable)))
+        lost.append(f"samples with missing values, the first {first}; in all: {np.sum(~usable)}")
+    if lost and not mapping.skip_unusable:
+        raise LogError(f"{path}: {'; '.join(lost)}; repair them, or give `skip_unusable: true`")
+    notes += [f"left out: {line}" for line in lost]
+    numbers = np.flatnonzero(usable)
+    rows = rows[:, numbers]
+    begins = np.flatnonzero(np.diff(rows[0], prepend=np.nan) != 0.0)
+    repeats = len(numbers) - len(begins)
+    if time.repeated and repeats:
+        notes.append(f"{repeats} samples repeat a time stamp; the {time.repeated} was taken")
+        if time.repeated == "mean":
+            counts = np.diff(begins, append=len(numbers))
+            rows[1:, begins] = np.add.reduceat(rows[1:], begins, axis=1) / counts
+        numbers, rows = numbers[begins], rows[:, begins]
+    stamps = rows[0]
+    late = 1 + np.flatnonzero(np.diff(stamps) <= 0.0)
+    if late.size:
+        k = int(late[0])
+        raise LogError(
+            f"{path}: time: {table.sample(numbers[k])} at {stamps[k]:.16g} does not come after "
+            f"{stamps[k - 1]:.16g}; in all: {late.size}; give time.repeated or time.rate_hz"
+        )
+    # subtract before converting, or stamps counted from 1970 would lose digits
+    since_s = (stamps - stamps[:1]) * SECONDS[time.unit]
+    last_s = np.inf if mapping.end_s is None else mapping.end_s
+    # 1e-9: the time stamps are rounded
+    kept = (since_s >= mapping.start_s - 1e-9) & (since_s <= last_s + 1e-9)
+    # a channel's own clock may begin later or end earlier
+    kept &= np.isfinite(rows[1 + len(shared) :]).all(axis=0)
+    if kept.sum() < 2:
+        raise LogError(f"{path}: {kept.sum()} samples lie between start_s and end_s; correct them")
+    numbers, since_s = numbers[kept], since_s[kept]
+    picked = dict(zip(names, rows[1:, kept], strict=True))
+    channels = {}
+    for name, spec in specs.items():
+        given, factor = picked[name], factor_of(spec["unit"], unit_of(name)) or 1.0
+        channels[name] = (given * spec["scale"] + spec["offset"]) * factor
+        bad = np.flatnonzero(~(np.abs(channels[name]) <= LARGEST))  # NaN is neither
+        if bad.size:
+            first = f"{table.sample(numbers[bad[0]])} is {given[bad[0]]:g}"
+            raise LogError(
+                f"{path}: {name}: {spec['column']}: {first}; not finite or beyond {LARGEST:g} in "
+                f"all: {bad.size}; cut them off by start_s and end_s, or give `skip_unusable: true`"
+            )
+    first_s = float(since_s[0])
+    time_s, start_s = since_s - first_s, float(stamps[0] * SECONDS[time.unit]) + first_s
+    gaps, steps = pauses_of(time_s), np.diff(time_s)
+    if gaps.size:
+        missing = np.maximum(np.round(steps[gaps] * rate_of(time_s)) - 1.0, 1.0).sum()
+        k = gaps[steps[gaps].argmax()]
+        notes.append(
+            f"gaps in the clock, filled by linear interpolation: {gaps.size}, about {missing:.0f} "
+            f"samples missing, the longest from {time_s[k]:.4g} to {time_s[k + 1]:.4g} s"
+        )
+    return Recording(time_s, channels, start_s, first_s, tuple(notes))
+
+
+@np.errstate(all="ignore")  # too many points are refused
+def resample(
+    time_s: np.ndarray, channels: Mapping[str, np.ndarray], rate_hz: float, path: object = ""
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return times and channels on a uniform grid that begins at the first sample.
+
+    Where the grid coincides with the time stamps, values are copied; elsewhere they are
+    interpolated linearly, which does not overshoot at held values and gaps (a sine of f Hz at s Hz
+    loses at most (pi f / s)^2 / 2 of its amplitude). To a lower rate, this is done at a multiple of
+    it; then a linear-phase low-pass without delay removes aliases, and every n-th sample is kept.
+    LogError: it is shorter than a sample, or takes more than ``MOST_POINTS``.
+    """
+    from scipy.signal import fftconvolve, firwin, kaiser_beta  # slow to import
+
+    span_s, ratio = float(time_s[-1] - time_s[0]), rate_of(time_s) / rate_hz
+    points = max(1.0, 2.0 * ratio) * (span_s * rate_hz + 2.0 * _HALF_TAPS)
+    if not (span_s * rate_hz >= 1.0 and points <= MOST_POINTS):
+        k = int(np.argmax(np.diff(time_s)))
+        raise LogError(
+            f"{path}: {span_s:.4g} s at sample_rate_hz {rate_hz:g} take {points:.2g} numbers, not "
+            f"1 to {MOST_POINTS:.0e}: check the clock; its longest step is at {time_s[k]:.10g} s"
+        )
+    factor = max(round(ratio), 1)  # how much finer the grid of the low-pass is; 1: there is none
+    even_s = time_s[0] + np.arange(len(time_s)) / (factor * rate_hz)
+    aligned = bool(np.abs(time_s - even_s).max() <= 1e-3 / (factor * rate_hz))
+    if not aligned:
+        # up to 1.01 it is the same rate, with clock error; above, where values are
+        # interpolated, the grid is twice as fine, so that less is lost
+        factor = 1 if ratio <= 1.01 else math.ceil(2.0 * ratio)
+    samples = math.floor(span_s * rate_hz + 1e-6) + 1
+    fine_s = time_s[0] + np.arange((samples - 1) * factor + 1) / (factor * rate_hz)
+    half, edge = math.ceil(_HALF_TAPS * factor) + 1, 0.5 * (PASS + STOP) / factor
+    resampled = {}
+    for name, values in channels.items():
+        fine = values[: len(fine_s)] if aligned else np.interp(fine_s, time_s, values)
+        if factor > 1:
+            taps = firwin(2 * half + 1, edge, window=("kaiser", kaiser_beta(STOP_DB)))
+            padded = np.pad(fine, half, mode="reflect", reflect_type="odd")
+            fine = fftconvolve(padded, taps, mode="valid")[::factor]
+        resampled[name] = np.array(fine)
+    return time_s[0] + np.arange(samples) / rate_hz, resampled

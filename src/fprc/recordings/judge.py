@@ -3,10 +3,11 @@
 The limits below were written down before they were run on any recording.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from fprc.channels import TARGETS, unit_of
 from fprc.config.settings import Quality
@@ -15,8 +16,7 @@ from fprc.logs import assess
 from fprc.logs.columns import Columns
 from fprc.logs.quality import runs
 from fprc.recordings.clock import rate_of
-from fprc.recordings.gather import Recording
-from fprc.recordings.importing import USUAL, ImportMap
+from fprc.recordings.importing import USUAL, ImportMap, Recording
 from fprc.recordings.names import factor_of, stated_unit
 from fprc.recordings.table import Table
 
@@ -54,7 +54,7 @@ def judge(
     recording: Recording, mapping: ImportMap, table: Table, limits: Quality, target: str
 ) -> Judgement:
     """Judge a recording before it is resampled; ``target`` is the P_exp that models would learn."""
-    time_s, channels, units = recording.time_s, recording.channels, mapping.units
+    time_s, channels = recording.time_s, recording.channels
     rate_hz = rate_of(time_s)
     words = [
         f"{len(time_s)} samples over {time_s[-1]:.6g} s at {rate_hz:.6g} Hz, 98 % of the steps "
@@ -64,36 +64,33 @@ def judge(
     limits = limits.changed(stuck_s=max(limits.stuck_s, 20.0 / rate_hz))  # slow logs repeat values
     log = Columns(table.path, {"time_s": time_s, **channels}, about)
     checks = assess(log, limits, rate_hz)["checks"]
-    failed = {name: check["finding"] for name, check in checks.items() if not check["passed"]}
-    failed.pop("gaps", None)  # they are in the notes of the recording
-    doubts, stops = [f"{name}: {finding}" for name, finding in failed.items()], []
+    del checks["gaps"]  # they are in the notes of the recording
+    doubts = [f"{n}: {check['finding']}" for n, check in checks.items() if not check["passed"]]
+    stops = []
     for name, spec in mapping.columns.items():
         column, quantity, unit = spec["column"], unit_of(name), spec["unit"]
         given, factor = table.pick(column), factor_of(unit, quantity) or 1.0
         low, high = channels[name].min(), channels[name].max()
-        words.append(f"{name} from {column}: {low:.4g} to {high:.4g} {units[name]}".rstrip())
+        shown = "" if unit == "1" else quantity
+        words.append(f"{name} from {column}: {low:.4g} to {high:.4g} {shown}".rstrip())
         stated = stated_unit(column, given.label, given.unit)
         # a scale, or a note, says that the map is meant as it is
         meant = spec["scale"] != 1.0 or spec["note"] or unit == "1"
         others = other_units(name, unit, channels[name] / factor)
         if stated and not meant and (stated.quantity, stated.factor) != (quantity, factor):
-            stops.append(
-                f"channels.{name}: the file says {stated.text} of {column}, the map {unit}: "
-                "correct unit, or say in note why it is right"
-            )
+            both = f"the file says {stated.text} of {column}, the map {unit}"
+            stops.append(f"channels.{name}: {both}: correct unit, or say in note why it is right")
         elif others and spec["scale"] == 1.0:
             doubts.append(f"{name}: its size is unusual; is {column} in {in_words(others, 'or')}?")
         if (outside := checks["range"]["samples"].get(name, 0)) > MOST_OUTSIDE * len(time_s):
             stops.append(
-                f"{name}: {outside} samples are outside its possible range: correct unit, scale or "
-                "offset in the map"
+                f"{name}: {outside} samples are out of range: correct unit, scale or offset"
             )
     if mapping.sample_rate_hz is None and not LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
         stops.append(
-            f"time: {rate_hz:.4g} Hz are unusual: check time.unit = {mapping.time.unit}, or give "
-            "sample_rate_hz"
+            f"time: {rate_hz:.4g} Hz are unusual: correct time.unit, or give sample_rate_hz"
         )
-    return Judgement(words, doubts, [*stops, *_unfit(recording, units, target)])
+    return Judgement(words, doubts, [*stops, *_unfit(recording, mapping, target)])
 
 
 def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:
@@ -107,54 +104,32 @@ def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:
     return [] if low <= top * factor <= high else fit
 
 
-def _unfit(recording: Recording, units: Mapping[str, str], target: str) -> Iterator[str]:
+def _unfit(recording: Recording, mapping: ImportMap, target: str) -> Iterator[str]:
     """Yield why no answer can be right: a channel stands still, spans too little, or is a copy."""
     names = {"theta": "theta_deg", "P_exp": TARGETS[target], "P_o": "p_o_kpa"}
+    names = {word: name for word, name in names.items() if name in recording.channels}
     still = False
     for word, name in names.items():
-        if (values := recording.channels.get(name)) is None:
-            continue
+        values, unit = recording.channels[name], unit_of(name)
         begins, lengths = runs(values)
         longest, span = int(lengths.argmax()), float(np.ptp(values))
-        least = LEAST_SPAN.get(units[name], 0.0) * (word != "P_o")  # which may span little
         if lengths[longest] >= STUCK * len(values):
             still = True
-            yield (
-                f"{word} stays at {values[begins[longest]]:.4g} for half of the recording or more: "
-                "check the sensor, or select the rest by start_s and end_s"
-            )
-        elif span < least:
-            yield (
-                f"{word} spans {span:.3g} {units[name]}, less than {least:g}: correct its unit or "
-                "scale in the map; unit: 1 with a note takes any quantity"
-            )
+            stays = f"{word} stays at {values[begins[longest]]:.4g} for half of the recording"
+            yield f"{stays}: check the sensor, or select the rest by start_s and end_s"
+        # P_o may span little
+        elif word != "P_o" and mapping.columns[name]["unit"] != "1" and span < LEAST_SPAN[unit]:
+            less = f"{word} spans {span:.3g} {unit}, less than {LEAST_SPAN[unit]:g}"
+            yield f"{less}: correct its unit or scale, or give unit: 1 and a note"
     even, hz = _evenly(recording)
-    for (one, other), most in {} if still else COPIES.items():
-        both = {names[one], names[other]} <= even.keys()
-        if both and _alike(even[names[one]], even[names[other]], int(COPY_LAG_S * hz)) > most:
-            yield (
-                f"a straight line of {one} explains more than {100.0 * most:g} % of {other}: they "
-                "are one signal; check the columns"
-            )
-
-
-def _evenly(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
-    """Return the channels at a rate that is low enough for the checks, and that rate, Hz."""
-    time_s = recording.time_s
-    hz = min(rate_of(time_s), _RATE_HZ)
-    grid_s = np.arange(0.0, time_s[-1], 1.0 / hz)
-    return {name: np.interp(grid_s, time_s, v) for name, v in recording.channels.items()}, hz
-
-
-def _alike(one: np.ndarray, other: np.ndarray, lag: int) -> float:
-    """Return the largest share of variance that a straight line explains, up to a lag."""
-    one, other = one - one.mean(), other - other.mean()
-    middle = one[lag : len(one) - lag]
-    if not middle.size:
-        return 0.0
-    late = np.lib.stride_tricks.sliding_window_view(other, len(middle))
-    power = (middle @ middle) * (late**2).sum(axis=1)
-    return float(((late @ middle) ** 2 / np.maximum(power, 1e-300)).max())
+    lag = int(COPY_LAG_S * hz)
+    if still or len(even) < 10 * lag:
+        return
+    for (one, other), most in COPIES.items():
+        if {one, other} <= names.keys():
+            late = {k: even[names[other]].shift(k) for k in range(-lag, lag + 1)}
+            if (pd.DataFrame(late).corrwith(even[names[one]]) ** 2).max() > most:
+                yield f"{one} and {other} are one signal, by a straight line: check the columns"
 
 
 def unexplained(recording: Recording, target: str) -> list[str]:
@@ -162,13 +137,20 @@ def unexplained(recording: Recording, target: str) -> list[str]:
     from fprc.models import LowpassBank, PlayOperators  # slow to import, and an import needs none
 
     even, hz = _evenly(recording)
-    X, p_exp = even["theta_deg"][:, None], even[TARGETS[target]]
+    X, p_exp = even[["theta_deg"]].to_numpy(), even[TARGETS[target]].to_numpy()
     epsilons = [1.0 - np.exp(-1.0 / (s * hz)) for s in (0.15, 0.5, 1.7)]
     past = [part.fit(X).map_log(X) for part in (LowpassBank(epsilons), PlayOperators())]
     rows = np.hstack([np.ones_like(X), X, X**2, *past])
     left, spread = np.var(p_exp - rows @ np.linalg.lstsq(rows, p_exp)[0]), np.var(p_exp)
     share = max(0.0, 1.0 - left / spread) if spread else 0.0
-    return [
-        f"theta explains {100.0 * share:.1f} % of P_exp, next to nothing: check the columns and "
-        "the clock"
-    ] * bool(share < NEXT_TO_NOTHING)
+    line = f"theta explains {100 * share:.1f} % of P_exp, next to nothing: check columns and clock"
+    return [line] if share < NEXT_TO_NOTHING else []
+
+
+def _evenly(recording: Recording) -> tuple[pd.DataFrame, float]:
+    """Return the channels at a rate that is low enough for the checks, and that rate, Hz."""
+    time_s = recording.time_s
+    hz = min(rate_of(time_s), _RATE_HZ)
+    grid_s = np.arange(0.0, time_s[-1], 1.0 / hz)
+    channels = {name: np.interp(grid_s, time_s, v) for name, v in recording.channels.items()}
+    return pd.DataFrame(channels), hz

@@ -61,11 +61,12 @@ class Table(NamedTuple):
         if name in self.columns:
             return self.columns[name]
         if name in self.others:
-            raise LogError(f"cannot be a channel: {self.others[name]}")
+            raise LogError(f"{self.path}: {name}: cannot be a channel: {self.others[name]}")
         of_matrix = [column for column in self.columns if column.startswith(f"{name}[")]
         similar = [*of_matrix, *difflib.get_close_matches(name, self.columns)]
         near = f"did you mean {similar[0]}? " if similar else ""
-        raise LogError(f"no such column; {near}`fprc import {self.path} --draft` shows all")
+        shows = f"`fprc import {self.path} --draft` shows all"
+        raise LogError(f"{self.path}: {name}: no such column; {near}{shows}")
 
 
 def read_table(path: Path | str, **layout: Any) -> Table:

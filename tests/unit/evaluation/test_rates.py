@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fprc.config import Settings
-from fprc.evaluation.rates import scaled, settings_at
+from fprc.evaluation.sides import models_at, scaled
 from fprc.models import LowpassBank
 
-SETTINGS = Settings().model_dump(mode="json")
+MODELS = Settings().model_dump(mode="json")["models"]
 
 
 @given(st.floats(1e-5, 1.0), st.integers(2, 20), st.booleans())
@@ -50,10 +50,8 @@ def test_counts_are_scaled_and_taps_are_not(ratio, expected):
     assert scaled({"washout": 0}, 0.5) == {"washout": 0}
 
 
-def test_configuration_is_scaled_from_its_own_rate():
-    half, models = settings_at(SETTINGS, 100.0), SETTINGS["models"]
-    fprc = models["fprc"] | {"epsilon": pytest.approx(0.0199)}
-    esn = models["esn"] | {"gamma": pytest.approx(0.64), "washout": 50}
-    assert half == SETTINGS | {"models": models | {"fprc": fprc, "esn": esn}}
-    slow = {**SETTINGS, "control": {**SETTINGS["control"], "sample_rate_hz": 100.0}}
-    assert settings_at(slow, 100.0) == slow
+def test_models_of_the_configuration_are_scaled():
+    fprc = MODELS["fprc"] | {"epsilon": pytest.approx(0.0199)}
+    esn = MODELS["esn"] | {"gamma": pytest.approx(0.64), "washout": 50}
+    assert models_at(MODELS, 0.5) == MODELS | {"fprc": fprc, "esn": esn}
+    assert models_at(MODELS, 1.0) == MODELS

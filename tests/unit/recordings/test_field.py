@@ -8,9 +8,8 @@ import pytest
 import yaml
 
 from fprc.recordings.clock import rate_of
-from fprc.recordings.gather import gather
 from fprc.recordings.import_recording import draft_map
-from fprc.recordings.importing import read_map
+from fprc.recordings.importing import gather, read_map
 from fprc.recordings.table import read_table
 
 spec = importlib.util.spec_from_file_location("ff", Path(__file__).with_name("field_files.py"))

@@ -3,7 +3,7 @@ import yaml
 
 from fprc.channels import CHANNELS
 from fprc.errors import ConfigError
-from fprc.recordings.importing import Channels, read_csv, read_map
+from fprc.recordings.importing import Channels, Draft, read_map
 
 SMALL = {
     "experiment": "sweep",
@@ -17,10 +17,10 @@ SMALL = {
 
 @pytest.fixture
 def read(tmp_path):
-    def read(content, reader=read_map):
+    def read(content, *kind):
         path = tmp_path / "map.yaml"
         path.write_text(content if isinstance(content, str) else yaml.safe_dump(content))
-        return reader(path)
+        return read_map(path, *kind)
 
     return read
 
@@ -38,7 +38,7 @@ def test_small_map_has_defaults_and_numbers_of_yaml_serve_as_names(read):
     given_map = read(with_channel("p_o_kpa", column=3, unit=1, note="force [N]"))
     assert (given_map.sample_rate_hz, given_map.start_s, given_map.end_s) == (None, 0.0, None)
     assert (given_map.time.unit, given_map.channels.theta_deg.scale) == ("s", 1.0)
-    assert (given_map.columns["p_o_kpa"]["column"], given_map.units["p_o_kpa"]) == ("3", "")
+    assert given_map.columns["p_o_kpa"]["column"] == "3"
     assert given_map.notes == {"p_o_kpa": "not in kPa: force [N]"}
     assert given_map.target("command") == "measured"
 
@@ -82,6 +82,6 @@ def test_all_errors_are_told_at_once(read):
 
 
 def test_format_of_the_text_is_read_from_a_map_that_is_not_complete(read):
-    assert read({"time": 5, "csv": {"decimal": ","}}, read_csv).decimal == ","
+    assert read({"time": 5, "csv": {"decimal": ","}}, Draft).csv.decimal == ","
     with pytest.raises(ConfigError, match=r"map\.yaml: 1 error in the map:\n  csv\.decimal = ;"):
-        read({"csv": {"decimal": ";"}}, read_csv)
+        read({"csv": {"decimal": ";"}}, Draft)

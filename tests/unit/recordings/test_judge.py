@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from fprc.config.settings import Quality
-from fprc.recordings.gather import Recording
-from fprc.recordings.importing import ImportMap
+from fprc.recordings.importing import ImportMap, Recording
 from fprc.recordings.judge import judge, unexplained
 from fprc.recordings.table import Column, Table
 
@@ -64,10 +63,10 @@ def test_recordings_that_can_be_judged_pass(changed):
         ({"p_exp": PRESSURE / 100.0}, "P_exp spans"),
         ({"theta": np.deg2rad(ANGLE)}, "theta spans"),
         ({"theta": np.where(np.arange(SIZE) < 40, 500.0, ANGLE)}, "theta_deg: 40 samples"),
-        ({"p_o": ANGLE}, "straight line of theta"),
-        ({"p_o": 3.0 - 2.0 * ANGLE}, "straight line of theta"),
-        ({"p_o": np.roll(PRESSURE, 10)}, "straight line of P_o"),
-        ({"p_exp": 4.0 * ANGLE}, "straight line of theta"),
+        ({"p_o": ANGLE}, "theta and"),
+        ({"p_o": 3.0 - 2.0 * ANGLE}, "theta and"),
+        ({"p_o": np.roll(PRESSURE, 10)}, "P_o and P_exp are one"),
+        ({"p_exp": 4.0 * ANGLE}, "theta and"),
         ({"p_exp": 100.0 + 30.0 * NOISE}, "next to nothing"),
         ({"time_s": 100.0 * T}, "0.5 Hz are unusual"),
         ({"time_s": T / 20.0, "p_exp": np.where(np.arange(SIZE) % 20 == 7, 50.0, 0.0)}, "nothing"),
