@@ -5,10 +5,11 @@ import logging
 import shutil
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from fprc.apparatus import session
+from fprc.apparatus import hardware, session
 from fprc.apparatus.hardware import HardwareRig
 from fprc.config import Settings
 
@@ -125,13 +126,16 @@ def live_by(monkeypatch):
             return sessions[-1]
 
         def wait(seconds):
-            waited_s[0] += seconds
             if sessions and sessions[-1].tick >= 0:  # the session begins once the rig is open
                 bench.wait(seconds)
+            else:
+                waited_s[0] += seconds
 
-        def open_rig(*arguments, sleep, **named):
-            return HardwareRig(*arguments, **named, sleep=wait, now=lambda: waited_s[0])
+        def open_rig(described, elapsed, sleep, locks):
+            return HardwareRig(described, elapsed, wait, locks)
 
+        now = SimpleNamespace(monotonic=lambda: waited_s[0] + bench.elapsed())
+        monkeypatch.setattr(hardware, "time", now)
         monkeypatch.setattr(session, "Metronome", begin)
         monkeypatch.setattr(session, "HardwareRig", open_rig)
         return sessions, StandIn(stop, guarded)

@@ -3,8 +3,8 @@
 Codes and delays are those of the manufacturer's driver (github.com/bendlabs/one_axis_ads).
 """
 
+import math
 import struct
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -42,20 +42,22 @@ class BendSensor:
         from smbus2 import i2c_msg
 
         self._bus, self._address, self._message = bus, address, i2c_msg
-        self._gain, self._offset_deg = gain, offset_deg
+        self._gain, self._offset_deg, self._deg = gain, offset_deg, math.nan
 
-    def start(self, sleep: Callable[[float], None] = time.sleep) -> None:
+    def start(self, sleep: Callable[[float], None]) -> None:
         """Start sampling, and wait for the first sample."""
         self._send("setting the sample rate", _SPS, *_TICKS.to_bytes(2, "little"))
         sleep(_SETTLE_S)
         self._send("starting it", _RUN, 1, 0)
         sleep(max(_SETTLE_S, _TICKS / _TICKS_HZ))
 
-    def read(self) -> float | None:
-        """Return the angle in deg, of a sample that may be repeated; None if there is none."""
+    def read(self) -> float:
+        """Return the latest angle in deg, which may be repeated; NaN before the first."""
         request = self._message.read(self._address, _LENGTH)
         code, counts = struct.unpack("<Bh", self._exchange("reading the angle", request))
-        return counts * _DEG_PER_COUNT * self._gain + self._offset_deg if code == _SAMPLE else None
+        if code == _SAMPLE:
+            self._deg = counts * _DEG_PER_COUNT * self._gain + self._offset_deg
+        return self._deg
 
     def shutdown(self) -> None:
         """Stop sampling until the next ``start``."""

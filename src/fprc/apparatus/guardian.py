@@ -20,7 +20,7 @@ from contextlib import contextmanager, suppress
 from typing import IO, Any
 
 from fprc.apparatus.contec import locked
-from fprc.apparatus.hardware import NotVentedError, vent_from_outside
+from fprc.apparatus.hardware import POLL_S, NotVentedError, vent_from_outside
 from fprc.errors import ControlError
 
 log = logging.getLogger("fprc.rig")
@@ -30,9 +30,8 @@ log = logging.getLogger("fprc.rig")
 OPENING, ARMED, HEARTBEAT, SAFE = b"O", b"A", b".", b"S"
 #: Time between two heartbeats of the guardian, s.
 BEAT_S = 0.05
-#: Times between two attempts to vent, between two messages about them, and between two checks of
-#: their outcome, s.
-_RETRY_S, _MESSAGE_S, _POLL_S = 0.1, 1.0, 0.02
+#: Times between two attempts to vent, and between two messages about them, s.
+_RETRY_S, _MESSAGE_S = 0.1, 1.0
 #: Number of stop signals after which the guardian kills the loop and vents.
 _KILL_AFTER = 3
 _GIVES_UP = "Ctrl-C, or where it is ignored `kill`, gives up"
@@ -146,28 +145,26 @@ def vent_until_shown(hardware: Mapping[str, Any], received: Sequence[int] | None
     received = () if received is None else received  # a list that grows
     before, began_s = _ends(received), (printed_s := time.monotonic())
 
-    def note(text: str) -> None:
-        nonlocal problem
-        problem = text
-
     def attempt() -> None:
-        nonlocal began_s
+        nonlocal began_s, problem
         while not given_up.is_set() and not outcome:
             began_s = time.monotonic()
             try:
-                vent_from_outside(hardware, note)
+                for known in vent_from_outside(hardware):
+                    problem = known
+                    time.sleep(POLL_S)
                 outcome.append("both chambers are vented, as their sensors show")
             except NotVentedError as error:
                 outcome.append(str(error))
             except Exception as error:  # of any type: the next attempt may succeed
-                note(f"{type(error).__name__}: {error}")
+                problem = f"{type(error).__name__}: {error}"
                 given_up.wait(_RETRY_S)
 
     # in a thread that prints nothing: a call of the driver may never return, printing may block
     venting = threading.Thread(target=attempt, daemon=True)
     venting.start()
     while not outcome and _ends(received) <= before and time.monotonic() - began_s <= longest_s:
-        venting.join(_POLL_S)
+        venting.join(POLL_S)
         if time.monotonic() - printed_s > _MESSAGE_S:
             printed_s = time.monotonic()
             log.error("%s Still trying; %s", NotVentedError(problem), _GIVES_UP)

@@ -4,21 +4,20 @@
 the locks of the boards, see ``fprc.apparatus.contec``.
 """
 
-import math
 import time
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, suppress
 from functools import partial
 from itertools import cycle
 from typing import Any
 
 from fprc.apparatus.bendlabs import BendSensor, open_bus
-from fprc.apparatus.contec import Board, locked
+from fprc.apparatus.contec import Board
 from fprc.channels import Readings
 from fprc.errors import DeviceError
 
-#: Time between two readings while a chamber vents, s.
-_POLL_S = 0.02
+#: Time to wait between two readings while a chamber vents, s.
+POLL_S = 0.02
 #: Consecutive readings that must show a vented chamber.
 _IN_A_ROW = 10
 
@@ -36,9 +35,9 @@ class NotVentedError(DeviceError):
 class Pneumatics:
     """Both proportional valves, the three pressure sensors, and the optional heartbeat output.
 
-    With ``reset`` both boards are reset, and both chambers are vented; without, the output board is
-    opened as it is, and the input board when it is read. Each method raises DeviceError if the
-    driver reports an error, after trying its other writes.
+    The input board is opened when it is first read; without ``reset`` the outputs hold their
+    voltages until then. Each method raises DeviceError if the driver reports an error, after trying
+    its other writes.
     """
 
     def __init__(self, hardware: Mapping[str, Any], *, reset: bool):
@@ -50,14 +49,6 @@ class Pneumatics:
         self._open_inputs = partial(Board, boards["library"], boards["input_device"], "Ai")
         self._inputs: Board | None = None
         self._board = Board(boards["library"], boards["output_device"], "Ao", reset=reset)
-        if reset:
-            try:
-                self.exhaust()  # even at rest: a closed valve leaks, and would fill the chamber
-                self._inputs = self._open_inputs()
-            except BaseException:
-                with suppress(DeviceError):
-                    self.close()  # tries to vent once more
-                raise
 
     def pressures(self) -> list[float]:
         """Return the present P_exp, P_i and P_o, kPa gauge."""
@@ -83,31 +74,23 @@ class Pneumatics:
         """Release the boards; the outputs hold their voltages."""
         _call_all(board.close for board in (self._board, self._inputs) if board)
 
-    def close(self) -> None:
-        """Open both chambers to the atmosphere at once, and release the boards."""
-        _call_all([self.exhaust, self.release])
-
     def _write_in_turn(self, *volts: float) -> None:
         """Write voltages to the actuator's and the reservoir's valve in turn."""
         writes = zip(cycle(self._outputs), volts)
         _call_all(partial(self._board.write, *write) for write in writes)
 
-    def vent(
-        self,
-        sleep: Callable[[float], None] = time.sleep,
-        now: Callable[[], float] = time.monotonic,
-        note: Callable[[str], None] = lambda text: None,
-    ) -> None:
+    def vent(self) -> Iterator[str]:
         """Set both valves to vent, repeatedly, until readings show that both chambers are vented.
 
-        A chamber is vented if its sensor has read ``vented_kpa`` or less ten times in a row and has
-        changed since the first reading: a frozen one proves nothing. The valves are written again
-        before each reading, because the board may fail for a moment; ``note`` gets each success.
+        Before each reading it yields what is known, and the caller waits for ``POLL_S``. A chamber
+        is vented if its sensor has read ``vented_kpa`` or less ten times in a row and has changed
+        since the first reading: a frozen one proves nothing. The valves are written again before
+        each reading, because the board may fail for a moment.
 
         NotVentedError: ``vent_s`` after the first successful write, no reading shows that both
         chambers are vented. DeviceError: every write has failed for ``vent_s``.
         """
-        began_s, longest_s = now(), self._voltages["vent_s"]
+        began_s, longest_s = time.monotonic(), self._voltages["vent_s"]
         limit_kpa = self._voltages["vented_kpa"]
         written_s: float | None = None
         seen: list[list[float]] = []
@@ -116,12 +99,12 @@ class Pneumatics:
             failed = ""
             try:
                 self.exhaust()
-                written_s = now() if written_s is None else written_s
-                note("the valves took the voltage to vent, but no reading shows it yet")
+                written_s = time.monotonic() if written_s is None else written_s
             except DeviceError as error:
                 failed = f"{error}; "
-                if written_s is None and now() - began_s > longest_s:
+                if written_s is None and time.monotonic() - began_s > longest_s:
                     raise
+            yield failed or "the valves took the voltage to vent, but no reading shows it yet"
             try:
                 seen.append(self.pressures()[:2])
                 # abs: a disconnected sensor reads far below 0
@@ -130,67 +113,62 @@ class Pneumatics:
             except DeviceError as error:
                 in_a_row, state = 0, f"no pressure can be read ({error})"
             frozen = any(len(set(values)) == 1 for values in zip(*seen, strict=True))
-            if written_s is not None:
-                if in_a_row >= _IN_A_ROW and not frozen:
-                    return
-                if now() - written_s > longest_s:
-                    state += ", a frozen sensor" if frozen else ""
-                    raise NotVentedError(
-                        f"after {longest_s:g} s at vent, {failed}{state}; vented is {limit_kpa:g} "
-                        "or less (valves.vented_kpa)"
-                    )
-            sleep(_POLL_S)
+            if written_s is None:
+                continue
+            if in_a_row >= _IN_A_ROW and not frozen:
+                return
+            if time.monotonic() - written_s > longest_s:
+                state += ", a frozen sensor" if frozen else ""
+                raise NotVentedError(
+                    f"after {longest_s:g} s at vent, {failed}{state}; vented is {limit_kpa:g} or "
+                    "less (valves.vented_kpa)"
+                )
 
 
-def vent_from_outside(hardware: Mapping[str, Any], note: Callable[[str], None]) -> None:
-    """Vent both chambers after another process has driven them; as ``vent``."""
+def vent_from_outside(hardware: Mapping[str, Any]) -> Iterator[str]:
+    """Vent both chambers after another process has driven them; as ``Pneumatics.vent``."""
     pneumatics = Pneumatics(hardware, reset=False)
     try:
-        pneumatics.vent(note=note)
+        yield from pneumatics.vent()
     finally:
         with suppress(DeviceError):
-            pneumatics.close()
+            _call_all([pneumatics.exhaust, pneumatics.release])
 
 
-class HardwareRig:
+class HardwareRig(Pneumatics):
     """The paper's apparatus (Sec. II-B, Fig. 3).
 
-    ``elapsed`` returns the time since the start of the run, s, which becomes the time of a reading;
-    ``sleep`` and ``now`` are a sleep function and a monotonic clock, s. Unless this process
-    ``has_lock`` of the boards already, it takes the locks until ``close``. DeviceError: another
-    process has a board, and nothing was moved; or a part cannot be opened, and the others are
-    released, vented.
+    ``elapsed`` returns the time since the start of the run, s, which becomes the time of a reading.
+    Until ``close`` it holds the ``locks`` of the boards. DeviceError: they cannot be had, and
+    nothing was moved; or a part cannot be opened, and the others are released, vented.
     """
 
     def __init__(
         self,
         hardware: Mapping[str, Any],
         elapsed: Callable[[], float],
-        *,
-        has_lock: bool = False,
-        sleep: Callable[[float], None] = time.sleep,
-        now: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None],
+        locks: AbstractContextManager[Any],
     ):
-        self._elapsed, self._buses = elapsed, dict[int, Any]()
-        self._sensors, self._angles = list[BendSensor](), [math.nan, math.nan]
-        with ExitStack() as locks:
-            if not has_lock:
-                locks.enter_context(locked(hardware))
-            self._pneumatics = Pneumatics(hardware, reset=True)
-            self._locks = locks.pop_all()
-        self._vent = partial(self._pneumatics.vent, sleep=sleep, now=now)
-        self.write, self.safe = self._pneumatics.write, self._pneumatics.safe
+        self._elapsed, self._sleep = elapsed, sleep
+        self._buses, self._angles = dict[int, Any](), list[BendSensor]()
+        with ExitStack() as held:
+            held.enter_context(locks)
+            super().__init__(hardware, reset=True)
+            self._locks = held.pop_all()
         try:
+            self.exhaust()  # even at rest: a closed valve leaks, and would fill the chamber
+            self._inputs = self._open_inputs()
             for place in filter(None, (hardware["theta"], hardware["phi"])):
                 calibration = dict(place)
                 number = calibration.pop("bus")
                 if number not in self._buses:
                     self._buses[number] = open_bus(number)
-                self._sensors.append(BendSensor(self._buses[number], **calibration))
-                self._sensors[-1].start(sleep=sleep)
+                self._angles.append(BendSensor(self._buses[number], **calibration))
+                self._angles[-1].start(sleep)
         except BaseException:
             with suppress(DeviceError):
-                self._end(self._pneumatics.exhaust)
+                self._end(self.exhaust)  # tries to vent once more
             raise
 
     def read(self) -> Readings:
@@ -199,25 +177,27 @@ class HardwareRig:
         DeviceError: a board or a sensor does not answer.
         """
         stamp = self._elapsed()
-        p_exp, p_i, p_o = self._pneumatics.pressures()
-        for k, sensor in enumerate(self._sensors):
-            angle = sensor.read()
-            if angle is not None:
-                self._angles[k] = angle
-        return Readings(stamp, p_exp, self._angles[0], p_i, p_o, self._angles[1])
+        p_exp, p_i, p_o = self.pressures()
+        theta, *phi = [sensor.read() for sensor in self._angles]
+        return Readings(stamp, p_exp, theta, p_i, p_o, *phi)
 
     def close(self) -> None:
         """Vent, wait until readings confirm it, and release every part, even if a step fails.
 
         DeviceError: no reading confirms that both chambers are vented, or a part reports an error.
         """
-        self._end(self._vent)
+
+        def vent() -> None:
+            for _ in self.vent():
+                self._sleep(POLL_S)
+
+        self._end(vent)
 
     def _end(self, vent: Callable[[], None]) -> None:
-        sensors = (sensor.shutdown for sensor in self._sensors)
+        sensors = (sensor.shutdown for sensor in self._angles)
         buses = (bus.close for bus in self._buses.values())
         with self._locks:
-            _call_all([vent, self._pneumatics.release, *sensors, *buses])
+            _call_all([vent, self.release, *sensors, *buses])
 
 
 def _call_all(calls: Iterable[Callable[[], None]]) -> None:

@@ -6,7 +6,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -227,8 +227,8 @@ def on_rig(
 
     guardian.notify(OPENING)  # it then notices a call that hangs
     try:
-        # the locks are inherited from the guardian
-        opened = HardwareRig(hardware, clock.elapsed, has_lock=True, sleep=wait)
+        # the locks are those of the guardian, which this process has inherited
+        opened = HardwareRig(hardware, clock.elapsed, wait, nullcontext())
     except DeviceError:
         guardian.notify(SAFE)  # nothing was moved
         raise

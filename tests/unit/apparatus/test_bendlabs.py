@@ -1,3 +1,4 @@
+import math
 import sys
 from unittest.mock import Mock
 
@@ -11,22 +12,23 @@ from fprc.errors import DeviceError
 def test_sensor_starts_waits_and_sleeps_after_shutdown(bench):
     waited, bus = [], open_bus(1)
     sensor = BendSensor(bus, 0x12)
-    sensor.start(sleep=waited.append)
+    assert math.isnan(sensor.read())
+    sensor.start(waited.append)
     assert waited == [0.002, pytest.approx(81 / 16384, rel=1e-4)]
     assert (bus.sensors[0x12].state, bus.sensors[0x12].ticks) == ("running", 81)
     for counts in (-32768, -257, -1, 0, 256, 800, 32767):
         bench.shared.angles[0] = counts / 64
         assert sensor.read() == counts / 64
     sensor.shutdown()
-    assert sensor.read() is None
+    assert sensor.read() == counts / 64  # a packet without an angle changes none
     assert [packet.hex(" ") for packet in bus.written] == ["01 51 00", "00 01 00", "00 00 00"]
 
 
-@pytest.mark.parametrize("call", ["start", "read", "shutdown"])
-def test_sensor_that_does_not_answer_is_named(bench, call):
+@pytest.mark.parametrize(("call", "given"), [("start", [Mock()]), ("read", []), ("shutdown", [])])
+def test_sensor_that_does_not_answer_is_named(bench, call, given):
     bench.shared.i2c_fault = 1
     with pytest.raises(DeviceError, match="0x13"):
-        getattr(BendSensor(open_bus(1), 0x13), call)()
+        getattr(BendSensor(open_bus(1), 0x13), call)(*given)
 
 
 @pytest.mark.parametrize("module", [None, Mock(SMBus=Mock(side_effect=PermissionError)), smbus2])

@@ -1,12 +1,12 @@
 import signal
 import threading
 import time
-from functools import partialmethod
+from types import SimpleNamespace
 from unittest.mock import Mock
 
 import pytest
 
-from fprc.apparatus import guardian
+from fprc.apparatus import guardian, hardware
 from fprc.apparatus.guardian import BEAT_S, _wait, _watch, vent_until_shown
 from fprc.apparatus.hardware import Pneumatics
 from fprc.errors import ControlError
@@ -17,8 +17,9 @@ VENTED = "both chambers are vented, as their sensors show"
 @pytest.fixture
 def alive(bench, monkeypatch):
     """A bench whose time advances while the guardian waits."""
-    vent = partialmethod(Pneumatics.vent, sleep=bench.wait, now=bench.elapsed)
-    monkeypatch.setattr(Pneumatics, "vent", vent)
+    passes = SimpleNamespace(sleep=bench.wait, monotonic=time.monotonic)
+    monkeypatch.setattr(guardian, "time", passes)
+    monkeypatch.setattr(hardware, "time", SimpleNamespace(monotonic=bench.elapsed))
     return bench
 
 
