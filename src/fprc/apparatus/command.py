@@ -40,9 +40,12 @@ def run(
 ) -> str:
     """Run one experiment and write its raw log."""
     settings = _settings(config)
+    references, laws = settings["tracking"]["references"], controllers(settings["models"])
+    names = [*EXPERIMENTS, *(run_log(reference, law) for reference in references for law in laws)]
     if name == "list":
-        return "\n".join(names(settings)) + "\n"
-    _refuse_unknown(name, settings)
+        return "\n".join(names) + "\n"
+    if name not in names:
+        raise ConfigError(f"no experiment {name}; must be one of {', '.join(names)}")
     folders = settings["folders"]
     trained = f"{folders['results']}/models/sweep_{model_of_run(name)}.h5"
     model = model or (trained if Path(trained).exists() else "")
@@ -83,82 +86,57 @@ class Experiment(NamedTuple):
     law: Law  #: see ``fprc.control.run``
     samples: int
     attributes: dict[str, Any]
-    highest_kpa: dict[str, float]  #: to which the commands may go, by sensor
-    extra: tuple[str, ...] = ()  #: channels that the law returns after the setpoints
-    hint: str = ""  #: what the user at the rig must do, after a semicolon
-
-
-def names(settings: Mapping[str, Any]) -> list[str]:
-    """Return the names of the experiments in the order in which they are run."""
-    references, laws = settings["tracking"]["references"], controllers(settings["models"])
-    return [*EXPERIMENTS, *(run_log(reference, law) for reference in references for law in laws)]
-
-
-def _refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
-    known = names(settings)
-    if name not in known:
-        raise ConfigError(f"no experiment {name}; must be one of {', '.join(known)}")
+    extra: tuple[str, ...]  #: channels that the law returns after the setpoints
+    hint: str  #: what the user at the rig must do, after a semicolon
 
 
 def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
     """Return the experiment of that name, with the model in a file if it needs one.
 
-    FprcError: there is no such experiment, its commands are beyond ``hardware.limits``, or its
-    reference is impossible; the model is missing, was changed, is another than the experiment's, or
-    was trained at another rate or in other units.
+    FprcError: its commands are beyond ``hardware.limits``, or its reference is impossible; the
+    model is missing, was changed, is another than the experiment's, or was trained at another rate
+    or in other units.
     """
-    _refuse_unknown(name, settings)
-    planned = (
-        _hysteresis(name, settings) if name in EXPERIMENTS else _tracking(name, settings, model)
-    )
-    for sensor, kpa in planned.highest_kpa.items():
+    control, extra, hint = Control(**settings["control"]), tuple[str, ...](), ""
+    if name in EXPERIMENTS:
+        signal = Signal(**settings["experiments"][name])
+        p_exp_kpa = pressure_command(signal, control.sample_rate_hz)
+        law, samples = hysteresis_law(p_exp_kpa, control), len(p_exp_kpa)
+        highest_kpa = {"p_exp_kpa": p_exp_kpa.max(), "p_i_kpa": control.reservoir_limit_kpa}
+        attributes = {
+            "experiment": name,
+            "sample_rate_hz": control.sample_rate_hz,
+            "seed": settings["seed"],
+            "rig": {"control": settings["control"], "signal": settings["experiments"][name]},
+        }
+    else:
+        # imported here because it takes a second, for which the other experiments need not wait
+        from fprc.experiments.tracking import Track, describe_model
+
+        tracking = Tracking(**settings["tracking"])
+        bench = Track(tracking, control, {}, settings["seed"])
+        reference, controller = reference_and_controller(name)
+        theta_d, fitted = bench.reference(reference), None
+        attributes, extra = bench.describe(reference, controller), bench.channels(controller)
+        driver = feedforward_of(controller)
+        if driver and model:  # without a file the law refuses to start
+            fitted = _load(model, name, driver, settings)
+            attributes |= describe_model(fitted, model)
+        law, samples = bench.law(theta_d, controller, fitted), len(theta_d)
+        p_i_kpa = control.k_in_kpa_per_deg * theta_d.max()
+        highest_kpa = {"p_exp_kpa": tracking.pressure_limit_kpa, "p_i_kpa": p_i_kpa}
+        if reference == DISTURBANCE:
+            hint = f"; push the reservoir by hand from {tracking.pushes.quiet_s:g} s on"
+    for sensor, kpa in highest_kpa.items():
         if kpa > (limit := settings["hardware"]["limits"][sensor][1]):  # its reading ends the run
             raise ConfigError(
                 f"commands go up to {kpa:g} kPa, and a reading above {limit:g} ends a run "
                 f"(hardware.limits.{sensor}); lower the amplitude, tracking.pressure_limit_kpa or "
                 "control.reservoir_limit_kpa"
             )
-    rig = {"hardware": settings["hardware"], **planned.attributes["rig"]}
-    of_rig = {"source": "rig", "software": f"fprc {__version__}", "rig": rig}
-    return planned._replace(attributes=planned.attributes | of_rig)
-
-
-def _hysteresis(name: str, settings: Mapping[str, Any]) -> Experiment:
-    control, signal = Control(**settings["control"]), Signal(**settings["experiments"][name])
-    p_exp_kpa = pressure_command(signal, control.sample_rate_hz)
-    attributes = {
-        "experiment": name,
-        "sample_rate_hz": control.sample_rate_hz,
-        "seed": settings["seed"],
-        "rig": {"control": settings["control"], "signal": settings["experiments"][name]},
-    }
-    highest_kpa = {"p_exp_kpa": p_exp_kpa.max(), "p_i_kpa": control.reservoir_limit_kpa}
-    return Experiment(hysteresis_law(p_exp_kpa, control), len(p_exp_kpa), attributes, highest_kpa)
-
-
-def _tracking(name: str, settings: Mapping[str, Any], model: str) -> Experiment:
-    # imported here because it takes a second, for which the other experiments need not wait
-    from fprc.experiments.tracking import Track, describe_model
-
-    control, tracking = Control(**settings["control"]), Tracking(**settings["tracking"])
-    bench = Track(tracking, control, {}, settings["seed"])
-    reference, controller = reference_and_controller(name)
-    theta_d = bench.reference(reference)
-    p_i_kpa = control.k_in_kpa_per_deg * theta_d.max()
-    attributes, fitted = bench.describe(reference, controller), None
-    driver = feedforward_of(controller)
-    if driver and model:  # without a file the law refuses to start
-        fitted = _load(model, name, driver, settings)
-        attributes |= describe_model(fitted, model)
-    hint = f"; push the reservoir by hand from {tracking.pushes.quiet_s:g} s on"
-    return Experiment(
-        bench.law(theta_d, controller, fitted),
-        len(theta_d),
-        attributes,
-        {"p_exp_kpa": tracking.pressure_limit_kpa, "p_i_kpa": p_i_kpa},
-        bench.channels(controller),
-        hint if reference == DISTURBANCE else "",
-    )
+    rig = {"hardware": settings["hardware"], **attributes["rig"]}
+    attributes |= {"source": "rig", "software": f"fprc {__version__}", "rig": rig}
+    return Experiment(law, samples, attributes, extra, hint)
 
 
 def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any:
@@ -169,15 +147,12 @@ def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any
     models, which = settings["models"], f"{file}, the model of {name}"
     inputs, needed = entries(models)[driver].inputs, load_class(driver, models)
     fitted = load_model(file, outside_classes(models))
-    if type(fitted) is not needed:
+    columns = getattr(fitted, "n_features_in_", 0)  # a part of a model may have none
+    if type(fitted) is not needed or columns != len(inputs):
         raise ConfigError(
-            f"{which}, is a {type(fitted).__name__}, must be a {needed.__name__}; give another "
+            f"{which}, is a {type(fitted).__name__} of {columns} inputs, must be a "
+            f"{needed.__name__} of {len(inputs)}, {in_words(inputs)}; train it again, give another "
             "--model, or choose the experiment that is named after it"
-        )
-    if (columns := fitted.n_features_in_) != len(inputs):
-        raise ConfigError(
-            f"{which}, was fitted to {columns} inputs, must have {len(inputs)}, "
-            f"{in_words(inputs)}; train it again"
         )
     units = [unit_of(channel) for channel in ("p_target_kpa", *inputs)]
     refuse_other_data(fitted, which, settings["control"]["sample_rate_hz"], units)

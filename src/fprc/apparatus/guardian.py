@@ -59,7 +59,27 @@ def guard(request: Mapping[str, Any]) -> None:
             with suppress(BrokenPipeError):  # it has already ended, with a message
                 process.stdin.write(json.dumps(request).encode() + b"\n")
                 process.stdin.flush()
-            problem = _supervise(process, hardware, received)
+            end = _watch(process, hardware["loop"])
+            if end == "silent":
+                process.kill()
+            # vent before waiting for its end: until then the valves hold their voltages
+            vented = "" if end == "safe" else vent_until_shown(hardware, received)
+            code = _wait(process, received)
+            if code is not None and end == "silent":
+                # again: the last driver call of the killed process may have come after the venting
+                vented = vent_until_shown(hardware, received)
+    if code is None:
+        problem = (
+            f"({process.pid}) does not end: IT MAY STILL OPEN A VALVE. Cut the supply and open the "
+            "chambers by hand, then restart the computer"
+        )
+    elif end == "safe":
+        problem = f"failed (exit code {code}); see its messages above" if code else ""
+    else:
+        how = f"ended with code {code} before it released the rig"
+        if end == "silent":
+            how = "was silent for too long (hardware.loop), and was killed"
+        problem = f"{how}; {vented}; `fprc log repair` reads the journal beside the log of its run"
     if problem:
         raise ControlError(f"the process that drives the rig {problem}")
 
@@ -80,29 +100,6 @@ class _Process(subprocess.Popen[bytes]):
         """Return messages of the process, empty if it closed the pipe; None after ``BEAT_S``."""
         heard, _, _ = select.select([self.stdout], [], [], BEAT_S)
         return os.read(self.stdout.fileno(), 64) if heard else None
-
-
-def _supervise(process: _Process, hardware: Mapping[str, Any], received: Sequence[int]) -> str:
-    """Watch the process until it has ended, and vent if it did not; return what went wrong."""
-    end = _watch(process, hardware["loop"])
-    if end == "silent":
-        process.kill()
-    # vent before waiting for the end of the process: until then the valves hold their voltages
-    vented = "" if end == "safe" else vent_until_shown(hardware, received)
-    code = _wait(process, received)
-    if code is None:
-        return (
-            f"({process.pid}) does not end: IT MAY STILL OPEN A VALVE. Cut the supply and open the "
-            "chambers by hand, then restart the computer"
-        )
-    if end == "safe":
-        return f"failed (exit code {code}); see its messages above" if code else ""
-    how = f"ended with code {code} before it released the rig"
-    if end == "silent":
-        how = "was silent for too long (hardware.loop), and was killed"
-        # again: the last driver call of the killed process may have come after the venting
-        vented = vent_until_shown(hardware, received)
-    return f"{how}; {vented}; `fprc log repair` reads the journal beside the log of its run"
 
 
 def _watch(process: _Process, loop: Mapping[str, float]) -> str:
@@ -194,13 +191,12 @@ def _forwarding_signals(process: _Process) -> Iterator[list[int]]:
         received.append(number)
         process.send_signal(signal.SIGKILL if len(received) >= _KILL_AFTER else signal.SIGTERM)
 
-    names = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    before = {number: signal.getsignal(number) for number in names}
-    handled = [number for number, handler in before.items() if handler != signal.SIG_IGN]  # nohup
-    for number in handled:
-        signal.signal(number, forward)
+    before = {}
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) != signal.SIG_IGN:  # as nohup does
+            before[number] = signal.signal(number, forward)
     try:
         yield received
     finally:
-        for number in handled:
-            signal.signal(number, before[number])
+        for number, handler in before.items():
+            signal.signal(number, handler)

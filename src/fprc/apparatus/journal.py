@@ -189,14 +189,13 @@ class Findings(NamedTuple):
     lost: int  #: known number of samples that were written but cannot be read
     closed: bool  #: whether the end mark exists
     reason: str  #: why it is not complete; empty if it is
-    statistics: dict[str, Any]  #: statistics from the end mark
 
 
 def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any], Findings]:
     """Read a journal, even if it is truncated, damaged, or still being written.
 
-    Returns the channels, with every sample whose checksum is right, by tick; the attributes; and
-    what was found. LogError: it cannot be opened, is no journal, or its header is damaged.
+    Returns the channels, with every sample whose checksum is right, by tick; the attributes of a
+    log; and what was found. LogError: it cannot be opened, is no journal, or its header is damaged.
     """
     data = read_given(path, error=LogError, most_bytes=_LARGEST_BYTES)
     _, header, *parts = data.split(_MARK) if data.startswith(_MARK) else (b"", b"")
@@ -233,8 +232,9 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
             reasons.append(f"{ran - kept.size} of {ran} ticks have no sample")
     if lost:
         reasons.append(f"{lost} of {kept.size + lost} samples are lost")
-    reason, statistics = "; ".join(filter(None, reasons)), end.get("statistics", {})
-    return channels, attributes, Findings(kept.size, lost, bool(end), reason, statistics)
+    reason = "; ".join(filter(None, reasons))
+    attributes |= state_of(reason, end.get("statistics", {}), lost)
+    return channels, attributes, Findings(kept.size, lost, bool(end), reason)
 
 
 def recover(journal: Path | str, raw: Path | str) -> Findings:
@@ -247,9 +247,8 @@ def recover(journal: Path | str, raw: Path | str) -> Findings:
     channels, attributes, findings = read_journal(journal)
     if not findings.samples:
         raise LogError(f"{journal}: no sample can be read; nothing was written")
-    state = state_of(findings.reason, findings.statistics, findings.lost)
     try:
-        write_raw(raw, channels, **attributes | state)
+        write_raw(raw, channels, **attributes)
     except (TypeError, ValueError) as error:
         raise LogError(f"{journal}: what it says of the run fits no log ({error})") from error
     return findings

@@ -42,8 +42,9 @@ def main() -> int:
     guardian = Guardian(request["settings"]["hardware"]["loop"]["stalled_s"], messages)
     try:
         if request["what"] == "check":
-            return check_rig(request["settings"], request["armed"], guardian)
-        record(**request["run"], settings=request["settings"], guardian=guardian)
+            check_rig(request["settings"], request["armed"], guardian)
+        else:
+            record(**request["run"], settings=request["settings"], guardian=guardian)
     except FprcError as error:
         log.error("error: %s", error)
         return 1
@@ -60,7 +61,7 @@ def record(
     beside the journal under another name, or among the temporary files; the ControlError names it.
     DeviceError: a part cannot be opened.
     """
-    law, samples, attributes, _, extra, hint = plan(name, settings, model)
+    law, samples, attributes, extra, hint = plan(name, settings, model)
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     path = Path(raw).with_suffix(f".{stamp}.journal")
     seconds = samples / settings["control"]["sample_rate_hz"]

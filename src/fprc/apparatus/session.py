@@ -5,9 +5,10 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import nullcontext, suppress
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -21,11 +22,6 @@ from fprc.devices import Device
 from fprc.errors import ControlError, DeviceError
 
 
-def _now_s() -> float:
-    """Return a monotonic time that goes on while the computer is suspended, s."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME)
-
-
 class Metronome:
     """Ticks at start + k * period on a monotonic clock, so that lateness does not add up.
 
@@ -34,16 +30,10 @@ class Metronome:
     may be missed before the loop is on time again.
     """
 
-    def __init__(
-        self,
-        period_s: float,
-        overruns_in_a_row: int,
-        *,
-        now: Callable[[], float] = _now_s,
-        sleep: Callable[[float], None] = time.sleep,
-    ):
+    def __init__(self, period_s: float, overruns_in_a_row: int):
         self._period_s, self._allowed = period_s, overruns_in_a_row
-        self._now, self._sleep = now, sleep
+        self._now = partial(time.clock_gettime, time.CLOCK_BOOTTIME)  # also runs while suspended
+        self._sleep = time.sleep
         self._start_s: float | None = None
         self._overruns = self._in_a_row = 0
         self._late_s: list[float] = []
@@ -149,15 +139,6 @@ class CheckedRig:
             self._device.safe()
 
 
-class Session(NamedTuple):
-    """Outcome of a session with the real rig."""
-
-    channels: dict[str, np.ndarray]
-    timing: dict[str, float]  #: statistics of the clock
-    stopped: str  #: why the run was stopped; empty if it was not
-    unvented: str  #: error of closing the rig; empty if readings show that it is vented
-
-
 class Guardian:
     """The guardian as the loop sees it; called at every tick, it tells why to stop.
 
@@ -209,13 +190,16 @@ def on_rig(
     *,
     moves: bool = True,
     **recording: Any,
-) -> Session:
+) -> tuple[dict[str, np.ndarray], dict[str, float], str, str]:
     """Open the real rig with its safety limits and clock; run a law; make it safe and release it.
 
-    Unless the law ``moves`` the rig, its voltages are not written. If the guardian is not there to
-    vent in our place, we try until readings show it. ``law``, ``samples`` and ``recording`` are
-    those of ``fprc.control.run``. DeviceError: a part cannot be opened; or an unexpected exception
-    came, and closing failed too.
+    Returns the channels; the statistics of the clock; why the run was stopped, empty if it was not;
+    and the error of closing the rig, empty if readings show that it is vented. If the guardian is
+    not there to vent in our place, we try until readings show it.
+
+    Unless the law ``moves`` the rig, its voltages are not written. ``law``, ``samples`` and
+    ``recording`` are those of ``fprc.control.run``. DeviceError: a part cannot be opened; or an
+    unexpected exception came, and closing failed too.
     """
     control, hardware = Control(**settings["control"]), settings["hardware"]
     period_s = 1.0 / control.sample_rate_hz
@@ -253,4 +237,4 @@ def on_rig(
                 unvented += f"\n{vent_until_shown(hardware)}"
             if not timing:
                 raise DeviceError(unvented) from closing
-    return Session(channels, timing, stopped, unvented)
+    return channels, timing, stopped, unvented

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fprc.apparatus import command
-from fprc.apparatus.command import names, plan
+from fprc.apparatus.command import plan, run
 from fprc.channels import Readings
 from fprc.config import Settings
 from fprc.errors import ConfigError, ControlError, FprcError
@@ -20,7 +20,7 @@ def settings():
 
 
 def test_every_name_can_be_planned_and_only_the_disturbance_asks_to_push(settings, fprc_file):
-    for name in names(settings):
+    for name in run("list").split():
         experiment = plan(name, settings, fprc_file)
         described = experiment.attributes
         assert (described["experiment"], described["source"]) == (name, "rig")
@@ -62,8 +62,8 @@ def files(fprc_file, recorded, tmp_path_factory):
 @pytest.mark.parametrize("armed", [True, False])
 @pytest.mark.parametrize(
     ("file", "message"),
-    [("", "give --model"), ("Fuzzy-linear", "FuzzyLinear.* FPRC"),
-     ("FPRC of three inputs", "3 inputs.* 2")],
+    [("", "give --model"), ("Fuzzy-linear", "FuzzyLinear of 1 .* FPRC of 2"),
+     ("FPRC of three inputs", "FPRC of 3 .* FPRC of 2")],
 )  # fmt: skip
 def test_model_that_is_not_the_one_in_the_name_of_the_log_is_refused_before_anything_starts(
     settings, files, tmp_path, monkeypatch, file, message, armed
@@ -84,7 +84,7 @@ def test_outside_model_is_compared_with_its_own_class(settings, files):
     }
     planned = plan("track_sine_0p2_mine", settings, files["Fuzzy-linear"])
     assert planned.attributes["model"] == "FuzzyLinear"
-    with pytest.raises(ConfigError, match="is a FPRC, must be a FuzzyLinear"):
+    with pytest.raises(ConfigError, match="is a FPRC of 2 inputs, must be a FuzzyLinear of 1"):
         plan("track_sine_0p2_mine", settings, files["FPRC"])
 
 
