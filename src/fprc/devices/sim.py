@@ -9,17 +9,8 @@ import numpy as np
 from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, SENSORS, TRACKING_CHANNELS, Readings
 from fprc.control_laws import NEUTRAL_V
 from fprc.errors import ControlError, SimulationError
+from fprc.rig import simulator
 from fprc.rig.closed_loop import close_loop
-from fprc.rig.simulator import (
-    DIVERGED,
-    NOISE_PER_TICK,
-    SAMPLE,
-    advance,
-    draw_instruments,
-    initial_state,
-    parameters,
-    record,
-)
 
 if TYPE_CHECKING:
     from fprc.config.settings import Control
@@ -51,12 +42,12 @@ class SimulatedRig:
         self.push_kpa = 0.0
         self._period_s = 1.0 / sample_rate_hz
         self._substeps = math.ceil(self._period_s / rig["step_s"] - 1e-9)
-        instruments = draw_instruments(rig, np.random.default_rng([seed]))
+        instruments = simulator.draw_instruments(rig, np.random.default_rng([seed]))
         self._rng = np.random.default_rng([seed, run + 1])
-        self._state = initial_state(rig, self._rng)
-        self._simulated = self._state, parameters(rig), instruments
+        self._state = simulator.initial_state(rig, self._rng)
+        self._simulated = self._state, simulator.parameters(rig), instruments
         self._valve_v = np.full(2, NEUTRAL_V)
-        self._reading = np.full(1, math.nan, SAMPLE)
+        self._reading = np.full(1, math.nan, simulator.SAMPLE)
         self._tick = -1
         self._advance(0)
 
@@ -128,12 +119,12 @@ class SimulatedRig:
             "learning": learning,
         }
         pushes = np.zeros(samples) if push_kpa is None else push_kpa
-        rows = np.full(samples, math.nan, SAMPLE)
+        rows = np.full(samples, math.nan, simulator.SAMPLE)
         setpoints = np.column_stack([p_ff_kpa, theta_d, pushes])
-        noise = self._rng.standard_normal((samples - 1, NOISE_PER_TICK))
+        noise = self._rng.standard_normal((samples - 1, simulator.NOISE_PER_TICK))
         failed, done = close_loop(
-            *self._simulated, record(settings), setpoints, *learner, noise, self._period_s,
-            self._substeps, self._tick, self._valve_v, self._reading, rows,
+            *self._simulated, simulator.record(settings), setpoints, *learner, noise,
+            self._period_s, self._substeps, self._tick, self._valve_v, self._reading, rows,
         )  # fmt: skip
         self._tick += done if failed else samples - 1
         self._refuse(failed)
@@ -145,8 +136,8 @@ class SimulatedRig:
 
     def _advance(self, substeps: int) -> None:
         self._tick += 1
-        noise = self._rng.standard_normal(NOISE_PER_TICK)
-        failed = advance(
+        noise = self._rng.standard_normal(simulator.NOISE_PER_TICK)
+        failed = simulator.advance(
             *self._simulated, self._valve_v, self.push_kpa, noise, self._period_s, substeps,
             self._reading,
         )  # fmt: skip
@@ -155,7 +146,7 @@ class SimulatedRig:
     def _refuse(self, failed: int) -> None:
         if failed:
             raise SimulationError(
-                f"simulated rig: the {DIVERGED[failed]} left its physical range at "
+                f"simulated rig: the {simulator.DIVERGED[failed]} left its physical range at "
                 f"t = {self._tick * self._period_s:.3f} s; check the gains under control and "
                 "the parameters under rig, or reduce rig.step_s"
             )

@@ -48,21 +48,26 @@ def mass_flow(conductance, upstream_kpa_abs, downstream_kpa_abs, critical_ratio)
 
     The conductance is the sonic one times the open fraction, mL/(s kPa).
     """
-    if upstream_kpa_abs >= downstream_kpa_abs:
-        ratio = downstream_kpa_abs / upstream_kpa_abs
-        return conductance * upstream_kpa_abs * flow_function(ratio, critical_ratio)
-    ratio = upstream_kpa_abs / downstream_kpa_abs
-    return -conductance * downstream_kpa_abs * flow_function(ratio, critical_ratio)
+    high = max(upstream_kpa_abs, downstream_kpa_abs)
+    low = min(upstream_kpa_abs, downstream_kpa_abs)
+    flow = conductance * high * flow_function(low / high, critical_ratio)
+    return flow if upstream_kpa_abs >= downstream_kpa_abs else -flow
+
+
+@kernel
+def valve_flow(valve, spool, p_kpa_abs):
+    """Flow through both edges of a valve into a chamber, mL/s ANR."""
+    conductance, ratio = valve.sonic_conductance_ml_per_s_kpa, valve.critical_pressure_ratio
+    supply, exhaust = opening(valve, spool) * conductance, opening(valve, -spool) * conductance
+    flow_in = mass_flow(supply, valve.supply_kpa_abs, p_kpa_abs, ratio)
+    return flow_in - mass_flow(exhaust, p_kpa_abs, ATMOSPHERE_KPA, ratio)
 
 
 @kernel
 def pressure_rate(p_kpa_abs, flow_ml_per_s, volume_ml, volume_rate_ml_per_s, polytropic_index):
     """Rate of the absolute pressure, kPa/s: p' = n (q p_atm - p V') / V."""
-    return (
-        polytropic_index
-        * (flow_ml_per_s * ATMOSPHERE_KPA - p_kpa_abs * volume_rate_ml_per_s)
-        / volume_ml
-    )
+    power = flow_ml_per_s * ATMOSPHERE_KPA - p_kpa_abs * volume_rate_ml_per_s
+    return polytropic_index * power / volume_ml
 
 
 @kernel

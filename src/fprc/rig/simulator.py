@@ -13,23 +13,8 @@ import numpy as np
 
 from fprc.channels import CHANNELS
 from fprc.compiled import kernel
-from fprc.rig.mechanics import (
-    LAWS,
-    angular_acceleration,
-    bending_rate,
-    friction,
-    passive_volume,
-    relax,
-    squeeze_rate,
-)
-from fprc.rig.pneumatics import (
-    ATMOSPHERE_KPA,
-    mass_flow,
-    opening,
-    pressure_rate,
-    sealed_pressure,
-    spool_acceleration,
-)
+from fprc.rig import mechanics, pneumatics
+from fprc.rig.pneumatics import ATMOSPHERE_KPA
 
 #: Standard normal numbers per tick: noise of three pressure sensors, the drift, the slow error of
 #: the bend sensor, and noise of up to two samples of both angles.
@@ -70,7 +55,7 @@ def _layout(fields: tuple[Any, ...]) -> np.dtype:
 
 def parameters(rig: Mapping[str, Any]) -> np.ndarray:
     """Return a rig's parameters for compiled code; ``friction`` explains how it gets the law."""
-    return record({**rig, "friction_law": [0.0] * (1 + LAWS.index(rig["friction_law"]))})
+    return record({**rig, "friction_law": [0.0] * (1 + mechanics.LAWS.index(rig["friction_law"]))})
 
 
 def initial_state(rig: Mapping[str, Any], rng: np.random.Generator) -> np.ndarray:
@@ -167,16 +152,8 @@ def _valves(state, rig, valve_v, dt):
         volts = max(written, 0.0)  # the output board gives 0 to 10 V
         command = (volts - valve.neutral_v) / valve.neutral_v
         x, v = state.spool[i], state.spool_rate[i]
-        state.spool_rate[i] += dt * spool_acceleration(valve, x, v, command)
+        state.spool_rate[i] += dt * pneumatics.spool_acceleration(valve, x, v, command)
         state.spool[i] += dt * state.spool_rate[i]
-
-
-@kernel
-def _flow(spool, valve, p_kpa_abs):
-    conductance, ratio = valve.sonic_conductance_ml_per_s_kpa, valve.critical_pressure_ratio
-    supply, exhaust = opening(valve, spool) * conductance, opening(valve, -spool) * conductance
-    flow_in = mass_flow(supply, valve.supply_kpa_abs, p_kpa_abs, ratio)
-    return flow_in - mass_flow(exhaust, p_kpa_abs, ATMOSPHERE_KPA, ratio)
 
 
 @kernel
@@ -184,53 +161,56 @@ def _actuator(state, rig, dt):
     chamber, bending = rig.main_chamber, rig.bending
     volume = chamber.volume_ml + chamber.volume_ml_per_deg * state.theta_deg
     volume_rate = chamber.volume_ml_per_deg * state.omega_deg_per_s
-    flow = _flow(state.spool[0], rig.valve, state.p_main_kpa_abs)
-    state.p_main_kpa_abs += dt * pressure_rate(
+    flow = pneumatics.valve_flow(rig.valve, state.spool[0], state.p_main_kpa_abs)
+    state.p_main_kpa_abs += dt * pneumatics.pressure_rate(
         state.p_main_kpa_abs, flow, volume, volume_rate, chamber.polytropic_index
     )
-    distance, weight = bending.slip_distance_deg, bending.slip_weight
-    increment, p_kpa = dt * state.omega_deg_per_s, state.p_main_kpa_abs - ATMOSPHERE_KPA
-    force = friction(rig.friction_law, state.bending_slip_deg, increment, distance, weight)
-    state.omega_deg_per_s += dt * angular_acceleration(
+    force = mechanics.friction(
+        rig.friction_law, state.bending_slip_deg, dt * state.omega_deg_per_s,
+        bending.slip_distance_deg, bending.slip_weight,
+    )  # fmt: skip
+    p_kpa = state.p_main_kpa_abs - ATMOSPHERE_KPA
+    state.omega_deg_per_s += dt * mechanics.angular_acceleration(
         bending, state.theta_deg, state.omega_deg_per_s, state.relaxed_deg, force, p_kpa,
         state.drift_kpa,
     )  # fmt: skip
     state.theta_deg += dt * state.omega_deg_per_s
-    relax(state.relaxed_deg, state.theta_deg, bending.relaxation_time_s, dt)
+    mechanics.relax(state.relaxed_deg, state.theta_deg, bending.relaxation_time_s, dt)
 
 
 @kernel
 def _reservoir(state, rig, push_kpa, dt):
     chamber, reservoir = rig.reservoir_chamber, rig.reservoir
-    passive_ml = passive_volume(reservoir, state.squeezed_ml, state.phi_deg)
-    p_o = sealed_pressure(state.passive_gas_kpa_ml, passive_ml)
+    passive_ml = mechanics.passive_volume(reservoir, state.squeezed_ml, state.phi_deg)
+    p_o = pneumatics.sealed_pressure(state.passive_gas_kpa_ml, passive_ml)
     state.passive_gas_kpa_ml -= dt * reservoir.leak_ml_per_s_kpa * p_o * ATMOSPHERE_KPA
     before, p_i = state.squeezed_ml, state.p_i_kpa_abs - ATMOSPHERE_KPA
     force = _squeeze_friction(state, rig, 0.0)
-    rate = squeeze_rate(reservoir, before, force, p_i, p_o)
-    state.phi_deg += dt * bending_rate(reservoir, state.phi_deg, p_i, p_o, push_kpa)
+    rate = mechanics.squeeze_rate(reservoir, before, force, p_i, p_o)
+    state.phi_deg += dt * mechanics.bending_rate(reservoir, state.phi_deg, p_i, p_o, push_kpa)
     state.squeezed_ml = max(before + dt * rate, 0.0)
     rate = (state.squeezed_ml - before) / dt
     _squeeze_friction(state, rig, rate * dt)
-    flow, volume = _flow(state.spool[1], rig.valve, state.p_i_kpa_abs), chamber.volume_ml
-    state.p_i_kpa_abs += dt * pressure_rate(
-        state.p_i_kpa_abs, flow, volume + state.squeezed_ml, rate, chamber.polytropic_index
+    volume = chamber.volume_ml + state.squeezed_ml
+    flow = pneumatics.valve_flow(rig.valve, state.spool[1], state.p_i_kpa_abs)
+    state.p_i_kpa_abs += dt * pneumatics.pressure_rate(
+        state.p_i_kpa_abs, flow, volume, rate, chamber.polytropic_index
     )
 
 
 @kernel
 def _squeeze_friction(state, rig, increment):
     distance, weight = rig.reservoir.slip_distance_ml, rig.reservoir.slip_weight
-    return friction(rig.friction_law, state.squeeze_slip_ml, increment, distance, weight)
+    return mechanics.friction(rig.friction_law, state.squeeze_slip_ml, increment, distance, weight)
 
 
 @kernel
 def _lag_of_sensors(state, rig, dt):
-    passive_ml = passive_volume(rig.reservoir, state.squeezed_ml, state.phi_deg)
+    passive_ml = mechanics.passive_volume(rig.reservoir, state.squeezed_ml, state.phi_deg)
     truth = (
         state.p_main_kpa_abs - ATMOSPHERE_KPA,
         state.p_i_kpa_abs - ATMOSPHERE_KPA,
-        sealed_pressure(state.passive_gas_kpa_ml, passive_ml),
+        pneumatics.sealed_pressure(state.passive_gas_kpa_ml, passive_ml),
     )
     keep = math.exp(-dt / rig.pressure_sensor.lag_s)
     for i in range(3):
@@ -305,7 +285,7 @@ def _diverged(state, rig):
         return 2
     if not (-180.0 < state.theta_deg < 180.0):
         return 3
-    left_ml = passive_volume(rig.reservoir, state.squeezed_ml, state.phi_deg)
+    left_ml = mechanics.passive_volume(rig.reservoir, state.squeezed_ml, state.phi_deg)
     if not (0.01 * rig.reservoir.passive_volume_ml < left_ml):
         return 4
     if not (abs(state.spool[0]) < 2.0 and abs(state.spool[1]) < 2.0):
