@@ -18,9 +18,6 @@ if TYPE_CHECKING:  # the real rig's loop starts sooner without scikit-learn
 #: Returns the setpoints P_exp and P_i of sample k in kPa, then any further values to record.
 Law = Callable[[int, Readings], Sequence[float]]
 
-#: Readings that every run needs; the others are only recorded.
-_NEEDED = ("time_s", *NEEDED_SENSORS)
-
 
 class RunAbortedError(ControlError):
     """A run ended early; ``channels`` holds the samples recorded until then."""
@@ -44,16 +41,12 @@ def run(
 ) -> dict[str, np.ndarray]:
     """Run ``law`` for a number of samples and return the recorded channels.
 
-    ``law(k, readings)`` returns the setpoints of both chambers in kPa; the two
-    PI loops convert them to valve voltages. The device is made safe at the end,
-    however the run ends.
+    ``law(k, readings)`` returns the setpoints of both chambers in kPa; the two PI loops of the
+    section ``control`` convert them to valve voltages, of which ``neutral_v`` closes a valve. The
+    device is made safe at the end, however the run ends.
 
     Parameters
     ----------
-    control : Control
-        Sample rate, and gains of the PI loops.
-    neutral_v : float
-        Voltage that closes a valve.
     extra : tuple of str
         Names of the values that the law returns after the two setpoints.
     keep, stop : callable
@@ -69,23 +62,22 @@ def run(
     Raises
     ------
     RunAbortedError
-        The law, the device or a loop failed, a stop was requested, or the rig
-        could not be made safe; holds the rows recorded until then.
+        The law, the device or a loop failed, a stop was requested, or the rig could not be made
+        safe; holds the rows recorded until then.
     """
     names = (*RAW_CHANNELS, *extra)
     rows = np.empty((samples, len(names)))
     done = k = 0
     period_s = 1.0 / control.sample_rate_hz
-    loops = (control.main_loop, control.reservoir_loop)
-    gains = [(loop.kp_v_per_kpa, loop.ki_v_per_kpa_s) for loop in loops]
-    integrals: Sequence[float] = (0.0, 0.0)
+    loops, integrals = (control.main_loop, control.reservoir_loop), [0.0, 0.0]
     ended, problem, cause = "run finished", "", None
     try:
         while k < samples and (k := clock.wait_for(k)) < samples:
             if reason := stop():
                 raise ControlError(reason)
             now = device.read()
-            if gone := [name for name in _NEEDED if not math.isfinite(getattr(now, name))]:
+            needed = ("time_s", *NEEDED_SENSORS)  # the other readings are only recorded
+            if gone := [name for name in needed if not math.isfinite(getattr(now, name))]:
                 raise ControlError(f"no reading of {', '.join(gone)}; check the sensor")
             p_exp, p_i, *more = law(k, now)
             errors = p_exp - now.p_exp_kpa, p_i - now.p_i_kpa
@@ -93,17 +85,16 @@ def run(
                 raise ControlError(
                     f"the control law gave P_exp = {p_exp}, P_i = {p_i} kPa; both must be finite"
                 )
-            steps = [
-                pressure_step(error, integral, *of_loop, period_s, neutral_v)
-                for error, integral, of_loop in zip(errors, integrals, gains, strict=True)
-            ]
-            (main_v, reservoir_v), integrals = zip(*steps, strict=True)
-            device.write(main_v, reservoir_v)
+            volts = [0.0, 0.0]
+            for i, loop in enumerate(loops):
+                gains = loop.kp_v_per_kpa, loop.ki_v_per_kpa_s, period_s
+                volts[i], integrals[i] = pressure_step(errors[i], integrals[i], *gains, neutral_v)
+            device.write(*volts)
             sample = now._asdict() | {
                 "p_exp_command_kpa": p_exp,
                 "p_i_command_kpa": p_i,
-                "valve_main_v": main_v,
-                "valve_reservoir_v": reservoir_v,
+                "valve_main_v": volts[0],
+                "valve_reservoir_v": volts[1],
             }
             rows[done] = row = (*(sample[name] for name in RAW_CHANNELS), *more)
             done += 1
@@ -131,10 +122,10 @@ def hysteresis_law(p_exp_kpa: np.ndarray, control: "Control") -> Law:
     P_i is Eq. (1), clamped between 0 and the reservoir's limit (Sec. II-B).
     """
     commands = np.asarray(p_exp_kpa, dtype=float).tolist()
-    k_in_kpa_per_deg, limit_kpa = control.k_in_kpa_per_deg, control.reservoir_limit_kpa
 
     def law(k: int, now: Readings) -> tuple[float, float]:
-        return commands[k], clamp(k_in_kpa_per_deg * now.theta_deg, 0.0, limit_kpa)
+        p_i = clamp(control.k_in_kpa_per_deg * now.theta_deg, 0.0, control.reservoir_limit_kpa)
+        return commands[k], p_i
 
     return law
 
@@ -177,7 +168,6 @@ def tracking_law(
     references = np.asarray(theta_d_deg, dtype=float).tolist()
     gains = control.pd.kp_kpa_per_deg, control.pd.kd_kpa_s_per_deg, 1.0 / control.sample_rate_hz
     memory, incremental = [math.nan, 0.0], control.feedback == "incremental"
-    k_in_kpa_per_deg = control.k_in_kpa_per_deg
     p_o_shift_kpa = control.feedforward.p_o_shift_kpa
     reads_p_o = source is not None and source.n_features_in_ > 1
 
@@ -198,11 +188,11 @@ def tracking_law(
                 f"{theta_d:.2f} deg; both must be finite, check model and gains"
             )
         p_d = clamp(p_ff + p_fb, 0.0, pressure_limit_kpa)
+        row = p_d, control.k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb
         if online is None:
-            return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb
+            return row
         online.sent(p_fb)
-        learned = online.p_learned_kpa, float(np.linalg.norm(online.learned))
-        return p_d, k_in_kpa_per_deg * theta_d, theta_d, p_ff, p_fb, *learned
+        return *row, online.p_learned_kpa, float(np.linalg.norm(online.learned))
 
     return law
 

@@ -75,17 +75,11 @@ class SimulatedRig:
         self._valve_v[:] = main_v, reservoir_v
 
     def follow(
-        self,
-        control: "Control",
-        p_ff_kpa: np.ndarray,
-        theta_d_deg: np.ndarray | None = None,
-        pressure_limit_kpa: float = math.inf,
-        *,
-        feedback: bool = False,
-        push_kpa: np.ndarray | None = None,
-        online: "Online | None" = None,
+        self, control: "Control", p_ff_kpa: np.ndarray, theta_d_deg: np.ndarray | None = None,
+        pressure_limit_kpa: float = math.inf, *, feedback: bool = False,
+        push_kpa: np.ndarray | None = None, online: "Online | None" = None,
         regressors: np.ndarray | None = None,
-    ) -> dict[str, np.ndarray]:
+    ) -> dict[str, np.ndarray]:  # fmt: skip
         """Run the controllers from the current tick on, in compiled code.
 
         Returns what ``fprc.control.run`` returns with ``tracking_law``, given P_ff of every sample;

@@ -106,14 +106,9 @@ def preprocess(
 
 
 def read_recordings(
-    paths: Sequence[str],
-    *,
-    experiment: str | None,
-    target: str,
-    sample_rate_hz: float,
-    limits: Quality,
-    inputs: Sequence[str] = ("theta_deg", "p_o_kpa"),
-) -> tuple[Data, list[dict[str, Any]]]:
+    paths: Sequence[str], *, experiment: str | None, target: str, sample_rate_hz: float,
+    limits: Quality, inputs: Sequence[str] = ("theta_deg", "p_o_kpa"),
+) -> tuple[Data, list[dict[str, Any]]]:  # fmt: skip
     """Return the models' channels of raw logs, which become one log, and their quality records.
 
     ``experiment`` is that which is expected, or None; ``target`` and ``inputs`` are those of

@@ -186,11 +186,9 @@ def columns_for(name: str, inputs: np.ndarray) -> np.ndarray:
 
 
 def tracking_errors(
-    bench: Track,
-    model: SequenceModel | None,
-    loops: Mapping[str, float],
+    bench: Track, model: SequenceModel | None, loops: Mapping[str, float],
     inputs: Mapping[str, np.ndarray] | None = None,
-) -> dict[str, dict[str, float]]:
+) -> dict[str, dict[str, float]]:  # fmt: skip
     """Return the RMSE with P_ff of one model, or none, over each reference of Table IV, deg.
 
     ``loops`` has for the name under which errors are returned what multiplies the gains of the

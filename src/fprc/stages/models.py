@@ -22,16 +22,9 @@ from fprc.registry import build, controllers, outside_classes
 
 
 def judge(
-    sweep: str,
-    complex: str,
-    errors: Sequence[str],
-    fitted: Sequence[str],
-    fits: Sequence[str],
-    predictions: Sequence[str],
-    *,
-    name: str,
-    validation: CrossValidation,
-) -> None:
+    sweep: str, complex: str, errors: Sequence[str], fitted: Sequence[str], fits: Sequence[str],
+    predictions: Sequence[str], *, name: str, validation: CrossValidation,
+) -> None:  # fmt: skip
     """Cross-validate one model on each log and test its best fold on the other.
 
     Writes for each of ``DIRECTIONS`` the errors, the model of the best fold, and its
@@ -52,13 +45,9 @@ def judge(
 
 
 def grid(
-    sweep: str,
-    complex: str,
-    cells: str,
-    *,
-    values: Mapping[str, Sequence[int | float]],
+    sweep: str, complex: str, cells: str, *, values: Mapping[str, Sequence[int | float]],
     validation: CrossValidation,
-) -> None:
+) -> None:  # fmt: skip
     """Cross-validate and test every cell of every grid, on logs that have no further seeds."""
     data = {"sweep": read_data(sweep), "complex": read_data(complex)}
     source, unit = data["sweep"].attributes["source"], data["sweep"].unit
@@ -67,16 +56,9 @@ def grid(
 
 
 def measure_times(
-    sweep: str,
-    complex: str,
-    times: str,
-    times_over_n_c: str,
-    *,
-    models: Mapping[str, Any],
-    n_c: Sequence[int],
-    repeats: int,
-    seed: int,
-) -> None:
+    sweep: str, complex: str, times: str, times_over_n_c: str, *, models: Mapping[str, Any],
+    n_c: Sequence[int], repeats: int, seed: int,
+) -> None:  # fmt: skip
     """Time training and test of every model on this machine.
 
     FPRC and Fuzzy-linear also over the number of rules (Fig. 10c).
@@ -104,15 +86,9 @@ def measure_times(
 
 
 def replicate(
-    compared: str,
-    cells: str,
-    measures: str,
-    *,
-    on_rig: RigSettings,
-    validation: CrossValidation,
-    values: Mapping[str, Any],
-    tracking: Tracking,
-) -> None:
+    compared: str, cells: str, measures: str, *, on_rig: RigSettings, validation: CrossValidation,
+    values: Mapping[str, Any], tracking: Tracking,
+) -> None:  # fmt: skip
     """Repeat everything but the execution times with another seed, that of ``validation``.
 
     Sensors, noise, drift and models are others. Writes Tables II and III and the weights of Fig. 9
