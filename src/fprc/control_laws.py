@@ -117,22 +117,20 @@ def pd_step(
 ) -> float:  # fmt: skip
     """Return P_fb of a sample, kPa, by the authors' incremental law or by a positional one.
 
-    The paper says P_d = P_ff + P_fb with a PD controller (Sec. III-A, gains in Sec. IV), and not
-    which form it has. The public code of the authors' next paper on the same actuator
-    (arXiv 2503.15819) computes each command from the last one, at 200 Hz:
+    The paper does not say which form its PD controller has. The public code of the authors' next
+    paper on the same actuator (arXiv 2503.15819) computes each command from the last one:
 
         u(k) = u(k-1) + u_ff(k) - u_ff(k-1) + kp e(k) + kd (e(k) - e(k-1)) / T
 
-    Hence P_fb is the sum of kp e + kd de/dt over the samples. It acts as a PI controller with an
-    integral gain of kp / T and a proportional gain of kd / T: at the printed gains, 100 kPa/(deg s)
-    and 1 kPa/deg. A positional controller has P_fb(k) = kp e(k) + kd (e(k) - e(k-1)) / T instead.
+    Hence P_fb is the sum of kp e + kd de/dt over the samples: a PI controller with an integral gain
+    of kp / T and a proportional gain of kd / T, at the printed gains (Sec. IV) 100 kPa/(deg s) and
+    1 kPa/deg. A positional controller has P_fb(k) = kp e(k) + kd (e(k) - e(k-1)) / T instead.
 
-    Where P_d would be below ``low`` or above ``high``, kp e does not add to the sum unless it leads
-    back, so that the sum does not wind up; the authors' code has no limits. The derivative is zero
-    at the first sample. An angle beyond ``FARTHEST_DEG`` is a fault of the sensor and changes
-    nothing: as the first one of a run it would leave the sum at a limit for good.
-
-    ``memory``, changed in place, is [e, P_fb] of the sample before; [NaN, 0] before the first one.
+    Where P_d = P_ff + P_fb would be below ``low`` or above ``high``, kp e does not add to the sum
+    unless it leads back, so that the sum does not wind up; the authors' code has no limits. An
+    angle beyond ``FARTHEST_DEG`` is a fault of the sensor and changes nothing: as the first one of
+    a run it would leave the sum at a limit for good. ``memory``, changed in place, is [e, P_fb] of
+    the sample before; [NaN, 0] before the first one, where the derivative is zero.
     """
     if abs(theta_deg) > FARTHEST_DEG:
         return memory[1]

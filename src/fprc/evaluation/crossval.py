@@ -108,8 +108,7 @@ def evaluate(
 ) -> dict[str, Any]:
     """Return the errors of all folds of a log, and that of the best fold's model on a test log.
 
-    EvaluationError: a log does not suit the model (too short for its taps, fewer samples than
-    rules), or an error is not finite.
+    EvaluationError: a log is too short for the model, or an error is not finite.
     """
     prepared = prepare(model, {"train": train, "test": test})
     validated = prepared.cross_validated("train", folds)

@@ -3,8 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
-from sklearn.base import BaseEstimator
+from sklearn.metrics import make_scorer
 from sklearn.model_selection import KFold
 
 from fprc.errors import EvaluationError
@@ -62,14 +61,14 @@ def split_blocks(lengths: Sequence[int], blocks: int, shortest: int, purge: int)
     return folds
 
 
-def settled_rmse(settle: int) -> Callable[[BaseEstimator, ArrayLike, ArrayLike], float]:
+def settled_rmse(settle: int) -> Callable[..., float]:
     """Return a scorer: minus the RMSE, kPa, without the first ``settle`` samples of a test.
 
     Before the first sample of a test, a model takes its inputs as constant; in the first samples
     its filters and states are still affected.
     """
 
-    def score(model: BaseEstimator, X: ArrayLike, y: ArrayLike) -> float:
-        return -rms(model.predict(X)[settle:] - np.asarray(y, dtype=float)[settle:])
+    def error(y: np.ndarray, predicted: np.ndarray) -> float:
+        return rms(predicted[settle:] - y[settle:])
 
-    return score
+    return make_scorer(error, greater_is_better=False)

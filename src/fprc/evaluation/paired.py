@@ -44,10 +44,9 @@ class Part(NamedTuple):
     def interval(self, level: float) -> tuple[float, float, float]:
         """Return the mean and the ends of the interval that errs with probability ``level``.
 
-        Units that share training data resemble each other. Their n values then have the variance
-        s^2 (1/n + overlap) of the mean, not s^2 / n (Nadeau and Bengio, Machine Learning 52, 2003).
-        This is an approximation: no unbiased estimate of that variance exists for one
-        cross-validation (Bengio and Grandvalet, Journal of Machine Learning Research 5, 2004).
+        Units that share training data resemble each other: the mean has the variance
+        s^2 (1/n + overlap), not s^2 / n (Nadeau and Bengio, Machine Learning 52, 2003). That is an
+        approximation: no unbiased one exists (Bengio and Grandvalet, JMLR 5, 2004).
         """
         values = np.array([*self.values.values()])
         return interval_of_mean(values, 1.0 - level, math.sqrt(1.0 + values.size * self.overlap))
@@ -87,18 +86,16 @@ def decide_together(
 
     The parts of a claim are judged at equal shares of its level. Its verdict is the weakest:
     inferior if a part is, otherwise undecided if a part is, then equivalent, then superior. A claim
-    with a part of fewer than two units is not judged.
-
-    A decided verdict becomes undecided if there are fewer than 8 units, or if fewer than 95 %
-    of 200 random subsets with ``left_out`` (fewer than 7) units fewer give the same verdict at the
-    same level.
+    with a part of fewer than two units is not judged. A decided verdict becomes undecided with
+    fewer than 8 units, or if fewer than 95 % of 200 random subsets with ``left_out`` (fewer than 7)
+    units fewer give the same verdict at the same level.
 
     Each part has a row, and a claim that is not judged has one without numbers: ``p`` is the lowest
     level that decides the claim, adjusted over all claims; ``level``, at which each part was
-    judged; ``stable``, the share of the subsets that give the same verdict, or None; ``words``, the
-    verdict as readers see it; ``units``, of the part that has the fewest; ``dropped``, those
-    without a pair. Holm, Scandinavian Journal of Statistics 6 (1979); Schuirmann, Journal of
-    Pharmacokinetics and Biopharmaceutics 15 (1987), for equivalence by an interval.
+    judged; ``stable``, the share of the subsets, or None; ``words``, the verdict as readers see it;
+    ``units``, of the part that has the fewest; ``dropped``, those without a pair. Holm,
+    Scandinavian Journal of Statistics 6 (1979); Schuirmann, Journal of Pharmacokinetics and
+    Biopharmaceutics 15 (1987), for equivalence by an interval.
     """
     parts_of = [parts for _, parts in claims.values()]
     units = [min(len(part.values) for part in parts) for parts in parts_of]

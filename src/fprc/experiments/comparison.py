@@ -16,9 +16,6 @@ from fprc.models import SequenceModel
 from fprc.paper import DIRECTIONS, EXPERIMENTS, GRID_MODELS, GRID_SETTINGS
 from fprc.registry import build, entries
 
-#: A model cross-validated on one log, its errors, and its output for the test log.
-Validated = tuple[CrossValidated, dict[str, Any], np.ndarray]
-
 
 class CrossValidation(Section):
     """How models are cross-validated (Sec. III-D)."""
@@ -38,10 +35,7 @@ class CrossValidation(Section):
 def compare_models(
     data: Mapping[str, Data], validation: CrossValidation
 ) -> tuple[dict[str, Any], dict[str, SequenceModel]]:
-    """Return results to report, and the models that were trained on the sweep, by name.
-
-    The results are the errors of Tables II and III, and the weights of Fig. 9.
-    """
+    """Return the errors of Tables II and III with the weights of Fig. 9, and the sweep's models."""
     both = [cross_validate_both(name, validation, data) for name in entries(validation.models)]
     reports = [report for way in zip(*both, strict=True) for _, report, _ in way]
     compared = {"models": reports, "weights": weight_shares(data["sweep"], validation)}
@@ -50,10 +44,10 @@ def compare_models(
 
 def cross_validate_both(
     name: str, validation: CrossValidation, logs: Mapping[str, Data]
-) -> list[Validated]:
-    """Cross-validate and test one model for each of ``DIRECTIONS``.
+) -> list[tuple[CrossValidated, dict[str, Any], np.ndarray]]:
+    """Cross-validate and test one model for each of ``DIRECTIONS``, on features of the sweep.
 
-    The features of each log are computed once for both; they are fitted to the sweep.
+    Beside each stand its errors, and its output for the test log.
     """
     refuse_mixture(*(logs[key] for key in EXPERIMENTS))
     samples = {key: logs[key].samples(name, validation.models) for key in EXPERIMENTS}
@@ -104,9 +98,9 @@ def evaluate_grids(
     data: Mapping[str, Data], values: Mapping[str, Any], validation: CrossValidation,
     folds: int | None = None,
 ) -> dict[str, list[dict[str, Any]]]:  # fmt: skip
-    """Cross-validate and test each cell of each grid, for the models whose inputs are in the data.
+    """Cross-validate, on the first ``folds``, and test each cell of each grid, where inputs are.
 
-    Of the folds the first ``folds``, by default all; one is enough for a mean over seeds.
+    One fold is enough for a mean over seeds.
     """
     train, test = data["sweep"], data["complex"]
     models = models_for(validation.models, train, test)
@@ -125,8 +119,7 @@ def evaluate_grids(
 def weight_shares(train: Data, validation: CrossValidation) -> dict[str, Any]:
     """Return the share of each feature in the weights, per rule and on average (Fig. 9).
 
-    The FPRC is cross-validated as usual on features as ``normalised`` returns them, and the weights
-    are those of the best fold (Eqs. 13, 14).
+    They are the weights of FPRC's best fold on ``normalised`` features (Eqs. 13, 14).
     """
     model = build("fprc", validation.models, validation.seed)
     prepared = normalised(prepare(model, {"train": train.samples("fprc")}), "train")
@@ -142,9 +135,8 @@ def weight_shares(train: Data, validation: CrossValidation) -> dict[str, Any]:
 def normalised(prepared: Prepared, log: str) -> Prepared:
     """Return a prepared FPRC with features of one log scaled to [0, 1] (Eq. 13).
 
-    theta and the filtered P_o are each scaled by their minimum and maximum. The ridge parameter is
-    that of features in deg and kPa. It is divided by the product of both ranges, so that it counts
-    as much as on them (docs/decisions.md).
+    theta and the filtered P_o are each scaled by their minimum and maximum. The ridge parameter, of
+    features in deg and kPa, is divided by both ranges: it counts as much (docs/decisions.md).
     """
     # taps of one signal share its range
     taps = np.split(prepared.rows[log], [prepared.model.n_y], axis=1)

@@ -130,8 +130,8 @@ def select_channels(
 ) -> Data:
     """Return the channels and attributes of a raw log that the models need.
 
-    The target is the P_exp that the models learn, ``command`` or ``measured``. An imported log may
-    have only one; then that one is used. Of ``inputs`` it is warned if they hold another quantity.
+    The target is the P_exp to learn, ``command`` or ``measured``; an imported log may have only
+    one, which is used then. It is warned of ``inputs`` that hold another quantity.
     """
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], source.path)
@@ -186,16 +186,16 @@ def refuse_mixture(
     first: Data, *others: Data, names: Sequence[str] = ("source", "p_target_unit")
 ) -> None:
     """Refuse logs that differ in attributes, or, by the name ``channels``, in these."""
-    kinds = [
-        {**data.attributes, "channels": ", ".join(sorted(data.channels))}
-        for data in (first, *others)
-    ]
+
+    def of(data: Data, name: str) -> Any:
+        return sorted(data.channels) if name == "channels" else data.attributes.get(name)
+
     problems = [
-        f"{data.name}: {name} is {kind.get(name)}, in {first.name} {kinds[0].get(name)}; use logs "
-        "of one kind"
-        for data, kind in zip(others, kinds[1:], strict=True)
+        f"{data.name}: {name} is {of(data, name)}, in {first.name} {of(first, name)}; use logs of "
+        "one kind"
+        for data in others
         for name in names
-        if kind.get(name) != kinds[0].get(name)
+        if of(data, name) != of(first, name)
     ]
     if problems:
         raise LogError("\n".join(problems))
@@ -231,10 +231,7 @@ def acquire(
 
 
 def trained_on(model: Any, data: Data, name: str, models: Mapping[str, Any] | None = None) -> Any:
-    """Return a fitted model that knows the sample rate and the units of the data.
-
-    It remembers the data too if it can learn online.
-    """
+    """Return a fitted model that knows rate and units of its data, and them if it can learn on."""
     model.sample_rate_hz_ = 1.0 / data.period_s
     model.units_ = np.array(data.units(entry_of(name, models).inputs), dtype=object)
     if model.learns_online():

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fprc import signals
 from fprc.channels import LEARNING_CHANNELS, TRACKING_CHANNELS
 from fprc.config.settings import Control, Tracking
 from fprc.control import Law, refuse_impossible, tracking_law
@@ -13,13 +14,11 @@ from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
 from fprc.escape import visible
 from fprc.evaluation import rmse
-from fprc.experiments import measures
 from fprc.experiments.data import Data
 from fprc.models import Learning, Online, SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
 from fprc.provenance import sha256
 from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback
-from fprc.signals import random_pushes, reference_angle, settled
 
 #: Run numbers; with the seed they set the noise. On one reference all controllers get the same
 #: noise and drift, so that only the controllers differ.
@@ -41,7 +40,7 @@ class Track(NamedTuple):
     def reference(self, name: str) -> np.ndarray:
         """Return theta_d in deg, one value per sample; refuse one that the rig cannot follow."""
         rate_hz = self.control.sample_rate_hz
-        theta_d = reference_angle(self.tracking.reference(name), rate_hz)
+        theta_d = signals.reference_angle(self.tracking.reference(name), rate_hz)
         refuse_impossible(theta_d, self.control, self.tracking.angle_range_deg)
         return theta_d
 
@@ -64,7 +63,7 @@ class Track(NamedTuple):
     def pushes(self, samples: int) -> np.ndarray:
         """Return the pushes of the disturbance test, kPa."""
         rng, shape = np.random.default_rng([self.seed, 4711]), dict(self.tracking.pushes)
-        return random_pushes(samples, self.control.sample_rate_hz, rng=rng, **shape)
+        return signals.random_pushes(samples, self.control.sample_rate_hz, rng=rng, **shape)
 
     def law(self, theta_d: np.ndarray, controller: str, model: SequenceModel | None) -> Law:
         """Return the law of a controller; its model, which it may need, is reset."""
@@ -128,8 +127,8 @@ class Track(NamedTuple):
     ) -> dict[str, np.ndarray]:
         """Return the channels of a run, simulated in compiled code.
 
-        They are those of ``law`` in the loop that runs the real rig, on a ``SimulatedRig``; without
-        a precomputed feedforward P_ff = 0. In the disturbance test the reservoir is pushed.
+        They are those of ``law`` in the loop of the real rig; without a precomputed feedforward
+        P_ff = 0. In the disturbance test the reservoir is pushed.
         """
         theta_d, rate_hz = self.reference(reference), self.control.sample_rate_hz
         given = precomputed or {"p_ff_kpa": np.zeros(len(theta_d))}
@@ -154,7 +153,7 @@ def describe_model(model: SequenceModel, path: Path | str) -> dict[str, str]:
 
 def tracking_rmse(channels: Mapping[str, np.ndarray], settle_s: float) -> float:
     """Return the RMSE of theta against theta_d after the settling time, deg."""
-    run = settled(channels, settle_s)
+    run = signals.settled(channels, settle_s)
     return rmse(run["theta_d_deg"], run["theta_deg"])
 
 
@@ -166,17 +165,17 @@ def measure_control(
     quiet = bench._replace(tracking=bench.tracking.changed(pushes=still))
     settle_s = {name: reference.settle_s for name, reference in bench.tracking.references}
     runs = {
-        f"{reference}/{name}": settled(run, settle_s[reference])
+        f"{reference}/{name}": signals.settled(run, settle_s[reference])
         for reference in settle_s
         for name, run in bench.follow(reference, controllers, models).items()
     }
     unpushed = quiet.follow(DISTURBANCE, ["fprc_pd"], models)["fprc_pd"]
-    unpushed, quiet_s = settled(unpushed, settle_s[DISTURBANCE]), bench.tracking.pushes.quiet_s
+    unpushed = signals.settled(unpushed, settle_s[DISTURBANCE])
     return {
-        "hysteresis": measures.measure_hysteresis(sweep.channels),
-        "range": measures.measure_range(sweep.channels),
-        "pressure_error": measures.measure_pressure_error(sweep.channels),
-        **measures.measure_runs(runs, unpushed, quiet_s),
+        "hysteresis": signals.measure_hysteresis(sweep.channels),
+        "range": signals.measure_range(sweep.channels),
+        "pressure_error": signals.measure_pressure_error(sweep.channels),
+        **signals.measure_runs(runs, unpushed, bench.tracking.pushes.quiet_s),
     }
 
 
@@ -191,9 +190,8 @@ def tracking_errors(
 ) -> dict[str, dict[str, float]]:  # fmt: skip
     """Return the RMSE with P_ff of one model, or none, over each reference of Table IV, deg.
 
-    ``loops`` has for the name under which errors are returned what multiplies the gains of the
-    feedback, or 0 without feedback; ``inputs`` those of the model by reference, if they are not
-    those of ``Track.inputs``.
+    ``loops`` has by name what multiplies the gains of the feedback, or 0 without feedback;
+    ``inputs`` are by reference, by default those of ``Track.inputs``.
     """
     errors: dict[str, dict[str, float]] = {name: {} for name in loops}
     for reference in REFERENCES:

@@ -31,10 +31,9 @@ def close_loop(
     ``settings`` are a record of the section ``control``, with ``p_exp_limits_kpa``, whether the PD
     ``acts`` and is ``incremental``, and ``learning`` (see ``fprc.models.Online``). ``setpoints``
     has, for each sample, feedforward pressure, reference angle (NaN: none, and the pressure of PAM
-    A follows the measured angle), and push on the reservoir; ``regressors``, those of the model's
-    readout, without columns if nothing is learned. ``learned`` and ``covariance`` are changed in
-    place, see ``fprc.control_laws.learn_step``; ``rows``, of ``SAMPLE``, are filled. ``tick`` is
-    the number of the first sample. The others are those of ``advance``.
+    A follows the measured angle), and push on the reservoir. ``regressors`` of the readout have no
+    columns if nothing is learned; else ``learned`` and ``covariance`` change in place, see
+    ``learn_step``. ``rows``, of ``SAMPLE``, are filled, the first of number ``tick``.
     """
     control = settings[0]
     low, high = control.p_exp_limits_kpa

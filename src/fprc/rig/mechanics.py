@@ -43,9 +43,8 @@ def bouc_wen(z, increment, slip_distance, weight):
 
     dz = (1 - (sign(dx z) + 1) / 2 |z| / delta) dx, delta = 0.8 sum_j w_j delta_j; the force is
     z / delta. In the usual symbols, for the force: A = 1 / delta, beta = gamma = A / 2, n = 1.
-    The solution is exact for increments of any size: z moves by dx towards 0, and approaches
-    delta exponentially beyond it (Ismail, Ikhouane and Rodellar 2009, Arch. Comput. Methods Eng.
-    16:161).
+    Exact for increments of any size: z moves by dx towards 0, and approaches delta exponentially
+    beyond it (Ismail, Ikhouane and Rodellar 2009, Arch. Comput. Methods Eng. 16:161).
     """
     delta = 0.0
     for j in range(len(z)):
@@ -70,8 +69,8 @@ def angular_acceleration(bending, theta, omega, relaxed, slip_force, p_kpa, dist
              - sum_j kve_j (th - e_j) - (Tc + mu p) slip - stop(th)
 
     stop(th) is a stiff, damped spring below 0 deg, where the actuator is straight. It makes the
-    dead zone at the bottom of the loop. ``relaxed`` are the e_j of the standard linear solids, deg;
-    ``slip_force`` is the normalised friction.
+    dead zone at the bottom of the loop. ``relaxed`` are the angles of the standard linear solids,
+    e_j' = (th - e_j) / tau_j; ``slip_force`` is the normalised friction.
     """
     torque = p_kpa * (1.0 - bending.gain_loss_per_deg * theta) + disturbance_kpa
     torque -= bending.preload_kpa + bending.damping_kpa_s_per_deg * omega
@@ -84,13 +83,6 @@ def angular_acceleration(bending, theta, omega, relaxed, slip_force, p_kpa, dist
         torque -= bending.stop_stiffness_kpa_per_deg * theta
         torque -= bending.stop_damping_kpa_s_per_deg * omega
     return torque / bending.inertia_kpa_s2_per_deg
-
-
-@kernel
-def relax(relaxed, theta, relaxation_time_s, dt):
-    """Advance the relaxed angles in place: e_j' = (th - e_j) / tau_j."""
-    for j in range(len(relaxed)):
-        relaxed[j] += dt * (theta - relaxed[j]) / relaxation_time_s[j]
 
 
 @kernel

@@ -106,11 +106,10 @@ def draw_instruments(rig: Mapping[str, Any], rng: np.random.Generator) -> np.nda
 def advance(states, rigs, instruments, valve_v, push_kpa, noise, period_s, substeps, reading):
     """Advance the rig by ``substeps`` steps of ``period_s / substeps`` and read its sensors.
 
-    Return 0, or a key of ``DIVERGED``. ``states``, ``rigs`` and ``instruments`` are records of
-    shape (1,); the state is changed, and the channels of the sensors in ``reading``, a ``SAMPLE``,
-    are filled. ``valve_v``, of the main and the reservoir valve, and ``push_kpa``, which bends the
-    reservoir, are held over the tick; ``noise`` has NOISE_PER_TICK standard normal numbers.
-    Without substeps only the sensors are read.
+    Return 0, or a key of ``DIVERGED``. Of the first three, records of shape (1,), the state is
+    changed; the channels of the sensors in ``reading``, a ``SAMPLE``, are filled. ``valve_v``, of
+    the main and the reservoir valve, and ``push_kpa``, which bends the reservoir, are held over the
+    tick; ``noise`` is standard normal. Without substeps only the sensors are read.
     """
     state, rig = states[0], rigs[0]
     dt = period_s / max(substeps, 1)
@@ -175,7 +174,9 @@ def _actuator(state, rig, dt):
         state.drift_kpa,
     )  # fmt: skip
     state.theta_deg += dt * state.omega_deg_per_s
-    mechanics.relax(state.relaxed_deg, state.theta_deg, bending.relaxation_time_s, dt)
+    for j in range(len(state.relaxed_deg)):
+        away = state.theta_deg - state.relaxed_deg[j]
+        state.relaxed_deg[j] += dt * away / bending.relaxation_time_s[j]
 
 
 @kernel

@@ -7,12 +7,7 @@ from fprc.artifacts import replacing, write_json
 from fprc.config.settings import Tracking
 from fprc.evaluation import time_models
 from fprc.evaluation.timing import machine
-from fprc.experiments.comparison import (
-    CrossValidation,
-    compare_models,
-    cross_validate_both,
-    evaluate_grids,
-)
+from fprc.experiments import comparison
 from fprc.experiments.data import RigSettings, models_for, read_data, refuse_mixture, simulate
 from fprc.experiments.tracking import Track, measure_control
 from fprc.logs import write_columns
@@ -23,7 +18,7 @@ from fprc.registry import build, controllers, outside_classes
 
 def judge(
     sweep: str, complex: str, errors: Sequence[str], fitted: Sequence[str], fits: Sequence[str],
-    predictions: Sequence[str], *, name: str, validation: CrossValidation,
+    predictions: Sequence[str], *, name: str, validation: comparison.CrossValidation,
 ) -> None:  # fmt: skip
     """Cross-validate one model on each log and test its best fold on the other.
 
@@ -32,7 +27,7 @@ def judge(
     """
     logs = {"sweep": read_data(sweep), "complex": read_data(complex)}
     outside = outside_classes(validation.models)
-    judged = cross_validate_both(name, validation, logs)
+    judged = comparison.cross_validate_both(name, validation, logs)
     for k, (validated, report, tested) in enumerate(judged):
         write_json(errors[k], report)
         with replacing(fitted[k]) as temporary:
@@ -46,13 +41,13 @@ def judge(
 
 def grid(
     sweep: str, complex: str, cells: str, *, values: Mapping[str, Sequence[int | float]],
-    validation: CrossValidation,
+    validation: comparison.CrossValidation,
 ) -> None:  # fmt: skip
     """Cross-validate and test every cell of every grid, on logs that have no further seeds."""
     data = {"sweep": read_data(sweep), "complex": read_data(complex)}
     source, unit = data["sweep"].attributes["source"], data["sweep"].unit
     described = {"source": source, "seed": validation.seed, "unit": unit}
-    write_json(cells, described | evaluate_grids(data, values, validation))
+    write_json(cells, described | comparison.evaluate_grids(data, values, validation))
 
 
 def measure_times(
@@ -86,20 +81,19 @@ def measure_times(
 
 
 def replicate(
-    compared: str, cells: str, measures: str, *, on_rig: RigSettings, validation: CrossValidation,
-    values: Mapping[str, Any], tracking: Tracking,
+    compared: str, cells: str, measures: str, *, on_rig: RigSettings,
+    validation: comparison.CrossValidation, values: Mapping[str, Any], tracking: Tracking,
 ) -> None:  # fmt: skip
-    """Repeat everything but the execution times with another seed, that of ``validation``.
+    """Repeat all but the execution times with the seed of ``validation``, of the rig's noise too.
 
-    Sensors, noise, drift and models are others. Writes Tables II and III and the weights of Fig. 9
-    (``compared``), the grids of Figs. 10 and 11 (``cells``), and the closed loops of Sec. IV
-    (``measures``).
+    Writes Tables II and III and the weights of Fig. 9 (``compared``), the grids of Figs. 10 and 11
+    (``cells``), and the closed loops of Sec. IV (``measures``).
     """
     how, data = validation, simulate(on_rig, validation.seed)
-    comparison, models = compare_models(data, how)
+    results, models = comparison.compare_models(data, how)
     described = {"seed": how.seed, "source": "sim"}
-    write_json(compared, described | comparison)
-    write_json(cells, described | evaluate_grids(data, values, how, folds=1))
+    write_json(compared, described | results)
+    write_json(cells, described | comparison.evaluate_grids(data, values, how, folds=1))
     bench = Track(tracking, on_rig.control, on_rig.rig, how.seed)
     measured = measure_control(data["sweep"], bench, models, controllers(how.models))
     write_json(measures, described | measured)

@@ -20,13 +20,11 @@ def record(
     """Record hysteresis experiments (Sec. II-B), each with its signal into its file."""
     for path, (experiment, signal) in zip(raw, signals.items(), strict=True):
         channels = acquire(experiment, signal, control, rig, seed)
-        read = {
-            "control": control.model_dump(mode="json", exclude_unset=True),
-            "signal": signal.model_dump(mode="json", exclude_unset=True),
-        }
+        read = {"control": control, "signal": signal}
+        dumped = {k: of.model_dump(mode="json", exclude_unset=True) for k, of in read.items()}
         write_raw(
             path, channels, experiment=experiment, source="sim", seed=seed,
-            sample_rate_hz=control.sample_rate_hz, rig={"rig": rig, **read},
+            sample_rate_hz=control.sample_rate_hz, rig={"rig": rig, **dumped},
         )  # fmt: skip
 
 

@@ -25,9 +25,9 @@ from fprc.claims.paper import CLAIMS
 from fprc.config.calibration import SearchedFor
 from fprc.config.rig import squeeze_lag
 from fprc.experiments.data import RigSettings, simulate
-from fprc.experiments.measures import measure_hysteresis
 from fprc.paper import LOOPS, REFERENCES
 from fprc.plan import on_rig
+from fprc.signals import measure_hysteresis
 
 PUBLISHED = yaml.safe_load(config.PUBLISHED.read_text(encoding="utf-8"))
 SCALES = (0.99, 1.0, 1.02)  # of the errors, a seed each
@@ -108,7 +108,7 @@ def grid_values():
 
 
 def measures(scale):
-    """Numbers of one seed's closed loop, as ``experiments.measures`` gives them."""
+    """Numbers of one seed's closed loop, as ``fprc.signals`` gives them."""
     printed = PUBLISHED["table_4_tracking_rmse_deg"]
     opened = {"complex": 3.6, "sine_0p2": 4.0, "sine_0p5": 4.3, "sweep": 4.6}
     errors = {f"{name}/fprc": opened[name] * scale for name in REFERENCES}

@@ -2,17 +2,17 @@ import numpy as np
 import pytest
 from sklearn.ensemble import HistGradientBoostingRegressor
 
+from fprc import signals
 from fprc.config import Settings
 from fprc.config.settings import Pushes
 from fprc.control import run
 from fprc.devices.sim import SimulatedRig
 from fprc.errors import ControlError
-from fprc.experiments import measures
 from fprc.experiments.data import Data, acquire
-from fprc.experiments.measures import measure_hysteresis, measure_pressure_error
 from fprc.experiments.tracking import TRACKING_RUNS, Track, measure_control, tracking_rmse
 from fprc.models import FPRC, FeatureModel, FuzzyLinear, TapFeatures
 from fprc.paper import CONTROLLERS, REFERENCES
+from fprc.signals import measure_hysteresis, measure_pressure_error
 
 NO_PUSHES = Pushes(quiet_s=8.0, every_s=1.0, sigma_kpa=0.0)
 
@@ -147,7 +147,7 @@ def test_model_that_remembers_no_training_is_refused_by_its_setting(bench, recor
 
 def test_measures_are_those_of_the_runs_after_settling(bench, models, recorded, monkeypatch):
     given = []
-    monkeypatch.setattr(measures, "measure_runs", lambda *arguments: given.extend(arguments) or {})
+    monkeypatch.setattr(signals, "measure_runs", lambda *arguments: given.extend(arguments) or {})
     log = recorded["sweep"]
     sweep = Data({**log, "p_target_kpa": log["p_exp_command_kpa"]}, {})
     measured = measure_control(sweep, bench, models, CONTROLLERS)

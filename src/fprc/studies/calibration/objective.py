@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fprc.experiments.measures import measure_hysteresis
 from fprc.paper import MODELS, PRINTED, REFERENCES
-from fprc.signals import loop_width
+from fprc.signals import loop_width, measure_hysteresis
 
 #: Tolerances of the logarithms of errors in training, in test, in open loop and, in the sweep,
 #: with feedback; of the share of the weights; of ratios that a claim limits; of what feedback

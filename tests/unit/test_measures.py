@@ -3,13 +3,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fprc.experiments.measures import (
+from fprc.paper import CONTROLLERS, REFERENCES
+from fprc.signals import (
     measure_hysteresis,
     measure_pressure_error,
     measure_range,
     measure_runs,
 )
-from fprc.paper import CONTROLLERS, REFERENCES
 
 RATE_HZ, QUIET_S = 200.0, 12.0
 RUNS = [f"{name}/{law}" for name in (*REFERENCES, "disturbance") for law in CONTROLLERS]
