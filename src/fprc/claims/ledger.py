@@ -93,14 +93,8 @@ class Results(NamedTuple):
 
     def grid(self, setting: str, model: str, phase: str) -> pd.DataFrame:
         """Return errors, averaged over the folds, by the values of a setting, rising."""
-        rows = [
-            {
-                cell[setting]: np.mean(cell[PHASES[phase]])
-                for cell in report[setting]
-                if cell["model"] == model
-            }
-            for report in self.grids
-        ]
+        of_model = ([c for c in report[setting] if c["model"] == model] for report in self.grids)
+        rows = ({c[setting]: np.mean(c[PHASES[phase]]) for c in cells} for cells in of_model)
         return pd.DataFrame(rows).sort_index(axis=1)
 
     def _taps(self, tap: str, phase: str) -> Iterator[pd.DataFrame]:
@@ -153,15 +147,6 @@ class Statement(NamedTuple):
         if self.low < first and last < self.high:
             return REPRODUCED
         return NOT_REPRODUCED if last <= self.low or first >= self.high else UNDECIDED
-
-    @property
-    def margin(self) -> float:
-        """Distance of the interval's nearer end from the limits; negative beyond them."""
-        ends = [*self.interval[1:], self.low, self.high]
-        if self.ratio:
-            ends = [math.log(end) if end > 0 else -math.inf for end in ends]
-        first, last, low, high = ends
-        return min(first - low, high - last)
 
     @property
     def limits(self) -> str:
@@ -229,18 +214,7 @@ def judge_claims(
     known = members or {"of": 0, "holds": {}, "ranges": {}}
     for claim in claims:
         statements, ranges = list(claim.statements(results)), known["ranges"].get(claim.id, {})
-        found = [
-            {
-                "text": statement.text,
-                **dict(zip(("mean", "first", "last"), statement.interval, strict=True)),
-                "over_rigs": ranges.get(statement.text),
-                "limits": statement.limits,
-                "verdict": statement.verdict,
-            }
-            for statement in statements
-        ]
         verdicts = {statement.verdict for statement in statements}
-        tests = pd.DataFrame(found).groupby("limits", sort=False)["text"].agg(", ".join)
         status, held = claim.status(fitted_to), known["holds"].get(claim.id)
         anyway = held == known["of"] and status in ("predicted", "half fitted")
         holds = NOT_INFORMATIVE if claim.holds_by_chance or anyway else REPRODUCED
@@ -250,15 +224,22 @@ def judge_claims(
                 "id": claim.id,
                 "claim": claim.text,
                 "published": claim.printed,
-                "ours": _ours(statements, ranges),
-                "test": "; ".join(f"{texts} {limits}" for limits, texts in tests.items()),
                 "basis": _basis(claim, results),
                 "note": claim.note,
                 "verdict": next(weakest, holds),
                 "rig": status,
                 "rigs": "-" if held is None else f"{held} of {known['of']}",
                 "shown_in": list(claim.shown_in),
-                "statements": found,
+                "statements": [
+                    {
+                        "text": statement.text,
+                        **dict(zip(("mean", "first", "last"), statement.interval, strict=True)),
+                        "over_rigs": ranges.get(statement.text),
+                        "limits": statement.limits,
+                        "verdict": statement.verdict,
+                    }
+                    for statement in statements
+                ],
             }
         )
     return rows
@@ -274,40 +255,18 @@ def members_of(claims: Sequence[Claim], rigs: Sequence[Results]) -> dict[str, An
     for claim in claims:
         judged = [list(claim.statements(rig)) for rig in rigs]
         holds[claim.id] = sum({s.verdict for s in of_rig} == {REPRODUCED} for of_rig in judged)
-        ranges[claim.id] = {
-            column[0].text: [
-                float(f"{end:.4g}")
-                for end in np.quantile([s.interval[0] for s in column], (0.025, 0.975))
-            ]
-            for column in zip(*judged, strict=True)
-        }
+        means = pd.DataFrame({s.text: s.interval[0] for s in of_rig} for of_rig in judged)
+        ends = means.quantile([0.025, 0.975]).map(lambda end: float(f"{end:.4g}"))
+        ranges[claim.id] = ends.to_dict("list")
     return {"of": len(rigs), "holds": holds, "ranges": ranges}
-
-
-def _ours(statements: Sequence[Statement], ranges: Mapping[str, Sequence[float]]) -> str:
-    """Return our numbers; of many statements, that nearest to its limit or furthest beyond it."""
-
-    def shown(statement: Statement) -> str:
-        mean, first, last = statement.interval
-        interval = f" ({first:.3g} to {last:.3g})" if np.size(statement.values) > 1 else ""
-        over_rigs = ranges.get(statement.text)
-        rigs = ", rigs {:.3g} to {:.3g}".format(*over_rigs) if over_rigs else ""
-        return f"{statement.text}: {mean:.3g}{interval}{rigs}"
-
-    if len(statements) <= 6:
-        return "; ".join(map(shown, statements))
-    held = sum(statement.verdict == REPRODUCED for statement in statements)
-    worst = min(statements, key=lambda statement: statement.margin)
-    what = "closest" if worst.margin > 0.0 else "furthest off"
-    return f"{held} of {len(statements)} hold; {what}: {shown(worst)}"
 
 
 def _basis(claim: Claim, results: Results) -> str:
     """Return what the values of a claim are taken over."""
     if claim.over == "one run":
         return "main run"
-    of_grids, halved = "grids" in claim.over, claim.over.startswith("halves")
-    seeds = len(results.grids if of_grids else results.replicates or results.controls)
+    of_grids, halved = claim.over != "seeds", claim.over.startswith("halves")
+    seeds = len(results.grids if of_grids else results.controls)
     # see fprc.experiments.comparison.evaluate_grids
     folds = ", the first fold of each" if of_grids else ""
     if seeds == 1:
@@ -321,8 +280,7 @@ def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: dict[str, st
     """Return one line for each claim whose verdict differs from the declared one."""
     ours = {row["id"]: row["verdict"] for row in ledger}
     return [
-        f"{claim}: {ours.get(claim, 'not judged')}, "
-        f"but {declared.get(claim, 'nothing')} is declared"
-        for claim in ours | declared
-        if ours.get(claim) != declared.get(claim)
+        f"{name}: {ours.get(name, 'not judged')}, but {declared.get(name, 'nothing')} is declared"
+        for name in ours | declared
+        if ours.get(name) != declared.get(name)
     ]

@@ -4,7 +4,6 @@ A claim whose id ends in a letter is a part of one of ``published.yaml``. The li
 before a claim was judged with them, but for those of C19.
 """
 
-import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
@@ -21,8 +20,6 @@ from fprc.claims.ledger import PHASES, Claim, Results, Statement, judge_claims, 
 from fprc.given import read_json, read_yaml
 from fprc.paper import LOOPS, MODELS, PRINTED, PUBLISHED, REFERENCE_NAMES, REFERENCES
 from fprc.registry import controller_title, title_of
-
-log = logging.getLogger(__name__)
 
 Below = partial(Statement, high=1.0)
 Above = partial(Statement, low=1.0)
@@ -201,10 +198,9 @@ TESTS: dict[str, Callable[[Results], Iterable[Statement]]] = {
         *_lowest(r, "complex", "fprc", "test"),
     ],
     "C7b": lambda r: _lowest(r, "complex", "fprc", *_FITTED),
-    "C7c": lambda r: [
-        Above("ESN / Fuzzy-linear, reversed test",
-              r.error("complex", "esn", "test") / r.error("complex", "fuzzy_linear", "test"))
-    ],
+    "C7c": lambda r: [Above(
+        "ESN / Fuzzy-linear, reversed test",
+        r.error("complex", "esn", "test") / r.error("complex", "fuzzy_linear", "test"))],
     "C7d": lambda r: [
         Above(f"second / first half of the sweep, {title_of(model)}, over the same where the sweep "
               "trained",
@@ -264,9 +260,8 @@ TESTS: dict[str, Callable[[Results], Iterable[Statement]]] = {
             sorted(REFERENCES, key=_PRINT["table_4_tracking_rmse_deg"][loop].__getitem__))
     ],
     "C14": lambda r: [
-        Statement(f"P_fb / P_ff (rms), {REFERENCE_NAMES[name]}",
-                  r.measured("effort", name), high=0.25)
-        for name in REFERENCES
+        Statement(f"P_fb / P_ff (rms), {REFERENCE_NAMES[name]}", r.measured("effort", name),
+                  high=0.25) for name in REFERENCES
     ],
     "C15": lambda r: [
         Number("largest error [deg]", r.measured("sweep", "largest_error_deg"),
@@ -288,22 +283,16 @@ TESTS: dict[str, Callable[[Results], Iterable[Statement]]] = {
         _within(f"{text}, {loop}", r.measured("hysteresis", loop, key), 1.2)
         for loop in ("actuator", "reservoir") for key, text in _OF_LOOP.items()
     ],
-    "C19": lambda r: [
-        Number("rms pressure error [% of the span]",
-               100 * r.measured("pressure_error", "main"), high=2.0)
-    ],
-    "C20": lambda r: [
-        Number("largest angle [deg]", r.measured("range", "angle_deg"),
-               0.95 * _PRINT["rig"]["bending_range_deg"], 1.05 * _PRINT["rig"]["bending_range_deg"])
-    ],
-    "C21": lambda r: [
-        Number("pressure at which bending begins [% of the span]",
-               100 * r.measured("range", "dead_zone"), low=5.0)
-    ],
-    "C22": lambda r: [
-        Number("rank correlation of P_o with theta between turns",
-               r.measured("range", "monotony"), low=0.95)
-    ],
+    "C19": lambda r: [Number(
+        "rms pressure error [% of the span]", 100 * r.measured("pressure_error", "main"), high=2)],
+    "C20": lambda r: [Number(
+        "largest angle [deg]", r.measured("range", "angle_deg"),
+        *(share * _PRINT["rig"]["bending_range_deg"] for share in (0.95, 1.05)))],
+    "C21": lambda r: [Number(
+        "pressure at which bending begins [% of the span]",
+        100 * r.measured("range", "dead_zone"), low=5.0)],
+    "C22": lambda r: [Number(
+        "rank correlation of P_o with theta between turns", r.measured("range", "monotony"), 0.95)],
 }  # fmt: skip
 _TEXTS = read_yaml(TEXTS)
 
@@ -320,7 +309,7 @@ def write_ledger(
     *,
     fitted: Mapping[str, Any],
 ) -> None:
-    """Write the claims ledger: the paper's numbers, ours, test and verdict, as JSON and as CSV.
+    """Write the ledger: the paper's numbers, ours, limits and verdicts; in CSV a row a number.
 
     ``fitted`` has the ``name`` of the rig, and terms of an objective, which it was fitted ``to``.
     """
@@ -334,8 +323,8 @@ def write_ledger(
         "III too the claim holds with one seed, and the middle 95 % of their numbers; what holds "
         "on all of them and no fit decides is not informative."
     )
-    about = {"source": results.controls[0]["source"], "note": origin}
-    write_json(claims[0], about | {"claims": ledger, "not_tested": _TEXTS["not_tested"]})
-    write_csv(claims[1], pd.DataFrame(ledger).drop(columns=["statements", "shown_in"]))
-    for row in ledger:
-        log.info("%s: %s", row["id"], row["verdict"])
+    judged = {"source": results.controls[0]["source"], "note": origin, "claims": ledger}
+    write_json(claims[0], judged | {"not_tested": _TEXTS["not_tested"]})
+    about = ["id", "claim", "published", "basis", "note", "verdict", "rig", "rigs"]
+    table = pd.json_normalize(ledger, "statements", about, record_prefix="number_")
+    write_csv(claims[1], table[[*about, *table.columns.drop(about)]])

@@ -1,7 +1,6 @@
 """Write the report: one page with claims, tables, figures and settings."""
 
 import base64
-import logging
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -24,8 +23,6 @@ from fprc.given import read_json, read_yaml
 from fprc.paper import SOURCES
 from fprc.plan import title_of_result
 from fprc.provenance import commit_of, hash_of, versions
-
-log = logging.getLogger(__name__)
 
 #: Folder of the page's templates and of the figures' captions.
 _HERE = Path(__file__).parent
@@ -93,7 +90,6 @@ def write_report(
         versions=versions(),
     )
     write_text(html, page)
-    log.info("wrote %s, %d tables and %d figures", html, len(pages), len(shown))
 
 
 def _changed(settings: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
@@ -147,13 +143,10 @@ def _page(path: str, fitted_to: Sequence[str], folder: Path) -> dict[str, Any]:
 def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path) -> dict[str, Any]:
     with Image.open(picture) as image:
         width, height = image.size
-    origin, stem = _origin(picture, folder, ".csv", ".pdf"), Path(picture).stem.partition("_")[2]
-    # sine_0p2 reads sine, 0.2 Hz
-    words = re.sub(r"_(\d)p(\d)", r", \1.\2 Hz", stem).replace("_", " ")
+    origin = _origin(picture, folder, ".csv", ".pdf")
     return {
         "anchor": origin["target"],
         "short": title_of_result(origin["target"]),
-        "name": re.sub(r"\b(esn|fprc)\b", lambda match: match[0].upper(), words),
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
         "width": width,
         "height": height,

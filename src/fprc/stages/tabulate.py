@@ -13,7 +13,6 @@ from fprc.claims.paper import write_ledger
 from fprc.figures import DRAWINGS
 from fprc.figures.grids import draw_grids
 from fprc.given import read_json, read_yaml
-from fprc.intervals import mean_and_std
 from fprc.logs.quality import warnings
 from fprc.paper import ERRORS, MODELS, PRINTED, PUBLISHED, SOURCES
 from fprc.registry import title_of
@@ -150,7 +149,7 @@ def _comparison(reports: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
         comparable = report["unit"] == "kPa" and report["source"] != "import"
         models = _PRINT[PRINTED[report["trained_on"]]] if comparable else {}
         for metric in ERRORS:
-            mean, std = mean_and_std(report[f"{metric}_kpa"])
+            mean, std = pd.Series(report[f"{metric}_kpa"]).agg(["mean", "std"])
             printed = np.atleast_1d(models.get(report["model"], {}).get(f"{metric}_kpa", np.nan))
             rows.append(
                 {
@@ -186,7 +185,7 @@ def tabulate_times(times: str, timing: Sequence[str], *, left_out: Mapping[str, 
     report = read_json(times)
     rows, page = [], []
     for entry in report["times"]:
-        mean, std = mean_and_std(entry["seconds"])
+        mean, std = pd.Series(entry["seconds"]).agg(["mean", "std"])
         phase, key, unit_s = _TIMES[entry["phase"]]
         printed = _PRINT["table_2_models"].get(entry["model"], {}).get(key, (np.nan, np.nan))
         row = {

@@ -77,23 +77,16 @@ def failed(lines: Sequence[str]) -> str:
 
 
 def write_table(
-    table: pd.DataFrame,
-    page: pd.DataFrame,
-    note: str,
-    csv: str,
-    md: str,
-    tex: str = "",
-    json: str = "",
-    *,
-    title: str = "",
+    table: pd.DataFrame, page: pd.DataFrame, note: str, *files: str, title: str = ""
 ) -> None:
     """Write a table's tidy numbers as CSV, and its page, what readers see, with title and note.
 
-    The page is written as Markdown, as LaTeX and, for the report, as JSON.
+    The ``files`` of a page are Markdown, and perhaps LaTeX and, for the report, JSON.
     """
+    csv, md, *more = files
     write_csv(csv, table)
     write_text(md, markdown(page, f"{title}: {note}" if title else note))
-    if tex:
+    if more:
+        tex, json = more
         write_text(tex, latex(page, title, Path(tex).stem))
-    if json:
         write_json(json, {"title": title, "note": note, **page.to_dict("split", index=False)})
