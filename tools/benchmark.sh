@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Compare speed with other libraries and write docs/repeat.md.
+# Compare speed with other libraries: prints rows of docs/repeat.md.
 #
 # The libraries have their own folder, so that nothing else finds them. Variables can select kernels
 # of BLAS that are older than the processor, which a measurement of speed does not want.

@@ -4,7 +4,7 @@ import logging
 from collections.abc import Sequence
 from pathlib import Path
 
-from joblib import effective_n_jobs
+from joblib import parallel_config
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import refuse_output, write_json, write_text
@@ -12,9 +12,7 @@ from fprc.config import PUBLISHED, from_files
 from fprc.experiments.data import RigSettings
 from fprc.given import read_yaml
 from fprc.plan import on_rig, validation
-from fprc.studies.calibration.ensemble import ensemble_around
-from fprc.studies.calibration.fit import fit_rig
-from fprc.studies.calibration.rig_file import WRITTEN, parameter_file
+from fprc.studies.calibration.fit import ensemble_around, fit_rig
 
 log = logging.getLogger(__name__)
 
@@ -31,18 +29,12 @@ def calibrate_from_files(
     """Fit the simulated rig to what the paper prints and claims."""
     settings = from_files(files).model_dump(mode="json")
     refuse_output(ensemble or out, ".json" if ensemble else ".yaml")
-    printed, rig = read_yaml(PUBLISHED), RigSettings(**on_rig(settings))
-    how = {
-        "validation": validation(settings),
-        "calibration": settings["calibration"],
-        "tracking": settings["tracking"],
-        "workers": effective_n_jobs(-1),
-    }
-    with threadpool_limits(1):
+    given = read_yaml(PUBLISHED), RigSettings(**on_rig(settings)), settings["calibration"]
+    how = {"validation": validation(settings), "tracking": settings["tracking"]}
+    with threadpool_limits(1), parallel_config("loky", n_jobs=-1, inner_max_num_threads=1):
         if ensemble:
-            found = ensemble_around(printed, rig, MEMBERS, **how)
-            write_json(ensemble, {"note": f"{WRITTEN} --ensemble", **found})
+            found = ensemble_around(*given, count=MEMBERS, **how)
+            write_json(ensemble, {"note": "Written by `fprc calibrate` --ensemble", **found})
         else:
-            fitted, summary = fit_rig(printed, rig, **how)
-            write_text(out, parameter_file(fitted, summary, Path(out).stem))
+            write_text(out, fit_rig(*given, name=Path(out).stem, **how))
     log.info("wrote %s", ensemble or out)

@@ -83,12 +83,14 @@ CLAIMS = {
                 _P_O),
 }  # fmt: skip
 
-#: What the ratios of the short table are, by claim; its parts in their order.
+#: What the ratios of the short table are, by the pair.
 _WORTH = {
-    "W1": ["unseen parts of the same motions"],
-    "W2": ["another motion", "another motion, reversed"],
-    "W3": ["tracking, open loop", "tracking, closed loop"],
-    "W4": ["FPRC over the best other model with P_o"],
+    "Best with P_o / Best without P_o (blocks)": "unseen parts of the same motions",
+    "Best with P_o / Best without P_o (forward)": "another motion",
+    "Best with P_o / Best without P_o (reversed)": "another motion, reversed",
+    "Best with P_o / Best without P_o (open loop)": "tracking, open loop",
+    "Best with P_o / Best without P_o (closed loop)": "tracking, closed loop",
+    "FPRC / Best other with P_o (forward)": "FPRC over the best other model with P_o",
 }
 
 #: Marker and colour of each family, in their order, safe for colour-blind readers (Tol). Colours
@@ -102,21 +104,15 @@ _WIDEST = 5.0
 
 
 def tabulate_beyond(
-    families: Sequence[str],
-    models: str,
-    claims: str,
-    pages: Sequence[str],
-    figure: Sequence[str],
-    *,
-    family: str,
+    families: Sequence[str], models: str, claims: str, pages: Sequence[str], figure: Sequence[str]
 ) -> None:
     """Judge the claims in every family; write the tables, and draw the ratios.
 
     ``models`` and ``claims`` are CSV; ``pages`` are tables in Markdown, which docs/beyond.md and
-    others show, with the models of one ``family``; their names are those below.
+    others show, that of the models with those of the first family; their names are those below.
     """
     found = [read_json(path) for path in families]
-    judged = [decide(of_family, CLAIMS, numbers_of(of_family)) for of_family in found]
+    judged = [decide(family, CLAIMS, numbers_of(family)) for family in found]
     verdicts, means = pd.concat(judged, ignore_index=True), means_of_models(found)
     write_csv(models, means)
     write_csv(claims, verdicts)
@@ -125,7 +121,7 @@ def tabulate_beyond(
         "best": best_page(found),
         "memory": memory_page(means),
         "worth": worth_page(verdicts),
-        "models": models_page(means[means["family"] == family]),
+        "models": models_page(means[means["family"] == found[0]["name"]]),
     }
     for path in pages:
         write_text(path, markdown(shown[Path(path).stem], f"Data: {SOURCES['sim']}."))
@@ -187,9 +183,10 @@ def means_of_models(families: Families) -> pd.DataFrame:
 
 
 def _with_text(table: pd.DataFrame) -> pd.DataFrame:
-    numbers = zip(*(table[name] for name in ("mean", "low", "high", "units")), strict=True)
-    texts = [within(*of) if units > 1 else three_digits(of[0]) for *of, units in numbers]
-    return table.assign(text=texts)
+    return table.assign(text=[
+        within(row.mean, row.low, row.high) if row.units > 1 else three_digits(row.mean)
+        for row in table.itertuples()
+    ])  # fmt: skip
 
 
 def models_page(table: pd.DataFrame) -> pd.DataFrame:
@@ -198,9 +195,9 @@ def models_page(table: pd.DataFrame) -> pd.DataFrame:
     ranked = _with_text(table).set_index("model").loc[forward].reset_index()
     headings = {words[0].upper() + words[1:]: measure for measure, words in MEASURES.items()}
     page = wide(ranked, {"model": "Model"}, "measure", headings)
-    units = ranked.groupby("model", sort=False)["units"]
-    words = units.agg(lambda counts: " to ".join(map(str, sorted({counts.min(), counts.max()}))))
-    return page.assign(Model=page["Model"].map(model_title), Units=words.to_numpy())
+    units = ranked.groupby("model", sort=False)["units"].unique().map(sorted)
+    words = [" to ".join(map(str, dict.fromkeys((of[0], of[-1])))) for of in units]
+    return page.assign(Model=page["Model"].map(model_title), Units=words)
 
 
 def best_page(families: Families) -> pd.DataFrame:
@@ -218,10 +215,11 @@ def best_page(families: Families) -> pd.DataFrame:
 
 def memory_page(table: pd.DataFrame) -> pd.DataFrame:
     """Return memory and nonlinear capacity of P_o and of theta, mean and 95 % interval, by rigs."""
-    words = {"memory_s": "memory [s]", "nonlinear": "nonlinear capacity"}
     headings = {
-        f"{signal}: {text}": (signal.lower(), measure)
-        for signal, (measure, text) in product(("P_o", "theta"), words.items())
+        "P_o: memory [s]": ("p_o", "memory_s"),
+        "P_o: nonlinear capacity": ("p_o", "nonlinear"),
+        "theta: memory [s]": ("theta", "memory_s"),
+        "theta: nonlinear capacity": ("theta", "nonlinear"),
     }
     named = _with_text(table).assign(family=table["family"].map(family_title))
     return wide(named, {"family": "Rigs"}, ["model", "measure"], headings)
@@ -229,13 +227,14 @@ def memory_page(table: pd.DataFrame) -> pd.DataFrame:
 
 def worth_page(verdicts: pd.DataFrame) -> pd.DataFrame:
     """Return the ratios of W1 to W4 by rigs, one row each; undecided ones in brackets."""
-    page: dict[str, dict[str, str]] = {}
-    for (name, title), parts in verdicts.groupby(["id", "title"], sort=False):
-        for what, row in zip(_WORTH.get(name, []), parts.itertuples(), strict=False):
-            text = three_digits(row.mean) or "-"
-            undecided = row.low <= 1.0 <= row.high
-            page.setdefault(what, {})[title] = f"({text})" if undecided else text
-    return pd.DataFrame(page).T.reset_index(names="With P_o over without, best of each")
+    rows = verdicts[verdicts["part"].isin(_WORTH)]
+    texts = [
+        f"({three_digits(row.mean)})" if row.low <= 1.0 <= row.high else three_digits(row.mean)
+        for row in rows.itertuples()
+    ]
+    rows = rows.assign(what=rows["part"].map(_WORTH), text=texts)
+    titles = {title: title for title in verdicts["title"]}
+    return wide(rows, {"what": "With P_o over without, best of each"}, "title", titles)
 
 
 def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
@@ -244,23 +243,20 @@ def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     The band holds what counts as equivalent. A hollow marker is a claim that is undecided.
     """
     table = table.dropna(subset="part")
-    parts = dict.fromkeys(zip(table["id"], table["part"], strict=True))
-    rows = {pair: row for row, pair in enumerate(parts)}
-    names = table["family"].unique()
-    shifts = dict(zip(names, np.linspace(-0.4, 0.4, len(names) + 2)[1:-1], strict=True))
-    looks = dict(zip(names, cycle(_FAMILIES), strict=False))
-    for name, (marker, colour) in looks.items():
-        ax.plot([], [], marker, color=colour, markersize=4, label=escape.figure(family_title(name)))
-    ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
+    names, pairs = table["family"].unique(), table[["id", "part"]].drop_duplicates()
+    rows = {pair: row for row, pair in enumerate(pairs.itertuples(index=False, name=None))}
     ax.axvspan(1 / EQUIVALENT_WITHIN, EQUIVALENT_WITHIN, color="0.92", linewidth=0)
     ax.axvline(1.0, color="0.6", linewidth=0.6)
-    for row in table.itertuples():
-        marker, colour = looks[row.family]
-        face = "white" if row.verdict == "undecided" else colour
-        at = rows[row.id, row.part] + shifts[row.family]
-        arms = [[row.mean - row.low], [row.high - row.mean]]
-        ax.errorbar(row.mean, at, xerr=arms, fmt=marker, color=colour, markersize=4,
-                    linewidth=0.8, markerfacecolor=face)  # fmt: skip
+    shifts = np.linspace(-0.4, 0.4, len(names) + 2)[1:-1]
+    for name, shift, (marker, colour) in zip(names, shifts, cycle(_FAMILIES), strict=False):
+        look: style.Look = {"color": colour, "markersize": 4}
+        ax.plot([], [], marker, label=escape.figure(family_title(name)), **look)
+        for row in table[table["family"] == name].itertuples():
+            face = "white" if row.verdict == "undecided" else colour
+            arms = [[row.mean - row.low], [row.high - row.mean]]
+            ax.errorbar(row.mean, rows[row.id, row.part] + shift, xerr=arms, fmt=marker,
+                        linewidth=0.8, markerfacecolor=face, **look)  # fmt: skip
+    ax.plot([], [], "o", color="0", markersize=4, markerfacecolor="white", label="undecided")
     ax.set_xscale("log")
     ratios = (0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5)
     ax.set_xticks(ratios, [f"{ratio:g}" for ratio in ratios])
@@ -269,9 +265,9 @@ def plot_pairs(table: pd.DataFrame, ax: Axes) -> None:
     high = np.nanmax([table["high"].max(), EQUIVALENT_WITHIN]) * 1.03
     ax.set_xlim(max(low, 1 / _WIDEST), min(high, _WIDEST))
     # what is measured is on a second line
-    pairs = [escape.typeset(escape.figure(part), tex=True) for _, part in rows]
-    pairs = [part.replace(" (", "\n", 1).removesuffix(")") for part in pairs]
-    ax.set_yticks(range(len(rows)), pairs)
+    labels = [escape.typeset(escape.figure(part), tex=True) for _, part in rows]
+    labels = [label.replace(" (", "\n", 1).removesuffix(")") for label in labels]
+    ax.set_yticks(range(len(rows)), labels)
     ax.set_ylim(max(len(rows), 1) - 0.5, -0.5)
     ax.tick_params(axis="y", length=0)
     for row in range(1, len(rows)):

@@ -32,43 +32,39 @@ NONLINEAR, LEAST = 0.1, 1e-3
 def judge_models(
     unit: Unit, *, models: Mapping[str, Any], tracking: Mapping[str, Any], slow: int
 ) -> dict[str, Any]:
-    """Judge all models, if the unit's family has ``every_model``, or those of ``BRIEF``.
+    """Return the errors of all models on a unit's rig, or of those of ``BRIEF``, as ``models``.
 
-    The first ``slow`` units also judge the slow models.
-
-    Returns
-    -------
-    dict
-        ``models``: by model ``train`` (training RMSE of the forward direction, kPa), ``forward``
-        and ``reversed`` (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over
-        the four references, deg); of FPRC with P_o 2 kPa low ``forward/-2``, ``open_loop/-2`` and
-        ``closed_loop/-2``. Of a model of ``SIDES`` ``blocks``, its error on unseen blocks of both
-        logs, kPa. A model that cannot be judged has ``failed``, the message. Of ``p_o`` and
-        ``theta``: ``memory_s`` and ``nonlinear``, capacity of degree 2 and above, on the sweep; of
-        ``threshold``: ``nonlinear``.
+    By model ``train`` (training RMSE of the forward direction, kPa), ``forward`` and ``reversed``
+    (test RMSE, kPa), ``open_loop`` and ``closed_loop`` (root mean square over the four references,
+    deg); of FPRC with P_o 2 kPa low ``forward/-2``, ``open_loop/-2`` and ``closed_loop/-2``; of a
+    model of ``SIDES`` ``blocks``, its error on unseen blocks of both logs, kPa. A model that cannot
+    be judged has ``failed``, the message. The first ``slow`` units also judge the slow models. Of
+    ``p_o`` and ``theta``: ``memory_s`` and ``nonlinear``, capacity of degree 2 and above, on the
+    sweep; of ``threshold``: ``nonlinear``.
     """
     names: Sequence[str] = BRIEF
-    if unit.family["every_model"]:
+    if unit.every_model:
         names = [name for name in COMPETITORS if name not in SLOW or unit.number < slow]
     logs, seed = simulate(unit.on_rig, unit.seed), unit.seed
     bench = Track(Tracking(**tracking), unit.on_rig.control, unit.on_rig.rig, seed)
     followed = {name: bench.inputs(name) for name in REFERENCES}
+    low = [0.0, -2.0]  # kPa
+    followed_low = {reference: inputs + low for reference, inputs in followed.items()}
     blocks = block_errors(_recordings(*(logs[name] for name in EXPERIMENTS)), models, seed)
     judged: dict[str, dict[str, Any]] = {}
     for name in names:
         try:
             model, train, forward = _trained(name, logs, EXPERIMENTS, models, seed)
             *_, backward = _trained(name, logs, EXPERIMENTS[::-1], models, seed)
-            report: dict[str, Any] = {"train": train, "forward": forward, "reversed": backward}
+            report = {"train": train, "forward": forward, "reversed": backward}
             report |= _follow(bench, model, name, followed)
-            report |= {"blocks": blocks[name]} if name in blocks else {}
+            if name in blocks:
+                report["blocks"] = blocks[name]
             if name == "fprc":
-                low = [0.0, -2.0]  # kPa
                 X, expected, _ = logs["complex"].samples(name)
                 report["forward/-2"] = rmse(expected, model.predict(X + low))
-                inputs = {key: values + low for key, values in followed.items()}
-                found = _follow(bench, model, name, inputs)
-                report |= {f"{loop}/-2": value for loop, value in found.items()}
+                for loop, error in _follow(bench, model, name, followed_low).items():
+                    report[f"{loop}/-2"] = error
             judged[name] = report
         except (FprcError, ValueError) as error:
             judged[name] = {"failed": in_one_line(error)}

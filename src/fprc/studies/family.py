@@ -3,7 +3,7 @@
 A unit of a family is a seed, if it has one rig, else a rig.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from joblib import Parallel, delayed, parallel_config
@@ -27,59 +27,53 @@ class Unit(NamedTuple):
     """A unit of a family, to be simulated with one seed."""
 
     number: int  #: from 0
-    family: Mapping[str, Any]  #: see ``unit_of``
     on_rig: RigSettings
     seed: int
+    every_model: bool  #: whether ``contest`` judges all models, or those that a claim compares
 
 
-def unit_of(number: int, family: Mapping[str, Any], ensemble: str = "") -> Unit:
+def unit_of(number: int, family: Mapping[str, Any], first_seed: int, ensemble: str) -> Unit:
     """Return a unit of a family, with its rig and seed.
 
-    A family has ``rigs`` (one or ensemble), ``first_seed`` and ``on_rig`` (arguments of
-    ``RigSettings``); ``fprc.studies.calibration.ensemble`` gives the file of the ensemble.
+    A family has its ``name``, ``on_rig`` (arguments of ``RigSettings``), what it is ``fitted`` to,
+    and ``every_model``. The rigs of the family *ensemble* are those of a file that ``fprc calibrate
+    --ensemble`` wrote; what they share has its default.
     """
     on_rig = RigSettings(**family["on_rig"])
-    if family["rigs"] == "ensemble":
+    if family["name"] == "ensemble":
         known = read_json(ensemble)
         if number >= len(known["rigs"]):
             raise FprcError(f"{ensemble}: has {len(known['rigs'])} rigs; reduce beyond.units")
-        # what the members share has its default
-        whole = Rig().model_dump(mode="json")
-        rig = with_values(whole, known["parameters"], known["rigs"][number])
-        on_rig = on_rig.changed(rig=Rig.model_validate(rig).model_dump(mode="json"))
-    return Unit(number, family, on_rig, family["first_seed"] + number)
+        values = dict(zip(known["parameters"], known["rigs"][number], strict=True))
+        rig = Rig.model_validate(with_values(Rig().model_dump(mode="json"), values))
+        on_rig = on_rig.changed(rig=rig.model_dump(mode="json"))
+    return Unit(number, on_rig, first_seed + number, family["every_model"])
 
 
 def judge_family(
-    judged: str,
-    ensemble: str = "",
-    *,
-    judge: str,
-    family: Mapping[str, Any],
-    units: Sequence[int],
-    how: Mapping[str, Any],
-    workers: int,
+    judged: str, ensemble: str, *, family: Mapping[str, Any], study: Mapping[str, Any], workers: int
 ) -> None:
-    """Judge some units of a family of rigs with one function, each on one thread.
+    """Judge the first units of a family of rigs, each on one thread.
 
-    Writes the family's ``name``, what it is ``fitted`` to, and ``cells``: of each ``unit`` its
-    ``seed`` and what the function found, or ``failed``, the message of an error. The function
-    ``judge``, below ``fprc.studies``, such as ``learning.judge_online``, takes a ``Unit`` and
-    ``how``, and returns a JSON mapping.
+    A study has the number of ``units``, their ``first_seed``, and what judges one: ``judge``, a
+    function below ``fprc.studies`` as ``learning.judge_online``, which takes a ``Unit`` and
+    ``how``, and returns a JSON mapping. Writes the family's ``name``, what it is ``fitted`` to, and
+    ``cells``: of each ``unit`` its ``seed`` and what was found, or ``failed``, an error's message.
     """
     # to start a process takes as long as several units
-    workers = max(1, min(workers, len(units) // 4))
+    workers = max(1, min(workers, study["units"] // 4))
     with parallel_config("loky", inner_max_num_threads=1):
         cells = Parallel(n_jobs=workers)(
-            delayed(_judged)(unit_of(number, family, ensemble), judge, how) for number in units
+            delayed(_judged)(unit_of(number, family, study["first_seed"], ensemble), study)
+            for number in range(study["units"])
         )
     described = {key: family[key] for key in ("name", "fitted")}
     write_json(judged, {"source": "sim", **described, "cells": cells})
 
 
-def _judged(unit: Unit, judge: str, how: Mapping[str, Any]) -> dict[str, Any]:
+def _judged(unit: Unit, study: Mapping[str, Any]) -> dict[str, Any]:
     try:
-        found = stage_of(f"studies.{judge}")(unit, **how)
+        found = stage_of(f"studies.{study['judge']}")(unit, **study["how"])
     except (FprcError, ValueError) as error:
         found = {"failed": in_one_line(error)}
     return {"unit": unit.number, "seed": unit.seed, **found}

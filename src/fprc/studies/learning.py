@@ -74,10 +74,7 @@ def judge_online(
 def followed(
     bench: Track, condition: str, models: Mapping[str, SequenceModel]
 ) -> list[dict[str, Any]]:
-    """Return the rows of a condition: one of P_o has those of FPRC, others of PD alone too.
-
-    Each has ``model``, ``condition``, ``learns``, ``loop``, ``reference`` and ``rmse_deg``.
-    """
+    """Return the RMSE of each run under a condition, deg; under one of P_o FPRC's alone."""
     inputs = {reference: bench.inputs(reference) for reference in REFERENCES}
     for X in inputs.values():
         X[:, 1] = disturbed(X[:, 1], condition, bench.control.sample_rate_hz)

@@ -33,32 +33,32 @@ _CONDITIONS = {
 }
 
 
-def _over(
-    text: str, ours: str, other: str, learns: bool, loop: str, reference: str, limit: float = 1.0
-) -> Pair:
-    """Return learning FPRC under a condition over a model under none."""
-    theirs = other, "none", learns, loop, reference
-    return Pair(("fprc", ours, True, loop, reference), theirs, text, limit)
+def _over(theirs: tuple[Any, ...], text: str, condition: str = "none", limit: float = 1.0) -> Pair:
+    """Return FPRC that learns, under a condition, over another run of the same loop."""
+    return Pair(("fprc", condition, True, *theirs[-2:]), theirs, text, limit)
 
 
 CLAIMS = {
     "D1": Claim(
         "learning keeps tracking within 10 % of the undisturbed for offsets of P_o up to 5 kPa",
         [
-            _over(f"{offset}, {words}", offset, "fprc", True, loop, "all", 1.10)
+            _over(("fprc", "none", True, loop, "all"), f"{offset}, {words}", offset, 1.10)
             for loop, words in LOOPS.items()
             for offset in ("-5 kPa", "+5 kPa")
         ],
     ),
     "D2": Claim(
         "with learning, P_o still beats low-passed theta_d",
-        [_over(words, "none", "fprc_lowpass", True, loop, "all") for loop, words in LOOPS.items()],
+        [
+            _over(("fprc_lowpass", "none", True, loop, "all"), words)
+            for loop, words in LOOPS.items()
+        ],
     ),
     "D3": Claim(
         "learning FPRC with PD beats PD alone, at 0.5 Hz and in the sweep",
         [
-            _over(words, "none", "pd", False, "closed", reference)
-            for reference, words in (("sine_0p5", "0.5 Hz"), ("sweep", "sweep"))
+            _over(("pd", "none", False, "closed", "sine_0p5"), "0.5 Hz"),
+            _over(("pd", "none", False, "closed", "sweep"), "sweep"),
         ],
     ),
 }
@@ -77,16 +77,11 @@ _ERRORS_NOTE = (
 
 
 def tabulate_online(
-    families: Sequence[str],
-    verdicts: Sequence[str],
-    errors: Sequence[str],
-    figure: Sequence[str],
-    *,
-    shown: Sequence[str],
+    families: Sequence[str], verdicts: Sequence[str], errors: Sequence[str], figure: Sequence[str]
 ) -> None:
     """Judge D1 to D3 in every family; write verdicts and errors, and draw the errors.
 
-    The page of errors has those of the first family, the figure those of the families ``shown``.
+    The page of errors has those of the first family, the figure those of the first three.
     """
     found = [read_json(path) for path in families]
     judged = pd.concat(map(decided, found), ignore_index=True)
@@ -105,7 +100,7 @@ def tabulate_online(
     title, units = family_title(found[0]["name"]), int(first["units"].max())
     note = _ERRORS_NOTE.format(title=title, units=units)
     write_table(table, wide(named, rows, ["loop", "learns"], _HEADINGS), note, *errors)
-    draw_errors(table, figure, shown)
+    draw_errors(table, figure)
 
 
 def rmse_of(family: Mapping[str, Any]) -> pd.DataFrame:
@@ -129,15 +124,17 @@ def decided(family: Mapping[str, Any]) -> pd.DataFrame:
     return decide(family, CLAIMS, dict(iter(by_run)))
 
 
-def draw_errors(table: pd.DataFrame, figure: Sequence[str], names: Sequence[str]) -> None:
-    """Draw FPRC's and Fuzzy-linear's errors in families over the offset of P_o.
+def draw_errors(table: pd.DataFrame, figure: Sequence[str]) -> None:
+    """Draw FPRC's and Fuzzy-linear's errors in three families over the offset of P_o.
 
     As trained and learning; FPRC's with a band of the range over units.
     """
     offsets = table["condition"].replace("nothing", "P_o 0 kPa").str.extract(r"^P_o (\S+) kPa$")[0]
     table = table.assign(offset=pd.to_numeric(offsets)).dropna(subset="offset")
     runs = table.set_index(["family", "loop", "model", "learns"]).sort_index()
-    fig, axes = style.figure(2, len(names), style.PAGE_IN, 3.6, sharex=True, sharey=True)
+    names = table["family"].unique()[:3]
+    size, shared = (style.PAGE_IN, 3.6), {"sharex": True, "sharey": True, "squeeze": False}
+    fig, axes = style.figure(2, len(names), *size, **shared)
     looks = {False: (" as trained", "o", "0.55", ":"), True: (", learning", "s", "black", "--")}
     for ax, (loop, name) in zip(axes.flat, product(LOOPS, names), strict=True):
         for learns, (words, marker, colour, _) in looks.items():

@@ -76,7 +76,7 @@ def with_blocks(path: str, blocks: Mapping[str, str]) -> str:
     return text
 
 
-def replace_block(text: str, name: str, block: str, path: str = "README.md") -> str:
+def replace_block(text: str, name: str, block: str, path: str) -> str:
     """Return ``text`` with the lines between the one pair of markers of ``name`` replaced."""
     begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
     new = f"{begin}\n{block.strip()}\n{end}"
@@ -115,8 +115,8 @@ def _held(claims: Sequence[Mapping[str, Any]], tables: Mapping[str, str]) -> str
         (f"{kind}: {KINDS[kind]}", f"{held} of {count}")
         for kind, (held, count) in holding(claims).items()
     ]
-    left_out = sum(claim["verdict"] == "not informative" for claim in claims)
     table = pd.DataFrame(rows, columns=["A claim of the paper is", "Reproduced"])
+    left_out = sum(claim["verdict"] == "not informative" for claim in claims)
     two, three, four = (
         pd.read_csv(Path(tables[f"table{number}_seeds"]).with_suffix(".csv"))
         for number in (2, 3, 4)

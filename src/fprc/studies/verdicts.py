@@ -57,21 +57,19 @@ def decide(
         by_unit = (ours - theirs - math.log(pair.limit)).dropna().to_dict()
         return Part(pair.text, by_unit, pair.limit, len(units) - len(by_unit))
 
+    def favoured(name: str) -> list[str]:
+        favours = claims[name].favours
+        return [*dict.fromkeys(favours[term] for term in favours if term in family["fitted"])]
+
     parts = {name: (claim.text, [*map(part_of, claim.parts)]) for name, claim in claims.items()}
     table = pd.DataFrame(decide_together(parts))
-    favoured = {
-        name: dict.fromkeys(claim.favours[t] for t in claim.favours if t in family["fitted"])
-        for name, claim in claims.items()
-    }
-    marks = table["id"].map(
-        {name: "".join(SYMBOLS[w] for w in of) for name, of in favoured.items()}
-    )
+    marks = table["id"].map(lambda name: "".join(SYMBOLS[who] for who in favoured(name)))
     # of a family without any number these would not be numbers
     return table.astype(dict.fromkeys(("mean", "low", "high", "stable"), float)).assign(
         family=family["name"],
         title=family_title(family["name"]),
         words=table["words"] + marks.where(table["verdict"] != NOT_JUDGED, ""),
-        favours=table["id"].map({name: in_words(of) or "nobody" for name, of in favoured.items()}),
+        favours=table["id"].map(lambda name: in_words(favoured(name)) or "nobody"),
         source="sim",
     )
 
@@ -88,10 +86,7 @@ def claims_page(verdicts: pd.DataFrame) -> pd.DataFrame:
 
 
 def wide(
-    table: pd.DataFrame,
-    rows: Mapping[str, str],
-    columns: str | list[str],
-    headings: Mapping[str, Any],
+    table: pd.DataFrame, rows: Mapping[str, str], columns: Any, headings: Mapping[str, Any]
 ) -> pd.DataFrame:
     """Return the column ``text`` as a page, a column for each of the ``headings``.
 

@@ -5,29 +5,22 @@ import pytest
 from fprc.cli import main
 from fprc.commands import calibrate as command
 from fprc.config import PUBLISHED, from_files
-from fprc.config.rig import Rig
 from fprc.given import read_yaml
 
 CONFIG = Path(__file__).parents[3] / "config"
 FILES = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]
 
 
-#: What is known of a fit.
-SUMMARY = {
-    "date": "2030-01-02", "software": "fprc 9.8.7", "fit": ["tables"], "seed": 3, "full_count": 8,
-    "brief": {"median": 0.05}, "shares": {},
-}  # fmt: skip
-
-
 @pytest.fixture
 def fit(monkeypatch):
     """Replace the fit by one that ends at once; ``fit.calls`` are its arguments."""
 
-    def fit_rig(printed, on_rig, **settings):
+    def fit_rig(printed, on_rig, calibration, **settings):
         fit_rig.calls.append(
-            {"printed": printed, "on_rig": on_rig.model_dump(mode="json")} | settings
+            {"printed": printed, "on_rig": on_rig.model_dump(mode="json")}
+            | {"calibration": calibration, **settings}
         )
-        return Rig(drift={"time_s": 3.5}).model_dump(mode="json"), SUMMARY
+        return "rig: {drift: {time_s: 3.5}}"
 
     fit_rig.calls = []
     monkeypatch.setattr(command, "fit_rig", fit_rig)
@@ -49,5 +42,5 @@ def test_fit_is_written_where_it_is_asked_for_with_settings_of_the_merged_files(
     assert call["validation"]["models"]["n_y"] == 4
     assert call["printed"] == read_yaml(PUBLISHED)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml", "out.yaml"]
-    assert read_yaml(out)["rig"] == {"drift": {"time_s": 3.5}}
+    assert (call["name"], read_yaml(out)) == ("out", {"rig": {"drift": {"time_s": 3.5}}})
     assert "out.yaml" in capsys.readouterr().err

@@ -10,9 +10,8 @@ def family(signals):
     settings = Settings().model_dump(mode="json")
     return {
         "name": "dry",
-        "rigs": "one",
+        "every_model": True,
         "fitted": ["tables"],
-        "first_seed": 601,
         "on_rig": on_rig(settings)
         | {"signals": {name: signal.model_dump() for name, signal in signals.items()}},
     }

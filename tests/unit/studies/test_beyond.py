@@ -106,7 +106,7 @@ def test_every_table_page_and_figure_is_written(make_family, tmp_path, nothing):
     files = [str(tmp_path / f"{name}.csv") for name in CSV]
     pages = [str(tmp_path / f"beyond/{name}.md") for name in PAGES]
     figure = [str(tmp_path / f"pairs.{kind}") for kind in ("pdf", "png")]
-    beyond.tabulate_beyond(list(map(str, paths)), *files, pages, figure, family="dry")
+    beyond.tabulate_beyond(list(map(str, paths)), *files, pages, figure)
     claims = pd.read_csv(files[1])
     assert set(claims["family"]) == {"dry", "viscous"}
     assert ("not judged" in set(claims["verdict"])) is nothing

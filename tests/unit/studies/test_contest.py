@@ -42,7 +42,7 @@ def judge(on_rig, tracking):
     how = {"models": SETTINGS["models"], "tracking": tracking}
 
     def call(every=False, number=0):
-        unit = Unit(number, {"every_model": every}, on_rig, SEED)
+        unit = Unit(number, on_rig, SEED, every)
         return judge_models(unit, **how, slow=2)["models"]
 
     return call

@@ -7,12 +7,13 @@ import pytest
 from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.config.settings import Control, Feedforward, Tracking
+from fprc.experiments.data import RigSettings
 from fprc.experiments.tracking import Track
 from fprc.models import FPRC
 from fprc.paper import REFERENCES
 from fprc.plan import on_rig
 from fprc.studies import online as pages
-from fprc.studies.family import unit_of
+from fprc.studies.family import Unit
 from fprc.studies.learning import (
     CONDITIONS,
     OF_P_O,
@@ -38,8 +39,8 @@ def judged():
     """What the judging of one short unit gives, as a frame."""
     signals = {name: spec | {"duration_s": 10.0} for name, spec in SETTINGS["experiments"].items()}
     rig = on_rig(SETTINGS) | {"signals": signals}
-    family = {"rigs": "one", "first_seed": 5, "on_rig": rig}
-    found = judge_online(unit_of(0, family), tracking=shortened(3.0), models=SETTINGS["models"])
+    unit = Unit(0, RigSettings(**rig), 5, every_model=False)
+    found = judge_online(unit, tracking=shortened(3.0), models=SETTINGS["models"])
     return pd.DataFrame(found["rows"])
 
 
@@ -143,7 +144,7 @@ def test_verdicts_and_errors_are_tabulated_and_drawn(tmp_path):
         for name, kinds in (("v", ("csv", "md")), ("e", ("csv", "md")), ("f", ("pdf", "png")))
     )
     path = str(tmp_path / "dry.json")
-    pages.tabulate_online([path], verdicts, errors, figure, shown=["dry", "dry"])
+    pages.tabulate_online([path], verdicts, errors, figure)
     for written in (*verdicts, *errors):
         assert "nan" not in Path(written).read_text(encoding="utf-8")
     assert Path(figure[1]).stat().st_size > 1000

@@ -110,7 +110,7 @@ def test_missing_marker_leaves_both_pages_as_they_were(project):
 )  # fmt: skip
 def test_markers_that_are_not_there_exactly_once_are_refused(text):
     with pytest.raises(FprcError):
-        replace_block(text, "a", "new")
+        replace_block(text, "a", "new", "page.md")
 
 
 @pytest.mark.parametrize(

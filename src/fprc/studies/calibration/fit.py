@@ -5,35 +5,35 @@ and 5 and whose numbers miss print the least; after some rounds (``search``) the
 goes on, until one is left. A round uses cheap surrogates of the models, with the noise of one seed,
 so that differences between rigs are not noise; where it begins, the full models with several seeds
 correct them.
+
+The arguments of ``fit_rig`` and ``ensemble_around``: the published numbers; the rig whose free
+parameters change; the section ``calibration``; and in ``how``, ``validation`` and ``tracking`` as
+``surrogate.judge_fully`` takes them. EvaluationError: too few rigs can be simulated, or fit.
 """
 
 import logging
 import math
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
 import numpy as np
-from joblib import Parallel, delayed, parallel_config
+import yaml
+from joblib import Parallel, delayed
+from scipy.special import ndtr, ndtri
 
 from fprc import __version__
 from fprc.config.calibration import FIRST_SEED, SEEDS_PER_FIT
-from fprc.config.rig import Rig
+from fprc.config.rig import Rig, free_ranges
 from fprc.errors import EvaluationError, FprcError
-from fprc.experiments.data import RigSettings, simulate
-from fprc.studies.calibration.objective import (
-    Target,
-    misses,
-    numbers_of,
-    printed_errors,
-    properties,
-    targets,
-)
-from fprc.studies.calibration.search import Found, search_round
-from fprc.studies.calibration.space import Free, decode, free_parameters
-from fprc.studies.calibration.surrogate import judge_by_surrogate, judge_fully
+from fprc.experiments.data import RigSettings
+from fprc.paper import REFERENCES
+from fprc.studies.calibration.objective import Target, misses, numbers_of, printed_errors, targets
+from fprc.studies.calibration.search import search_round
+from fprc.studies.calibration.space import Ranges, decode, encode, value_at
+from fprc.studies.calibration.surrogate import judge_by_surrogate, judge_fully, judge_loops
 
 log = logging.getLogger(__name__)
 
@@ -58,38 +58,127 @@ _MOST = 100.0
 #: Seeds of the full models while several searches go on.
 _FEW = 2
 
-#: Offsets of the seeds of the searches, and of the full models, from that of the first draw.
-_SEARCH, _FULL = 9000, 9500
+#: Offsets of the seeds of an ensemble, of the searches, and of the full models, from that of the
+#: first draw.
+_ENSEMBLE, _SEARCH, _FULL = 5000, 9000, 9500
+
+#: Largest deviations of the 12 errors of Tables II and III from print, in the median and of any, on
+#: a rig of the ensemble.
+MEDIAN, LARGEST = 0.08, 0.25
+
+#: Standard deviation of the rigs that are drawn for the ensemble, in normal units of the ranges, so
+#: that a third of them fit; how many are drawn at most for each that is needed.
+_SPREAD, _DRAWN_AROUND = 0.25, 10
+
+Judged = Mapping[str, Any]
 
 
 class Bench(NamedTuple):
     """What all rigs of a fit share."""
 
-    on_rig: RigSettings  #: the rig whose free parameters change
-    free: Sequence[Free]
-    how: Mapping[str, Any]  #: ``validation`` and ``tracking``, as ``judge_fully`` takes them
+    on_rig: RigSettings
+    ranges: Ranges
+    of: Sequence[Target]
+    how: Mapping[str, Any]
+    first: int  #: seed of the first draw
+    pool: Parallel
 
-    def rig_at(self, share: np.ndarray) -> RigSettings:
+    def rig_at(self, point: np.ndarray) -> RigSettings:
         """Return the rig at a point of the unit cube."""
-        return self.on_rig.changed(rig=decode(share, self.on_rig.rig, self.free))
+        return self.on_rig.changed(rig=decode(point, self.on_rig.rig, self.ranges))
 
     def judge(
-        self, judge: Callable[..., dict[str, Any]], share: np.ndarray, *given: Any
-    ) -> dict[str, Any] | None:
-        """Judge a rig; None if it is impossible."""
-        on_rig = self.rig_at(share)
-        try:
-            Rig.model_validate(on_rig.rig)
-            return judge(on_rig, *given, **self.how)
-        except (FprcError, ValueError):
-            return None
+        self,
+        judge: Callable[..., Judged],
+        points: Sequence[np.ndarray],
+        seeds: Iterable[int],
+        *given: Any,
+    ) -> list[Judged | None]:
+        """Judge points, each with its seed; those that are impossible give None."""
+        return self.pool(
+            delayed(_judged)(judge, self.rig_at(point), seed, *given, **self.how)
+            for point, seed in zip(points, seeds, strict=True)
+        )
 
+    def full(self, point: np.ndarray, count: int) -> list[Judged] | None:
+        """Judge a point by the full models, with several seeds; None if it is impossible."""
+        first = self.first + _FULL
+        judged = self.judge(judge_fully, [point] * count, range(first, first + count))
+        possible = [one for one in judged if one]
+        return possible if len(possible) == count else None
 
-def judge_loops(on_rig: RigSettings, seed: int, **_: Any) -> dict[str, Any]:
-    """Return the properties of a rig's loops in the sweep alone."""
-    signals = {"sweep": on_rig.signals["sweep"]}
-    sweep = simulate(on_rig.changed(signals=signals), seed)["sweep"]
-    return {"properties": properties(sweep.channels)}
+    def loss(self, judged: Sequence[Judged], most: float = math.inf) -> float:
+        """Return the sum of squares of the misses of a rig."""
+        off = misses(numbers_of(judged, self.of), self.of) ** 2
+        return float(np.sum(np.minimum(off, most)))
+
+    def starts(self, members: int, count: int) -> list[np.ndarray]:
+        """Draw rigs from the ranges; return the best of those whose loops miss the least."""
+        rng = np.random.default_rng(self.first)
+        points = list(rng.random((_DRAWN * members, len(self.ranges))))
+        for judge, kept, *given in ((judge_loops, members), (judge_by_surrogate, count, {})):
+            seeds = range(self.first, self.first + len(points))
+            judged = self.judge(judge, points, seeds, *given)
+            losses = [self.loss([one], _MOST) if one else math.inf for one in judged]
+            order = np.argsort(losses, kind="stable")[:kept]
+            most = losses[order[-1]]
+            log.info("%d rigs judged, misfit of the best %d up to %.0f", len(points), kept, most)
+            if math.isinf(most):
+                raise EvaluationError(
+                    "too few rigs of calibration.ranges can be simulated; change the ranges"
+                )
+            points = [points[k] for k in order]
+        return points
+
+    def knockout(
+        self, points: list[np.ndarray], rounds: int, last_rounds: int, full_seeds: int
+    ) -> np.ndarray:
+        """Search from all points, go on with the better half until one is left; return the best."""
+        counts = [len(points)]
+        while counts[-1] > 1:
+            counts.append(counts[-1] // 2)
+        total, done = sum(counts[:-1]) * rounds + last_rounds, 0
+        losses, running = [math.inf] * len(points), [*range(len(points))]
+        for count in counts:
+            running = sorted(running, key=lambda k: losses[k])[:count]
+            for k in running:
+                known = []  # by the full models, of the last search
+                for _ in range(rounds if count > 1 else last_rounds):
+                    # noise of its own for each round: none fits the noise of one seed
+                    seed = self.first + _SEARCH + done
+                    seeds, begun_at = _FEW if count > 1 else full_seeds, points[k]
+                    before, losses[k], points[k] = self.round(begun_at, seed, seeds)
+                    known.append((before, begun_at))
+                    done += 1
+                    log.info("round %d of %d, search %d: misfit %.0f, then %.0f",
+                             done, total, k + 1, before, losses[k])  # fmt: skip
+        if full := self.full(points[k], full_seeds):
+            known.append((self.loss(full), points[k]))
+        return min(known, key=lambda pair: pair[0])[1]
+
+    def round(
+        self, point: np.ndarray, seed: int, full_seeds: int
+    ) -> tuple[float, float, np.ndarray]:
+        """Search from a point with the noise of one seed.
+
+        Return the loss of the full models there, and loss and point of the best that was found.
+        """
+        (begin,) = self.judge(judge_by_surrogate, [point], [seed], {})
+        full = self.full(point, full_seeds)
+        if begin is None or full is None:
+            return math.inf, math.inf, point
+        added = numbers_of(full, self.of) - numbers_of([begin], self.of)
+
+        def numbers_at(points: Sequence[np.ndarray]) -> list[np.ndarray | None]:
+            # clusterings begin where that of the first point ended: numbers do not jump
+            seeds = [seed] * len(points)
+            found = self.judge(judge_by_surrogate, points, seeds, begin["centers"])
+            return [numbers_of([one], self.of) + added if one else None for one in found]
+
+        def misses_of(numbers: np.ndarray) -> np.ndarray:
+            return misses(numbers, self.of)
+
+        return self.loss(full), *search_round(numbers_at, misses_of, point)
 
 
 def fit_rig(
@@ -97,154 +186,66 @@ def fit_rig(
     on_rig: RigSettings,
     calibration: Mapping[str, Any],
     *,
-    workers: int,
+    name: str,
     **how: Mapping[str, Any],
-) -> tuple[Mapping[str, Any], dict[str, Any]]:
-    """Fit the free parameters of the rig of ``on_rig``; their own values there play no part.
-
-    Parameters
-    ----------
-    printed : Mapping
-        The published numbers.
-    calibration : Mapping
-        Section of the configuration.
-    **how
-        ``validation`` and ``tracking``, see ``surrogate.judge_fully``.
-
-    Returns
-    -------
-    dict, dict
-        The fitted rig, and a summary of the fit.
-
-    Raises
-    ------
-    EvaluationError
-        Too few rigs can be simulated, or not the best one.
-    """
-    free = free_parameters(calibration["free"], calibration["ranges"])
-    of = targets(printed, calibration["fit"])
-    first = FIRST_SEED + SEEDS_PER_FIT * calibration["seed"]
-    with pool_of(workers) as pool:
-        fit = _Fit(Bench(on_rig, free, how), of, pool, first, calibration["full_seeds"])
-        starts = fit.starts(calibration["members"], calibration["starts"])
-        found = fit.knockout(starts, calibration["rounds"], calibration["last_rounds"])
-        full = fit.full(found, calibration["full_seeds"])
-    if None in full:
+) -> str:
+    """Fit the free parameters, whose own values play no part; return the text of the rig's file."""
+    count = calibration["full_seeds"]
+    with _bench(printed, on_rig, calibration, how) as bench:
+        starts = bench.starts(calibration["members"], calibration["starts"])
+        rounds, last_rounds = calibration["rounds"], calibration["last_rounds"]
+        found = bench.knockout(starts, rounds, last_rounds, count)
+        full = bench.full(found, count)
+    if full is None:
         raise EvaluationError(
             "the best rig cannot be simulated with other noise; choose another calibration.seed"
         )
-    brief = in_brief(full, printed)
-    for name, share in brief.items():
-        log.info("%s: %.1f %% off print, at most %.0f", name, 100 * share, 100 * LIMITS[name])
-    return fit.bench.rig_at(found).rig, {
-        "date": datetime.now(UTC).date().isoformat(),
-        "software": f"fprc {__version__}",
-        "fit": list(calibration["fit"]),
-        "seed": calibration["seed"],
-        "full_count": calibration["full_seeds"],
-        "brief": brief,
-        "shares": dict(zip((parameter.path for parameter in free), found.tolist(), strict=True)),
-    }
+    shares = dict(zip(bench.ranges, found.tolist(), strict=True))
+    return parameter_file(
+        name, bench.rig_at(found).rig, calibration, shares, in_brief(full, printed)
+    )
 
 
-@contextmanager
-def pool_of(workers: int) -> Iterator[Parallel]:
-    """Yield a pool of processes with one thread each."""
-    with (
-        parallel_config("loky", inner_max_num_threads=1),
-        Parallel(n_jobs=workers) as pool,
-    ):
-        yield pool
+def ensemble_around(
+    printed: Mapping[str, Any],
+    on_rig: RigSettings,
+    calibration: Mapping[str, Any],
+    *,
+    count: int,
+    **how: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return ``count`` rigs that fit the tables and have a stable loop: what print leaves open.
+
+    Rigs are drawn around that of ``on_rig``, each with noise of its own; those that the full models
+    find near print (``fits``) are kept. Returned are ``parameters``, paths of the free parameters,
+    and ``rigs``, their values rig by rig.
+    """
+    rigs: list[list[float]] = []
+    with _bench(printed, on_rig, calibration, how) as bench:
+        rng = np.random.default_rng(bench.first + _ENSEMBLE)
+        middle = ndtri(np.clip(encode(on_rig.rig, bench.ranges), 0.01, 0.99))
+        for turn in range(_DRAWN_AROUND):
+            points = ndtr(middle + _SPREAD * rng.standard_normal((count, len(middle))))
+            first = bench.first + _ENSEMBLE + turn * count
+            found = bench.judge(judge_fully, points, range(first, first + count))
+            for point, judged in zip(points, found, strict=True):
+                if judged and fits(judged, printed):
+                    rig = bench.rig_at(point).rig
+                    rigs.append([value_at(rig, path) for path in bench.ranges])
+            log.info("%d of %d rigs fit, %d are needed", len(rigs), (turn + 1) * count, count)
+            if len(rigs) >= count:
+                return {"source": "sim", "parameters": [*bench.ranges], "rigs": rigs[:count]}
+    raise EvaluationError(f"only {len(rigs)} of {_DRAWN_AROUND * count} rigs fit the tables")
 
 
-class _Fit(NamedTuple):
-    bench: Bench
-    of: Sequence[Target]
-    pool: Parallel
-    first: int  #: seed of the first draw
-    full_seeds: int
-
-    def loss(self, judged: Sequence[Mapping[str, Any] | None], most: float = math.inf) -> float:
-        """Return the sum of squares of the misses of a rig, infinite if it is impossible."""
-        if None in judged:
-            return math.inf
-        off = misses(numbers_of(judged, self.of), self.of) ** 2
-        return float(np.sum(np.minimum(off, most)))
-
-    def starts(self, members: int, count: int) -> list[np.ndarray]:
-        """Draw rigs from the ranges; return the best of those whose loops miss the least."""
-        rng = np.random.default_rng(self.first)
-        points = rng.random((_DRAWN * members, len(self.bench.free)))
-        for judge, kept, more in ((judge_loops, members, ()), (judge_by_surrogate, count, ({},))):
-            judged = self.pool(
-                delayed(self.bench.judge)(judge, share, self.first + k, *more)
-                for k, share in enumerate(points)
-            )
-            losses = np.array([self.loss([one], _MOST) for one in judged])
-            order = np.argsort(losses, kind="stable")[:kept]
-            log.info("%d rigs judged, misfit of the best %d up to %.0f", len(points), kept,
-                     losses[order[-1]])  # fmt: skip
-            if not np.isfinite(losses[order[-1]]):
-                raise EvaluationError(
-                    "too few rigs of calibration.ranges can be simulated; change the ranges"
-                )
-            points = points[order]
-        return list(points)
-
-    def knockout(self, points: list[np.ndarray], rounds: int, last_rounds: int) -> np.ndarray:
-        """Search from all points, go on with the better half until one is left; return the best."""
-        halves = [len(points)]
-        while halves[-1] > 1:
-            halves.append(halves[-1] // 2)
-        plan = [(count, rounds if count > 1 else last_rounds) for count in halves]
-        total, done, begun = sum(count * turns for count, turns in plan), 0, time.monotonic()
-        runs = [(math.inf, point, k) for k, point in enumerate(points)]
-        known: list[tuple[float, np.ndarray]] = []  # by the full models, of the last search
-        for count, turns in plan:
-            runs = sorted(runs, key=lambda run: run[0])[:count]
-            for place, (loss, point, k) in enumerate(runs):
-                known.clear()
-                for _ in range(turns):
-                    # noise of its own for each round: none fits the noise of one seed
-                    before, found = self.round(
-                        point, self.first + _SEARCH + done, _FEW if count > 1 else self.full_seeds
-                    )
-                    known.append((before, point))
-                    loss, point, done = found.loss, found.point, done + 1
-                    left = (time.monotonic() - begun) / done * (total - done) / 60.0
-                    log.info("round %d of %d, search %d: misfit %.0f, then %.0f, %.0f min left",
-                             done, total, k + 1, before, loss, left)  # fmt: skip
-                runs[place] = (loss, point, k)
-        full = self.full(point, self.full_seeds)
-        if None not in full:
-            known.append((self.loss(full), point))
-        return min(known, key=lambda pair: pair[0])[1]
-
-    def round(self, point: np.ndarray, seed: int, full_seeds: int) -> tuple[float, Found]:
-        """Search from a point with the noise of one seed; return its loss, and the best found."""
-        begin = self.bench.judge(judge_by_surrogate, point, seed, {})
-        full = self.full(point, full_seeds)
-        if begin is None or None in full:
-            return math.inf, Found(point, np.empty(0), math.inf)
-        added = numbers_of(full, self.of) - numbers_of([begin], self.of)
-
-        def judge(points: Sequence[np.ndarray]) -> list[np.ndarray | None]:
-            # clusterings begin where that of the first point ended: numbers do not jump
-            found = self.pool(
-                delayed(self.bench.judge)(judge_by_surrogate, at, seed, begin["centers"])
-                for at in points
-            )
-            return [None if one is None else numbers_of([one], self.of) + added for one in found]
-
-        return self.loss(full), search_round(judge, lambda numbers: misses(numbers, self.of), point)
-
-    def full(self, point: np.ndarray, count: int) -> list[dict[str, Any]]:
-        """Judge a point by the full models, with several seeds."""
-        seeds = range(self.first + _FULL, self.first + _FULL + count)
-        return list(self.pool(delayed(self.bench.judge)(judge_fully, point, k) for k in seeds))
+def fits(judged: Judged, printed: Mapping[str, Any]) -> bool:
+    """Return whether the full models' errors on a rig fit the tables, and feedback helps."""
+    off, closed, opened = in_brief([judged], printed), judged["closed_loop"], judged["open_loop"]
+    helps = all(closed[reference] < opened[reference] for reference in REFERENCES)
+    return off["median"] <= MEDIAN and off["largest"] <= LARGEST and helps
 
 
-def in_brief(full: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) -> dict[str, float]:
+def in_brief(full: Sequence[Judged], published: Mapping[str, Any]) -> dict[str, float]:
     """Return how far the full models are from print, by the keys of ``LIMITS``, as shares."""
 
     def off(measure: str, printed: Mapping[str, float]) -> np.ndarray:
@@ -260,3 +261,63 @@ def in_brief(full: Sequence[Mapping[str, Any]], published: Mapping[str, Any]) ->
         "closed_median": float(np.median(closed)),
         "closed": float(closed.max()),
     }
+
+
+_HEAD = """\
+Parameters of the simulated rig that differ from their defaults. Written by `fprc calibrate`
+(fprc {software}, {date}); docs/rigs.md explains it.
+
+Fitted over {count} parameters, from the ranges of `calibration` alone, with the seed {seed}, to the
+terms that `fitted.to` names. Everything else is predicted. How far the full models on {full_seeds}
+seeds of the fit are from print, errors of Tables II and III, open and closed loop of Table IV:
+{limits}
+{edges}
+"""
+
+
+def parameter_file(
+    name: str,
+    rig: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    shares: Mapping[str, float],
+    brief: Mapping[str, float],
+) -> str:
+    """Return the text of a rig's file: what was fitted, and what differs from the defaults."""
+    near = [path for path, share in shares.items() if not 0.02 <= share <= 0.98]
+    edges = f"Within 2 % of an end of their range: {', '.join(near) or 'none'}."
+    limits = (f"  {key}: {100 * share:.1f} %, at most {100 * LIMITS[key]:.0f}"
+              for key, share in brief.items())  # fmt: skip
+    head = _HEAD.format(
+        software=__version__, date=datetime.now(UTC).date(), count=len(shares), **calibration,
+        limits="\n".join(limits), edges=textwrap.fill(edges, 98),
+    )  # fmt: skip
+    values = {
+        "fitted": {"name": name, "to": list(calibration["fit"])},
+        "rig": Rig.model_validate(rig).model_dump(mode="json", exclude_defaults=True),
+    }
+    return textwrap.indent(head, "# ", lambda _: True) + yaml.safe_dump(
+        values, sort_keys=False, default_flow_style=None
+    )
+
+
+@contextmanager
+def _bench(
+    printed: Mapping[str, Any],
+    on_rig: RigSettings,
+    calibration: Mapping[str, Any],
+    how: Mapping[str, Any],
+) -> Iterator[Bench]:
+    ranges = free_ranges(calibration["free"], calibration["ranges"])
+    first = FIRST_SEED + SEEDS_PER_FIT * calibration["seed"]
+    with Parallel() as pool:
+        yield Bench(on_rig, ranges, targets(printed, calibration["fit"]), how, first, pool)
+
+
+def _judged(
+    judge: Callable[..., Judged], on_rig: RigSettings, *given: Any, **how: Any
+) -> Judged | None:
+    try:
+        Rig.model_validate(on_rig.rig)
+        return judge(on_rig, *given, **how)
+    except (FprcError, ValueError):
+        return None

@@ -1,10 +1,11 @@
-"""What a fit asks of a rig: logarithms of numbers, each with a range and a tolerance."""
+"""What a fit asks of a rig: logarithms of numbers, each with a range and a tolerance.
+
+The numbers of a judged rig are in groups, see ``surrogate``.
+"""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from functools import reduce
 from itertools import pairwise
-from operator import getitem
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,12 +13,8 @@ import numpy as np
 from fprc.paper import MODELS, PRINTED, REFERENCES
 from fprc.signals import loop_width, measure_hysteresis
 
-#: Tolerances of the logarithms of errors in training, in test, in open loop and, in the sweep,
-#: with feedback; of the share of the weights; of ratios that a claim limits; of what feedback
-#: leaves; of how a loop changes over the sweep.
-_TRAIN, _TEST, _OPEN, _CLOSED, _SHARE, _RATIO, _HELP, _SAME = (
-    0.03, 0.04, 0.04, 0.12, 0.2, 0.05, 0.06, 0.1,
-)  # fmt: skip
+#: Tolerances of the logarithms of ratios that a claim limits, and of what feedback leaves.
+_RATIO, _HELP = 0.05, 0.06
 
 #: Deviations of printed errors and of the open loop from which on they count more, as shares, and
 #: their tolerance there: a fit that is to be a default has none above 15 % (``fit.LIMITS``).
@@ -45,25 +42,24 @@ _CHANGE = 1.15
 _SHAPE = ("swing", "width_quarter", "width_half", "width_three_quarters", "slope")
 
 Judged = Mapping[str, Any]
-Path = tuple[Any, ...]
 
 
 class Target(NamedTuple):
     """The logarithm of a number of a judged rig, or of a ratio, and where it should lie."""
 
     term: str  #: its key in ``calibration.fit``
-    of: Path  #: keys that lead to the number
-    over: Path | None  #: and to what it is divided by
-    low: float
-    high: float
+    of: tuple[str, Any]  #: group and key of the number
     tolerance: float
+    high: float
+    low: float = -math.inf
+    over: tuple[str, Any] | None = None  #: group and key of what it is divided by
 
     def number(self, judged: Judged) -> float:
         """Return the number of a rig; NaN if it was not measured."""
-        try:
-            return _log(judged, self.of) - (_log(judged, self.over) if self.over else 0.0)
-        except KeyError:
+        if self.of[0] not in judged:
             return math.nan
+        number = _log(judged, self.of)
+        return number - _log(judged, self.over) if self.over else number
 
 
 def targets(published: Mapping[str, Any], terms: Sequence[str]) -> list[Target]:
@@ -71,40 +67,35 @@ def targets(published: Mapping[str, Any], terms: Sequence[str]) -> list[Target]:
     return [target for target in _targets(published) if target.term in terms]
 
 
-def numbers_of(judged: Sequence[Judged | None], of: Sequence[Target]) -> np.ndarray:
+def numbers_of(judged: Sequence[Judged], of: Sequence[Target]) -> np.ndarray:
     """Return the numbers of targets, means over seeds; NaN for what was not measured."""
-    return np.array([np.mean([target.number(seed) for seed in judged if seed]) for target in of])
+    return np.array([np.mean([target.number(seed) for seed in judged]) for target in of])
 
 
 def misses(numbers: np.ndarray, of: Sequence[Target]) -> np.ndarray:
     """Return by how many tolerances numbers lie outside their ranges; 0 for NaN."""
-    *_, low, high, tolerance = zip(*of, strict=True)
+    low, high, tolerance = np.array([(t.low, t.high, t.tolerance) for t in of]).T
     return np.nan_to_num((numbers - np.clip(numbers, low, high)) / tolerance)
 
 
 def properties(sweep: Mapping[str, np.ndarray]) -> dict[str, float]:
     """Return properties of a rig's loops in the sweep.
 
-    Returns
-    -------
-    dict
-        ``angle_deg``, the largest angle; ``loop_kpa``, the full width of the loop of P_exp over
-        theta at mid-angle; ``p_o_swing_kpa``; ``p_o_loop``, the width of P_o's loop over its
-        swing; and how loops change, by "loop measure", see ``measure_hysteresis``.
+    ``angle_deg`` is the largest angle, ``loop_kpa`` the full width of the loop of P_exp over theta
+    at mid-angle, ``p_o_loop`` the width of P_o's loop over its swing; how loops change is by "loop
+    measure", see ``measure_hysteresis``.
     """
     theta, p_o = sweep["theta_deg"], sweep["p_o_kpa"]
     swing = float(np.ptp(p_o))
-    return {
+    found = {
         "angle_deg": float(theta.max()),
         "loop_kpa": loop_width(theta, sweep["p_target_kpa"]),
         "p_o_swing_kpa": swing,
         "p_o_loop": loop_width(theta, p_o) / swing,
-        **{
-            f"{loop} {measure}": change
-            for loop, changes in measure_hysteresis(sweep).items()
-            for measure, change in changes.items()
-        },
     }
+    for loop, changes in measure_hysteresis(sweep).items():
+        found |= {f"{loop} {measure}": change for measure, change in changes.items()}
+    return found
 
 
 def printed_errors(published: Mapping[str, Any]) -> dict[str, float]:
@@ -122,62 +113,45 @@ def printed_errors(published: Mapping[str, Any]) -> dict[str, float]:
     return errors
 
 
-def errors_of(compared: Mapping[str, Any]) -> dict[str, float]:
-    """Return the errors of Tables II and III of one rig, by "trained on/model/phase"."""
-    errors = {}
-    for report in compared["models"]:
-        key = f"{report['trained_on']}/{report['model']}"
-        errors[f"{key}/train"] = float(np.mean(report["train_rmse_kpa"]))
-        errors[f"{key}/test"] = float(report["test_rmse_kpa"])
-    return errors
-
-
 def _targets(published: Mapping[str, Any]) -> Iterator[Target]:
     for key, printed in printed_errors(published).items():
-        tolerance = _TRAIN if key.endswith("train") else _TEST
-        yield _near("tables", ("errors", key), printed, tolerance)
-        yield _not_far("tables", ("errors", key), printed)
+        yield from _printed("tables", ("errors", key), printed, 0.03 if "train" in key else 0.04)
     for log in ("sweep", "complex"):
         for other in ("esn", "fuzzy_linear"):
-            keys = ("errors", f"{log}/fprc/test"), ("errors", f"{log}/{other}/test")
-            yield _below("orders", *keys, -_MARGIN, _RATIO)
-    keys = ("errors", "sweep/esn/train"), ("errors", "sweep/fprc/train")
-    yield _below("C1b", *keys, -0.015, 0.01)
+            of, over = ("errors", f"{log}/fprc/test"), ("errors", f"{log}/{other}/test")
+            yield Target("orders", of, _RATIO, -_MARGIN, over=over)
+    of, over = ("errors", "sweep/esn/train"), ("errors", "sweep/fprc/train")
+    yield Target("C1b", of, 0.01, -0.015, over=over)
     shares = published["fig_portion_mean_weight_share_percent"]
-    share = ("shares", "p_o_over_theta_d")
-    yield _near("C8", share, shares["p_o"] / shares["theta_d"], _SHARE)
+    ratio = math.log(shares["p_o"] / shares["theta_d"])
+    yield Target("C8", ("shares", "p_o_over_theta_d"), 0.2, ratio, ratio)
     for name, (low, high, tolerance) in PLAUSIBLE.items():
-        ends = math.log(low), math.log(high)
-        yield Target("plausible", ("properties", name), None, *ends, tolerance)
+        yield Target("plausible", ("properties", name), tolerance, math.log(high), math.log(low))
     most = math.log(_CHANGE)
     for loop in ("actuator", "reservoir"):
         for measure in _SHAPE:
-            yield Target("C18", ("properties", f"{loop} {measure}"), None, -most, most, _SAME)
+            yield Target("C18", ("properties", f"{loop} {measure}"), 0.1, most, -most)
     for higher, lower in pairwise(range(len(EPSILONS))):
-        yield _below("C9a", ("epsilon", higher), ("epsilon", lower), -_MARGIN, _RATIO)
+        yield Target("C9a", ("epsilon", higher), _RATIO, -_MARGIN, over=("epsilon", lower))
     table = published["table_4_tracking_rmse_deg"]
     for reference in REFERENCES:
         opened = ("open_loop", reference)
-        yield _near("open_loop", opened, table["fprc"][reference], _OPEN)
-        yield _not_far("open_loop", opened, table["fprc"][reference])
+        yield from _printed("open_loop", opened, table["fprc"][reference], 0.04)
         for term, (loop, left) in _LEFT.items():
-            yield _below(term, (loop, reference), opened, math.log(left), _HELP)
+            yield Target(term, (loop, reference), _HELP, math.log(left), over=opened)
     # how much feedback helps in the sweep says which inertia; the other references judge it
-    yield _near("closed_sweep", ("closed_loop", "sweep"), table["fprc_pd"]["sweep"], _CLOSED)
+    closed = math.log(table["fprc_pd"]["sweep"])
+    yield Target("closed_sweep", ("closed_loop", "sweep"), 0.12, closed, closed)
 
 
-def _log(judged: Any, path: Path) -> float:
-    return math.log(max(reduce(getitem, path, judged), 1e-3))  # a loop may have no width
+def _log(judged: Judged, of: tuple[str, Any]) -> float:
+    group, key = of
+    return math.log(max(judged[group][key], 1e-3))  # a loop may have no width
 
 
-def _near(term: str, of: Path, printed: float, tolerance: float) -> Target:
-    return Target(term, of, None, math.log(printed), math.log(printed), tolerance)
-
-
-def _not_far(term: str, of: Path, printed: float) -> Target:
-    low, high = (math.log(printed * share) for share in (1.0 - _FAR, 1.0 + _FAR))
-    return Target(term, of, None, low, high, _MORE)
-
-
-def _below(term: str, of: Path, over: Path, most: float, tolerance: float) -> Target:
-    return Target(term, of, over, -math.inf, most, tolerance)
+def _printed(term: str, of: tuple[str, Any], printed: float, tolerance: float) -> Iterator[Target]:
+    """Yield that a number should be as printed, and what counts more if it is far from it."""
+    at = math.log(printed)
+    yield Target(term, of, tolerance, at, at)
+    low, high = math.log(printed * (1.0 - _FAR)), math.log(printed * (1.0 + _FAR))
+    yield Target(term, of, _MORE, high, low)

@@ -29,52 +29,52 @@ _RADIUS, _LEAST, _MOST, _SHRINK = 0.15, 0.01, 0.4, 0.4
 #: over: numbers of one pair of points are noisy.
 _DAMPING, _CORRECTED = 0.3, 0.7
 
-#: Numbers of points, None for those that are impossible.
-Judge = Callable[[Sequence[np.ndarray]], Sequence[np.ndarray | None]]
 Misses = Callable[[np.ndarray], np.ndarray]
 
 
-class Found(NamedTuple):
-    """A point that was judged."""
-
+class _Judged(NamedTuple):
     point: np.ndarray
     numbers: np.ndarray
     loss: float
 
 
-def search_round(judge: Judge, misses_of: Misses, start: np.ndarray) -> Found:
+def search_round(
+    numbers_at: Callable[[Sequence[np.ndarray]], Sequence[np.ndarray | None]],
+    misses_of: Misses,
+    start: np.ndarray,
+) -> tuple[float, np.ndarray]:
     """Lower the sum of squares of ``misses_of`` over the unit cube by one round from a point.
 
-    Returns
-    -------
-    Found
-        The best of all points; the start with a loss of infinity if it is impossible.
+    ``numbers_at`` gives None for an impossible point. Return the loss and the point of the best;
+    infinity and the start if that is impossible.
     """
 
-    def judged(points: Sequence[np.ndarray]) -> list[Found | None]:
+    def judged(points: Sequence[np.ndarray]) -> list[_Judged | None]:
         return [
-            None if numbers is None else Found(at, numbers, float(np.sum(misses_of(numbers) ** 2)))
-            for at, numbers in zip(points, judge(points), strict=True)
+            None if found is None else _Judged(at, found, float(np.sum(misses_of(found) ** 2)))
+            for at, found in zip(points, numbers_at(points), strict=True)
         ]
 
     (begin,) = judged([start])
     if begin is None:
-        return Found(start, np.empty(0), math.inf)
+        return math.inf, start
     steps = np.where(start + _STEP <= 1.0, _STEP, -_STEP)
     neighbours = judged(list(start + np.diag(steps)))
     # a parameter whose neighbour is impossible has no effect
-    slopes = np.column_stack([
-        np.zeros(len(begin.numbers)) if near is None else (near.numbers - begin.numbers) / step
-        for near, step in zip(neighbours, steps, strict=True)
-    ])  # fmt: skip
-    here = min([begin, *filter(None, neighbours)], key=_loss)
+    slopes = np.zeros((len(begin.numbers), len(start)))
+    for k, near in enumerate(neighbours):
+        if near:
+            slopes[:, k] = (near.numbers - begin.numbers) / steps[k]
+    here = min([begin, *filter(None, neighbours)], key=lambda found: found.loss)
     radius, failed = _RADIUS, 0
     for _ in range(_STEPS):
         radii = [min(share * radius, _MOST) for share in _REACH]
         found = judged([_least_within(reach, here, slopes, misses_of) for reach in radii])
         tried = [(new, reach) for new, reach in zip(found, radii, strict=True) if new]
         for new, _ in sorted(tried, key=lambda pair: -pair[0].loss):
-            slopes = _corrected(slopes, here, new)
+            if (step := new.point - here.point).any():  # Broyden
+                unexplained = new.numbers - here.numbers - slopes @ step
+                slopes = slopes + _CORRECTED * np.outer(unexplained, step) / (step @ step)
         best, reached = min(tried, key=lambda pair: pair[0].loss, default=(here, 0.0))
         failed = 0 if best.loss < (1.0 - _GAIN) * here.loss else failed + 1
         better = best.loss < here.loss
@@ -82,23 +82,12 @@ def search_round(judge: Judge, misses_of: Misses, start: np.ndarray) -> Found:
         radius = max(radius, _LEAST)
         if failed == _FAILED:
             break
-    return here
+    return here.loss, here.point
 
 
-def _loss(judged: Found) -> float:
-    return judged.loss
-
-
-def _corrected(slopes: np.ndarray, here: Found, new: Found) -> np.ndarray:
-    """Return the slopes that explain more of what was found at a new point (Broyden)."""
-    step = new.point - here.point
-    if not step.any():
-        return slopes
-    unexplained = new.numbers - here.numbers - slopes @ step
-    return slopes + _CORRECTED * np.outer(unexplained, step) / (step @ step)
-
-
-def _least_within(radius: float, here: Found, slopes: np.ndarray, misses_of: Misses) -> np.ndarray:
+def _least_within(
+    radius: float, here: _Judged, slopes: np.ndarray, misses_of: Misses
+) -> np.ndarray:
     """Return the point within ``radius`` at which the linear model's loss is least.
 
     A parameter that moves the numbers more than most has a smaller radius in proportion, because
@@ -108,16 +97,13 @@ def _least_within(radius: float, here: Found, slopes: np.ndarray, misses_of: Mis
     radii = radius / np.maximum(effects / max(float(np.median(effects)), 1e-9), 1.0)
 
     def residuals(share: np.ndarray) -> np.ndarray:
-        return np.concatenate(
-            [misses_of(here.numbers + slopes @ (radii * share)), _DAMPING * share]
-        )
+        missed = misses_of(here.numbers + slopes @ (radii * share))
+        return np.concatenate([missed, _DAMPING * share])
 
-    low, high = (
-        np.maximum(-1.0, -here.point / radii),
-        np.minimum(1.0, (1.0 - here.point) / radii),
-    )
+    low = np.maximum(-1.0, -here.point / radii)
+    high = np.minimum(1.0, (1.0 - here.point) / radii)
     # a start close to a bound costs the solver most of its steps
     inset = 0.05 * (high - low)
-    begin = np.clip(np.zeros(len(low)), low + inset, high - inset)
+    begin = np.clip(0.0, low + inset, high - inset)
     fit = least_squares(residuals, begin, bounds=(low, high), diff_step=1e-3, max_nfev=15)
     return np.clip(here.point + radii * fit.x, 0.0, 1.0)

@@ -1,81 +1,60 @@
-"""Free parameters of the rig as a point in the unit cube."""
+"""Free parameters of the rig as a point in the unit cube.
+
+``ranges`` are those of ``fprc.config.rig.free_ranges``: by the path of a number
+("bending.friction_kpa"), or of one in a list ("bending.relaxation_time_s.0"). The last of several
+slip weights is not free: it is 1 minus the others. A range that spans a decade or more is searched
+by its logarithm.
+"""
 
 import copy
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import reduce
 from operator import getitem
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from fprc.config.rig import LONGEST_LAG_S, free_ranges, squeeze_lag, stiffest_squeeze
+from fprc.config.rig import LONGEST_LAG_S, squeeze_lag, stiffest_squeeze
+
+Ranges = Mapping[str, tuple[float, float]]
 
 #: Largest sum of the slip weights without the last one.
 _MOST = 0.97
 
 
-class Free(NamedTuple):
-    """A parameter that the search may change, within its physical range.
+def encode(rig: Mapping[str, Any], ranges: Ranges) -> np.ndarray:
+    """Return a rig's point in the unit cube; a value outside its range is moved to its end."""
+    point = []
+    for path, (low, high) in ranges.items():
+        value = min(max(value_at(rig, path), low), high)
+        if _is_wide(low, high):
+            point.append(math.log(value / low) / math.log(high / low))
+        else:
+            point.append((value - low) / (high - low))
+    return np.array(point)
 
-    ``path`` names a number ("bending.friction_kpa"), or one of a list
-    ("bending.relaxation_time_s.0"). The last of several slip weights cannot be free: it is 1 minus
-    the others. A range that spans a decade or more is searched by its logarithm.
+
+def decode(point: np.ndarray, rig: Mapping[str, Any], ranges: Ranges) -> dict[str, Any]:
+    """Return a copy of ``rig`` with its free parameters at a point, shares of their ranges.
+
+    The rig that is judged is the rig that is written: numbers have the digits of its file. The
+    damping of the squeeze is lowered for its lag, then raised for its integration step (to a share
+    of 0.48 of the distance to equilibrium); where no damping does for both, ``Rig`` refuses it.
     """
-
-    path: str
-    low: float
-    high: float
-
-    @property
-    def logarithmic(self) -> bool:
-        """Whether the range is wide enough to be searched by its logarithm."""
-        return self.low > 0 and self.high / self.low >= 10.0
-
-    def share_of(self, value: float) -> float:
-        """Return where in its range a value lies, 0 to 1; one outside is moved to the end."""
-        value = min(max(value, self.low), self.high)
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
-
-    def value_at(self, share: float) -> float:
-        """Return the value at a share of the range, with the digits of a rig's file."""
-        if self.logarithmic:
-            return _rounded(self.low * (self.high / self.low) ** share)
-        return _rounded(self.low + share * (self.high - self.low))
-
-
-def free_parameters(
-    paths: Sequence[str], ranges: Mapping[str, Sequence[float]] | None = None
-) -> list[Free]:
-    """Return the free parameters, each with its range: a narrower one if given, else the physical.
-
-    Raises
-    ------
-    ValueError
-        See ``free_ranges``; in a configuration that was checked, none is raised.
-    """
-    return [Free(path, *limits) for path, limits in free_ranges(paths, ranges or {}).items()]
-
-
-def encode(rig: Mapping[str, Any], free: Sequence[Free]) -> np.ndarray:
-    """Return the rig's point in the unit cube."""
-    return np.array([parameter.share_of(value_at(rig, parameter.path)) for parameter in free])
-
-
-def decode(point: np.ndarray, rig: Mapping[str, Any], free: Sequence[Free]) -> dict[str, Any]:
-    """Return a copy of ``rig`` with its free parameters at ``point``; see ``resolved``.
-
-    The rig that is judged is the rig that is written: numbers have the digits of its file.
-
-    Parameters
-    ----------
-    point : ndarray of shape (n_parameters,)
-        Each parameter as a share of its range, 0 to 1.
-    """
-    values = [parameter.value_at(share) for parameter, share in zip(free, point, strict=True)]
-    return resolved(with_values(rig, [parameter.path for parameter in free], values))
+    values = {}
+    for share, (path, (low, high)) in zip(point, ranges.items(), strict=True):
+        if _is_wide(low, high):
+            values[path] = _rounded(low * (high / low) ** share)
+        else:
+            values[path] = _rounded(low + share * (high - low))
+    found = with_values(rig, values)
+    reservoir = found["reservoir"]
+    damping = reservoir["squeeze_damping_kpa_s_per_ml"]
+    most = damping * LONGEST_LAG_S / squeeze_lag(found)
+    least = found["step_s"] * stiffest_squeeze(found) / 0.48
+    reservoir["squeeze_damping_kpa_s_per_ml"] = _rounded(max(min(damping, 0.999 * most), least))
+    return found
 
 
 def value_at(rig: Mapping[str, Any], path: str) -> float:
@@ -84,12 +63,10 @@ def value_at(rig: Mapping[str, Any], path: str) -> float:
     return float(holder[key])
 
 
-def with_values(
-    rig: Mapping[str, Any], paths: Sequence[str], values: Sequence[float]
-) -> dict[str, Any]:
+def with_values(rig: Mapping[str, Any], values: Mapping[str, float]) -> dict[str, Any]:
     """Return a copy of ``rig`` with numbers at paths; the last slip weights follow."""
     changed = copy.deepcopy(dict(rig))
-    for path, value in zip(paths, values, strict=True):
+    for path, value in values.items():
         holder, key = _place(changed, path)
         holder[key] = value
     for section in ("bending", "reservoir"):
@@ -100,26 +77,15 @@ def with_values(
     return changed
 
 
-def resolved(rig: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the rig with a damping of the squeeze that its lag and its integration step allow.
-
-    The damping is lowered for the lag, then raised for the step (to a share of 0.48 of the distance
-    to equilibrium); where no damping does for both, ``fprc.config.rig.Rig`` refuses the rig.
-    """
-    reservoir = dict(rig["reservoir"])
-    damping = reservoir["squeeze_damping_kpa_s_per_ml"]
-    most = damping * LONGEST_LAG_S / squeeze_lag(rig)
-    least = rig["step_s"] * stiffest_squeeze(rig) / 0.48
-    allowed = max(min(damping, 0.999 * most), least)
-    reservoir["squeeze_damping_kpa_s_per_ml"] = float(f"{allowed:.4g}")
-    return {**rig, "reservoir": reservoir}
-
-
 def _place(rig: Mapping[str, Any], path: str) -> tuple[Any, Any]:
     """Return the section or list that holds a number, and its key there."""
     *sections, last = path.split(".")
     holder = reduce(getitem, sections, rig)
     return holder, last if isinstance(holder, Mapping) else int(last)
+
+
+def _is_wide(low: float, high: float) -> bool:
+    return low > 0 and high / low >= 10.0
 
 
 def _rounded(value: float) -> float:

@@ -7,7 +7,7 @@ rigs do not jump where a clustering ends elsewhere.
 """
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from sklearn.base import RegressorMixin
@@ -21,12 +21,12 @@ from fprc.experiments.comparison import (
     shares_of,
     weight_shares,
 )
-from fprc.experiments.data import Data, RigSettings, simulate
+from fprc.experiments.data import RigSettings, simulate
 from fprc.experiments.tracking import Track, tracking_errors
 from fprc.models import SequenceModel, TakagiSugenoReadout
 from fprc.paper import DIRECTIONS, MODELS
 from fprc.registry import build
-from fprc.studies.calibration.objective import EPSILONS, errors_of, properties
+from fprc.studies.calibration.objective import EPSILONS, properties
 
 #: Share of the rows that trains a readout in the full models' cross-validation.
 _TRAINED = 0.8
@@ -41,6 +41,13 @@ ESN_NODES = 100
 LOOPS = {"open_loop": 0.0, "closed_loop": 1.0, "firm_loop": 1.5}
 
 
+def judge_loops(on_rig: RigSettings, seed: int, **_: Any) -> dict[str, Any]:
+    """Return the properties of a rig's loops in the sweep alone."""
+    signals = {"sweep": on_rig.signals["sweep"]}
+    sweep = simulate(on_rig.changed(signals=signals), seed)["sweep"]
+    return {"properties": properties(sweep.channels)}
+
+
 def judge_by_surrogate(
     on_rig: RigSettings,
     seed: int,
@@ -51,44 +58,53 @@ def judge_by_surrogate(
 ) -> dict[str, Any]:
     """Return what the objective needs of a rig, for one seed.
 
-    Parameters
-    ----------
-    centers : Mapping
-        Centres at which clusterings begin; those that are not in it begin at random.
-    validation : Mapping
-        Arguments of ``CrossValidation``; the seed is ``seed``.
-    tracking : Mapping
-        Section of the configuration.
-
-    Returns
-    -------
-    dict
-        ``errors`` by "trained on/model/phase", kPa; ``properties``, see ``objective.properties``;
-        ``shares``, that of P_o in the weights over theta_d's; training errors over falling
-        ``epsilon``; RMSE by reference in the loops of ``LOOPS``, deg; and the ``centers`` of all
-        clusterings.
+    Groups of numbers: ``errors`` by "trained on/model/phase", kPa; ``properties``, see
+    ``objective.properties``; ``shares``, that of P_o in the weights over theta_d's (Eqs. 13, 14);
+    training errors over falling ``epsilon``; RMSE by reference in each of ``LOOPS``, deg. Also the
+    ``centers`` of all clusterings, which begin at those that are given, else at random.
+    ``validation`` has the arguments of ``CrossValidation`` but for the seed; ``tracking`` is the
+    section of the configuration.
     """
-    logs = simulate(on_rig, seed)
-    thinned = _Thinned(logs, _adapted(validation["models"]), seed, dict(centers))
-    prepared = {name: thinned.prepare(name) for name in MODELS}
-    readouts = {
-        (train, name): thinned.readout(prepared[name], train, f"{train}, {name}")
-        for train, _ in DIRECTIONS
-        for name in MODELS
-    }
-    model = prepared["fprc"].fitted(readouts["sweep", "fprc"])
+    logs, models, centers = simulate(on_rig, seed), validation["models"], dict(centers)
+    alpha, esn = models["alpha"] / (_TRAINED * STRIDE), {**models["esn"], "r": ESN_NODES}
+    models = {**models, "alpha": alpha, "esn": esn}
+
+    def thinned(name: str, **changed: Any) -> Prepared:
+        samples = {log: data.samples(name) for log, data in logs.items()}
+        whole = prepare(build(name, models, seed, **changed), samples)
+        rows = {log: values[::STRIDE] for log, values in whole.rows.items()}
+        y = {log: values[::STRIDE] for log, values in whole.y.items()}
+        return whole._replace(rows=rows, y=y)
+
+    def fitted(prepared: Prepared, log: str, what: str) -> RegressorMixin:
+        """Fit a readout to a log; ``what`` names its clustering, if it has one."""
+        readout = prepared.model.make_readout()
+        if not isinstance(readout, TakagiSugenoReadout):
+            return readout.fit(prepared.rows[log], prepared.y[log])
+        readout.fit(prepared.rows[log], prepared.y[log], init=centers.get(what))
+        centers.setdefault(what, readout.centers_)
+        return readout
+
+    prepared = {name: thinned(name) for name in MODELS}
+    readouts, errors, epsilons = {}, {}, []
+    for train, test in DIRECTIONS:
+        for name, of_model in prepared.items():
+            readout = readouts[train, name] = fitted(of_model, train, f"{train}, {name}")
+            errors[f"{train}/{name}/train"] = of_model.error(readout, train)
+            errors[f"{train}/{name}/test"] = of_model.error(readout, test)
+    for epsilon in EPSILONS:
+        changed = thinned("fprc", epsilon=epsilon)
+        epsilons.append(changed.error(fitted(changed, "sweep", f"epsilon {epsilon}"), "sweep"))
+    fprc = prepared["fprc"]
+    weights = shares_of(fitted(normalised(fprc, "sweep"), "sweep", "shares").W_out_)
+    _, of_theta_d, of_p_o = np.split(weights, [1, 1 + fprc.model.n_y], axis=1)
     return {
-        "errors": {
-            f"{train}/{name}/{phase}": prepared[name].error(readouts[train, name], log)
-            for train, test in DIRECTIONS
-            for name in MODELS
-            for phase, log in (("train", train), ("test", test))
-        },
+        "errors": errors,
         "properties": properties(logs["sweep"].channels),
-        "shares": {"p_o_over_theta_d": thinned.p_o_over_theta_d(prepared["fprc"])},
-        "epsilon": [thinned.training_error(epsilon) for epsilon in EPSILONS],
-        **_tracked(on_rig, seed, model, tracking),
-        "centers": thinned.centers,
+        "shares": {"p_o_over_theta_d": float(of_p_o.sum() / of_theta_d.sum())},
+        "epsilon": epsilons,
+        **_tracked(on_rig, seed, fprc.fitted(readouts["sweep", "fprc"]), tracking),
+        "centers": centers,
     }
 
 
@@ -101,14 +117,18 @@ def judge_fully(
 ) -> dict[str, Any]:
     """Return what ``judge_by_surrogate`` does, errors, shares and loops of the full models."""
     how = CrossValidation(**{**validation, "seed": seed})
-    data = simulate(on_rig, seed)
+    data, errors = simulate(on_rig, seed), {}
     of_models = {name: cross_validate_both(name, how, data) for name in MODELS}
-    reports = [report for directions in of_models.values() for _, report, _ in directions]
+    for name, directions in of_models.items():
+        for _, report, _ in directions:
+            key = f"{report['trained_on']}/{name}"
+            errors[f"{key}/train"] = float(np.mean(report["train_rmse_kpa"]))
+            errors[f"{key}/test"] = float(report["test_rmse_kpa"])
     shares = weight_shares(data["sweep"], how)["mean_share"]
     (trained_on_sweep, *_), _ = of_models["fprc"]
     return {
         **judge_by_surrogate(on_rig, seed, {}, validation=validation, tracking=tracking),
-        "errors": errors_of({"models": reports}),
+        "errors": errors,
         "shares": {"p_o_over_theta_d": shares["p_o"] / shares["theta_d"]},
         **_tracked(on_rig, seed, trained_on_sweep.model, tracking),
     }
@@ -119,51 +139,3 @@ def _tracked(
 ) -> dict[str, dict[str, float]]:
     bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, seed)
     return tracking_errors(bench, model, LOOPS)
-
-
-def _adapted(models: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the section ``models``, with the surrogate's ridge and nodes."""
-    return {
-        **models,
-        "alpha": models["alpha"] / (_TRAINED * STRIDE),
-        "esn": {**models["esn"], "r": ESN_NODES},
-    }
-
-
-class _Thinned(NamedTuple):
-    """Models on every n-th row of two logs, see ``STRIDE``."""
-
-    logs: Mapping[str, Data]
-    models: Mapping[str, Any]
-    seed: int
-    centers: dict[str, np.ndarray]
-
-    def prepare(self, name: str, **changed: Any) -> Prepared:
-        """Return a model with its features of both logs."""
-        model = build(name, self.models, self.seed, **changed)
-        whole = prepare(model, {log: data.samples(name) for log, data in self.logs.items()})
-        rows, y = (
-            {log: values[::STRIDE] for log, values in of_logs.items()}
-            for of_logs in (whole.rows, whole.y)
-        )
-        return whole._replace(rows=rows, y=y)
-
-    def readout(self, prepared: Prepared, log: str, what: str) -> RegressorMixin:
-        """Fit a model's readout to a log; ``what`` names its clustering, if it has one."""
-        readout = prepared.model.make_readout()
-        if isinstance(readout, TakagiSugenoReadout):
-            readout.fit(prepared.rows[log], prepared.y[log], init=self.centers.get(what))
-            self.centers.setdefault(what, readout.centers_)
-            return readout
-        return readout.fit(prepared.rows[log], prepared.y[log])
-
-    def training_error(self, epsilon: float) -> float:
-        """Return the RMSE of FPRC with another epsilon on the sweep that trains it, kPa."""
-        prepared = self.prepare("fprc", epsilon=epsilon)
-        return prepared.error(self.readout(prepared, "sweep", f"epsilon {epsilon}"), "sweep")
-
-    def p_o_over_theta_d(self, fprc: Prepared) -> float:
-        """Return the mean share of P_o in the weights over theta_d's (Eqs. 13, 14)."""
-        n_y = fprc.model.n_y
-        weights = shares_of(self.readout(normalised(fprc, "sweep"), "sweep", "shares").W_out_)
-        return float(weights[:, 1 + n_y :].sum() / weights[:, 1 : 1 + n_y].sum())

@@ -28,9 +28,8 @@ def find(number_of, misses_of, start, rounds, *, possible=lambda point: True):
 
     point = np.asarray(start, dtype=float)
     for _ in range(rounds):
-        found = search_round(judge, misses_of, point)
-        point = found.point
-    return found
+        loss, point = search_round(judge, misses_of, point)
+    return loss, point
 
 
 def misses_of_rates(numbers):
@@ -45,23 +44,22 @@ def misses_of_rates(numbers):
     ],
 )
 def test_rounds_end_at_the_best_point(number_of, misses_of, start, best, rounds):
-    found = find(number_of, misses_of, start, rounds)
-    assert found.point == pytest.approx(best, abs=0.02)
-    assert found.loss == pytest.approx(np.sum(misses_of(number_of(found.point)) ** 2))
+    loss, point = find(number_of, misses_of, start, rounds)
+    assert point == pytest.approx(best, abs=0.02)
+    assert loss == pytest.approx(np.sum(misses_of(number_of(point)) ** 2))
     assert all((p >= 0.0).all() and (p <= 1.0).all() for p in find.judged)
 
 
 def test_impossible_points_are_passed_by_and_the_bound_is_reached():
     best = np.array([1.2, 0.5, 0.3])
-    found = find(
+    _, point = find(
         np.copy, lambda numbers: (numbers - best) / 0.02, np.full(3, 0.6), 3,
         possible=lambda point: not 0.2 < point[2] < 0.35,
     )  # fmt: skip
-    assert found.point[:2] == pytest.approx([1.0, 0.5], abs=0.1)
-    assert not 0.2 < found.point[2] < 0.35
+    assert point[:2] == pytest.approx([1.0, 0.5], abs=0.1)
+    assert not 0.2 < point[2] < 0.35
 
 
 def test_round_from_an_impossible_point_ends_there():
-    found = find(np.copy, np.copy, [0.5, 0.5], 1, possible=lambda point: False)
-    assert found.point.tolist() == [0.5, 0.5]
-    assert found.loss == np.inf
+    loss, point = find(np.copy, np.copy, [0.5, 0.5], 1, possible=lambda point: False)
+    assert (loss, point.tolist()) == (np.inf, [0.5, 0.5])

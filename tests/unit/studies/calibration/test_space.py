@@ -7,50 +7,48 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from fprc.config import Settings, check
-from fprc.config.rig import LONGEST_LAG_S, Rig, squeeze_lag, stiffest_squeeze
+from fprc.config.rig import LONGEST_LAG_S, Rig, free_ranges, squeeze_lag, stiffest_squeeze
 from fprc.errors import ConfigError
-from fprc.studies.calibration.space import Free, decode, free_parameters
+from fprc.studies.calibration.space import decode, encode
+
+RIG = Settings().rig.model_dump(mode="json")
+ALL = free_ranges(Settings().calibration.free, Settings().calibration.ranges)
+PATH = "drift.time_s"
 
 shares = st.floats(0.0, 1.0)
 ranges = st.tuples(st.floats(1e-4, 1e3), st.floats(1.01, 1e4)).map(
     lambda drawn: (drawn[0], drawn[0] * drawn[1])
 )
+in_the_cube = st.lists(
+    shares | st.sampled_from([0.0, 1.0]), min_size=len(ALL), max_size=len(ALL)
+).map(np.array)
 
 
 @given(shares, ranges)
 def test_share_undoes_value_within_the_rounding_whatever_the_range(share, limits):
-    free = Free("drift.time_s", *limits)
-    low, high = limits
+    found = encode(decode([share], RIG, {PATH: limits}), {PATH: limits})
     # four digits are at worst 1.0005 for 1.000
-    worst = 5e-4 * (1.0 / math.log(high / low) if free.logarithmic else high / (high - low))
-    assert free.share_of(free.value_at(share)) == pytest.approx(share, abs=1.01 * worst)
+    low, high = limits
+    per = 1.0 / math.log(high / low) if high / low >= 10.0 else high / (high - low)
+    assert found == pytest.approx([share], abs=1.01 * 5e-4 * per)
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "logarithmic"),
-    [(1.0, 10.0, True), (1.0, 9.999, False), (0.0, 1000.0, False), (-10.0, 100.0, False)],
+    ("low", "high", "middle"),
+    [(1.0, 10.0, math.sqrt(10.0)), (1.0, 9.999, 5.4995), (0.0, 100.0, 50.0), (-10.0, 100.0, 45.0)],
 )
-def test_range_of_a_decade_above_zero_is_logarithmic(low, high, logarithmic):
-    free = Free("drift.time_s", low, high)
-    expected = math.sqrt(low * high) if logarithmic else 0.5 * (low + high)
-    assert free.logarithmic is logarithmic
-    assert free.value_at(0.5) == pytest.approx(expected, rel=5e-4)  # four digits
-    assert [free.share_of(value) for value in (low - 1.0, expected, high + 1.0)] == pytest.approx(
-        [0.0, 0.5, 1.0]
-    )
+def test_range_of_a_decade_above_zero_is_logarithmic(low, high, middle):
+    limits = {PATH: (low, high)}
+    value = decode([0.5], RIG, limits)["drift"]["time_s"]
+    assert value == pytest.approx(middle, rel=5e-4)  # four digits
+    for outside, share in ((low - 1.0, 0.0), (high + 1.0, 1.0)):
+        assert encode(RIG | {"drift": {"time_s": outside}}, limits) == pytest.approx([share])
 
 
-FULL_RIG = Settings().rig.model_dump(mode="json")
-ALL = free_parameters(Settings().calibration.free, Settings().calibration.ranges)
-in_the_cube = st.lists(
-    st.floats(0.0, 1.0) | st.sampled_from([0.0, 1.0]), min_size=len(ALL), max_size=len(ALL)
-).map(np.array)
-
-
-@given(st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3))
+@given(st.lists(shares, min_size=3, max_size=3))
 def test_weights_that_leave_room_are_taken_as_they_are(shares):
-    free = free_parameters([f"bending.slip_weight.{k}" for k in range(3)])
-    *own, last = decode(np.array(shares), FULL_RIG, free)["bending"]["slip_weight"]
+    free = free_ranges([f"bending.slip_weight.{k}" for k in range(3)], {})
+    *own, last = decode(np.array(shares), RIG, free)["bending"]["slip_weight"]
     if sum(shares) <= 0.97:
         assert own == pytest.approx(shares, abs=5e-5)
     else:
@@ -61,7 +59,7 @@ def test_weights_that_leave_room_are_taken_as_they_are(shares):
 
 @given(in_the_cube)
 def test_rig_of_a_point_is_valid_unless_no_damping_suits_lag_and_step(point):
-    found = decode(point, FULL_RIG, ALL)
+    found = decode(point, RIG, ALL)
     try:
         Rig.model_validate(found)
     except ValidationError:
@@ -71,13 +69,9 @@ def test_rig_of_a_point_is_valid_unless_no_damping_suits_lag_and_step(point):
 
 
 def test_narrower_range_replaces_the_physical_one():
-    free = free_parameters(
-        ["drift.time_s", "bending.slip_distance_deg.0", "drift.sigma_kpa"],
-        {"drift.time_s": [2, 3.5], "bending.slip_distance_deg.0": [0.5, 1.5]},
-    )
-    assert [(parameter.low, parameter.high) for parameter in free] == [
-        (2.0, 3.5), (0.5, 1.5), (0.0, 15.0),
-    ]  # fmt: skip
+    narrower = {"drift.time_s": [2, 3.5], "bending.slip_distance_deg.0": [0.5, 1.5]}
+    found = free_ranges([*narrower, "drift.sigma_kpa"], narrower)
+    assert list(found.values()) == [(2.0, 3.5), (0.5, 1.5), (0.0, 15.0)]
 
 
 WRONG_PATHS = ["bending", "bending.friciton_kpa", "models.esn.r", "bending.relaxation_time_s.-1"]
