@@ -13,8 +13,8 @@ def kernel(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
 
     numba drops a cached kernel when its file changes, but not when another file changes that
     defines a function it calls. The names of the cache's files therefore have a hash of this file,
-    of ``fprc.control_laws``, and of all sources of the kernel's package. A kernel must not call a
-    kernel of another package. If no folder can be written, each process compiles again.
+    ``fprc.control_laws`` and all sources of the kernel's package; a kernel must not call one of
+    another package. If no folder can be written, each process compiles again.
     """
     options |= {"error_model": "numpy"}
     try:

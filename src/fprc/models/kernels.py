@@ -140,9 +140,9 @@ def alternate(columns, centers, before, memberships, floor):
     """Compute the memberships of ``centers``, then new centres: one iteration of fuzzy c-means.
 
     ``columns`` are features by samples; ``before`` and ``memberships``, clusters by samples, those
-    of the last iteration and an array that this one overwrites; ``floor`` is the least squared
-    distance of a sample from a centre. Return the objective at ``centers``, the largest change of a
-    membership from ``before``, and the new centres.
+    of the last iteration and an array to overwrite; ``floor`` is the least squared distance of a
+    sample from a centre. Return the objective at ``centers``, the largest change of a membership
+    from ``before``, and the new centres.
     """
     n_samples, n_clusters = columns.shape[1], len(centers)
     closeness, total = np.empty((n_clusters, BLOCK)), np.empty(BLOCK)

@@ -60,11 +60,9 @@ def check_limits(estimator: Any) -> None:
     shared = MODEL | {"random_state": Whole(0, 2**32 - 1, or_none=True)}
     names = inspect.signature(next(bases, object)).parameters.keys() & shared.keys()
     limits = {name: shared[name] for name in names} | getattr(estimator, "LIMITS", {})
-    values = estimator.get_params(deep=False)
-    knows_columns = hasattr(estimator, "n_features_in_")
-    if knows_columns:
-        values["n_features_in_"] = estimator.n_features_in_
-        limits["n_features_in_"] = Whole(1, MOST_FEATURES)
+    columns = getattr(estimator, "n_features_in_", None)
+    values = estimator.get_params(deep=False) | {"n_features_in_": columns}
+    limits["n_features_in_"] = Whole(1, MOST_FEATURES, or_none=True)
     problems = [
         f"{type(estimator).__name__}: {name} = {value!r:.60}; must be {limits[name]}"
         for name, value in values.items()
@@ -72,8 +70,8 @@ def check_limits(estimator: Any) -> None:
     ]
     if problems:
         raise ValueError("\n".join(problems))
-    if knows_columns and hasattr(estimator, "count_features"):
-        count = estimator.count_features(estimator.n_features_in_)
+    if columns is not None and hasattr(estimator, "count_features"):
+        count = estimator.count_features(columns)
         if count > MOST_FEATURES:
             raise ValueError(
                 f"{type(estimator).__name__}: {count} features of {values!r:.100}; at most "

@@ -36,8 +36,8 @@ class Online:
     """A model whose readout learns from the tracking error by recursive least squares.
 
     P_ff(k) = w phi(k) + v(k) phi(k), with the regressors phi of the readout and its trained weights
-    w; the second term, which is learned, stays within ``limit_kpa`` either way.
-    The error of now is charged to the command that caused it, d samples ago:
+    w; the second term, which is learned, stays within ``limit_kpa`` either way. The error of now is
+    charged to the command that caused it, d samples ago:
 
         v <- v + G (P_ff(k-d) + S e(k) - (w + v) phi(k-d)),  G = C phi / (1 + phi^T C phi)
         C <- (1 - m) (C - G phi^T C) + m C_0,                m = T / memory
@@ -64,13 +64,11 @@ class Online:
         v, what the weights have learned.
     p_learned_kpa : float
         v phi of the last step, within ``limit_kpa`` either way.
-    n_features_in_ : int
-        Inputs of the model.
 
     References
     ----------
-    The paper's future work; the update is the recursive least squares of its authors' next paper
-    (arXiv 2503.15819), with a prior in place of forgetting.
+    The paper's future work; recursive least squares as in its authors' next paper (arXiv
+    2503.15819), with a prior in place of forgetting.
     """
 
     def __init__(

@@ -98,8 +98,7 @@ def sealed(image: bytes) -> bytes:
     return (_FORMAT + checksum + b"\n").ljust(_BLOCK, b"\0") + image
 
 
-def _unpacked(content: bytes) -> dict[str, Any]:
-    """Return the text and every array of a file by name."""
+def _restored(content: bytes, classes: Collection[type]) -> SequenceModel:
     if not content.startswith(_FORMAT):
         raise ValueError("it is none, or one of another version")
     if content != sealed(content[_BLOCK:]):
@@ -115,23 +114,16 @@ def _unpacked(content: bytes) -> dict[str, Any]:
         size = sum(data.nbytes for data in file.values())
         if size > len(content) or file[_TEXT].nbytes > _LONGEST_TEXT:
             raise ValueError("it declares more numbers than it has bytes, or too long a text")
-        return {name: data[()] for name, data in file.items()}
-
-
-def _restored(content: bytes, classes: Collection[type]) -> SequenceModel:
-    values = _unpacked(content)
+        values = {name: data[()] for name, data in file.items()}
     text = values.pop(_TEXT)
     for name, array in values.items():
         if not np.isfinite(array).all():
             raise ValueError(f"{name}: holds NaN or infinity")
     # not imported by name, so that a rule does not depend on the code of every model
-    modules = "fprc.models", *(known_class.__module__ for known_class in classes)
-    members = [member for module in modules for member in vars(sys.modules[module]).values()]
-    known = {
-        member.__name__: member
-        for member in (*members, *classes)
-        if isinstance(member, type) and issubclass(member, BaseEstimator)
-    }
+    known: dict[str, Any] = dict(vars(sys.modules["fprc.models"]))
+    for cls in classes:
+        known |= vars(sys.modules[cls.__module__])
+    known |= {cls.__name__: cls for cls in classes}
     model = json.loads(text, object_hook=lambda found: _made(found, values, known))
     if not isinstance(model, SequenceModel):
         raise ValueError(f"{type(model).__name__} is no model, but a part of one or something else")
@@ -172,7 +164,7 @@ def _plain(value: Any) -> Any:
     return value.tolist()
 
 
-def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, type]) -> Any:
+def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, Any]) -> Any:
     """Return what a part of the text describes: an estimator, an array, or itself."""
     if found.keys() == {"array"}:
         return arrays[found["array"]]
@@ -181,12 +173,13 @@ def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, typ
     if found.keys() != {"class", "parameters", "learned"}:
         return found
     name, parameters, learned = found["class"], found["parameters"], found["learned"]
-    if name not in known:
+    cls = known.get(name)
+    if not isinstance(cls, type) or not issubclass(cls, BaseEstimator):
         raise ValueError(
             f"class {name!r:.60} is unknown; a class of your own must be given, by "
             "--config or in classes"
         )
-    model = known[name](**parameters)
+    model = cls(**parameters)
     for key, value in learned.items():
         if not _is_learned(key):
             raise ValueError(f"{key!r:.60} is no name of something learned")
