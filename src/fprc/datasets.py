@@ -1,4 +1,10 @@
-"""The hysteresis experiments as a dataset, in the form of scikit-learn's loaders."""
+"""Hysteresis of a soft bending actuator.
+
+Task: predict P_exp (target) from the present and earlier samples of theta and P_o (data), which are
+in the order of time. The paper's models are trained on the sweep and tested on the complex signal,
+and the other way round, with the error RMSE: Shen, Miyazaki, Kawashima, IEEE RA-L 2024,
+10.1109/LRA.2024.3523229, Secs. II-B and III-D.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,22 +18,14 @@ from fprc.errors import ConfigError
 from fprc.escape import in_words
 from fprc.experiments.data import RUNS, acquire
 
-_DESCRIPTION = """\
-Hysteresis of a soft bending actuator
-
-Task: predict P_exp (target) from the present and earlier samples of theta and P_o (data), which are
-in the order of time. The paper's models are trained on the sweep and tested on the complex signal,
-and the other way round, with the error RMSE: Shen, Miyazaki, Kawashima, IEEE RA-L 2024,
-10.1109/LRA.2024.3523229, Secs. II-B and III-D.
-"""
-
 
 def load_hysteresis(
     experiment: str = "sweep", *, seed: int = 1, rig: str | Mapping[str, Any] = "paper"
 ) -> Any:
     """Load a hysteresis experiment: bending angle and reservoir pressure, to predict P_exp.
 
-    It is simulated with the paper's signals and control, as ``snakemake logs`` does.
+    It is simulated with the paper's signals and control (Sec. II-B), as ``snakemake logs`` does, in
+    the form of scikit-learn's loaders.
 
     Parameters
     ----------
@@ -49,10 +47,6 @@ def load_hysteresis(
     ------
     ConfigError
         An argument is wrong.
-
-    References
-    ----------
-    Paper, Sec. II-B.
     """
     if experiment not in RUNS:
         raise ConfigError(f"experiment = {experiment!r}; must be {in_words(RUNS, 'or')}")
@@ -68,5 +62,5 @@ def load_hysteresis(
         channels=channels,
         units={name: unit_of(name) for name in channels},
         sample_rate_hz=control.sample_rate_hz,
-        DESCR=_DESCRIPTION,
+        DESCR=__doc__,
     )

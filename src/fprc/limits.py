@@ -1,7 +1,4 @@
-"""Limits of numbers; limits and defaults of the models' parameters, for configuration and models.
-
-They exclude what a model cannot compute, not what makes a poor model.
-"""
+"""Limits of numbers: they exclude what a model cannot compute, not what makes a poor model."""
 
 from numbers import Integral, Real
 from typing import Any, NamedTuple
@@ -46,7 +43,7 @@ def Whole(low: int, high: int, default: Any = None, or_none: bool = False) -> Li
     return Limit(low, high, kind=Integral, or_none=or_none, default=default)
 
 
-#: Of the paper's models; the defaults are its Table I. W_r of 4,000 nodes takes 128 MB.
+#: Of the models' parameters; the defaults are the paper's Table I. W_r of 4,000 nodes takes 128 MB.
 MODEL = {
     "n_y": Whole(1, 10_000, 5),
     "n_u": Whole(1, 10_000, 3),
@@ -60,4 +57,10 @@ MODEL = {
     "gamma": Limit(0, 0.999999, default=0.8),
     "rho": Limit(0, 1e6, default=0.4),
     "washout": Whole(0, 10_000, 100),
+    "n_references": Whole(0, 1000, or_none=True),
+    "n_plays": Whole(1, 10_000),
+    "n_taps": Whole(1, 1000),
+    "spacing": Whole(1, 10_000),
+    "degree": Whole(2, 10),
+    "random_state": Whole(0, 2**32 - 1, or_none=True),
 }

@@ -24,12 +24,11 @@ def c_header(
     """Return a C header that computes what ``model.step`` computes, see docs/deploy.md.
 
     The fitted ``model`` has taps, low-passes and plays as features, alone or side by side, and a
-    ridge or a fuzzy readout. ``name`` begins every name in the header; ``origin``, where the model
-    comes from, is for the comment at the top. With ``online``, the same model as it learns, the
-    header has ``NAME_learn(&state, error, theta)`` and ``NAME_sent(&state, p_fb)`` too.
+    ridge or a fuzzy readout (Sec. III-B, Eqs. 4, 6, 10-12). ``name`` begins every name in the
+    header; ``origin``, where the model comes from, is for its comment. With ``online``, the same
+    model as it learns, it has ``NAME_learn(&state, error, theta)`` and ``NAME_sent(&state, p_fb)``.
 
-    FprcError: the model cannot be exported, or ``name`` is no C name. Paper, Sec. III-B, Eqs. (4),
-    (6), (10)-(12).
+    FprcError: the model cannot be exported, or ``name`` is no C name.
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
         raise FprcError(

@@ -33,11 +33,6 @@ class FeatureModel(SequenceModel):
     random_state : int or None, default=None
         Replaces every ``random_state`` in ``features`` and ``readout``, but not those of the maps
         in a SideBySide; None leaves them.
-
-    Attributes
-    ----------
-    features_, readout_ : estimator
-        Fitted map and readout.
     """
 
     features: FeatureMap
@@ -83,8 +78,7 @@ class SideBySide(FeatureMap):
             right = len(chosen) and all(map(allowed.allows, chosen))
             if not isinstance(part, FeatureMap) or not right:
                 raise ValueError(
-                    f"SideBySide: {(part, chosen)!r:.60}: must be a FeatureMap and its columns, "
-                    f"each {allowed}"
+                    f"SideBySide: {(part, chosen)!r:.60}: give a FeatureMap and columns, {allowed}"
                 )
             check_limits(part)
             count += part.count_features(len(chosen))
@@ -98,8 +92,7 @@ class SideBySide(FeatureMap):
 
     def _parts(self) -> list[tuple[FeatureMap, np.ndarray]]:
         """Return each fitted map and the numbers of its columns."""
-        each = [np.array(columns) for _, columns in self.maps]
-        return list(zip(self.maps_, each, strict=True))
+        return [(part, np.array(of)) for part, (_, of) in zip(self.maps_, self.maps, strict=True)]
 
     def rows(self) -> list[Row]:
         each = [(rows_of(part), columns) for part, columns in self._parts()]
@@ -159,7 +152,8 @@ class NVAR(FeatureMap):
     features(k) = [z(k), every product of ``degree`` elements of z(k)]
 
     Columns are standardised because a ridge with one alpha would penalise the taps of a signal of
-    60 deg far more than its squares of 3,600.
+    60 deg far more than its squares of 3,600. Gauthier, Bollt, Griffith and Barbosa, Nature
+    Communications 12 (2021), 5564.
 
     Parameters
     ----------
@@ -175,17 +169,11 @@ class NVAR(FeatureMap):
     mean_, scale_ : ndarray of shape (n_inputs,)
         Mean and standard deviation of each column of the training log; the latter is 1 for a
         column that is constant but for rounding.
-
-    References
-    ----------
-    Gauthier, Bollt, Griffith and Barbosa, Nature Communications 12 (2021), 5564.
     """
 
     n_taps: int = 5
     spacing: int = 25
     degree: int = 2
-
-    LIMITS = {"n_taps": Whole(1, 1000), "spacing": Whole(1, 10_000), "degree": Whole(2, 10)}
 
     def count_features(self, columns: int) -> int:
         linear = columns * self.n_taps

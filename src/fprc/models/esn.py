@@ -59,9 +59,6 @@ class EchoStates(FeatureMap):
     def learned(self) -> dict[str, Any]:
         return {"w_in_": Array((self.r, self.n_features_in_)), "W_r_": Array((self.r, self.r))}
 
-    def map_recording(self, X: np.ndarray) -> np.ndarray:
-        return next(self._blocks(X, len(X)))
-
     def _blocks(self, X: np.ndarray, most: int) -> Iterator[np.ndarray]:
         X = np.array(X, order="C")  # a copy, as in FeatureMap
         taps, state, network = self._started(X[0])
@@ -102,8 +99,8 @@ def echo_states(X: np.ndarray, state: np.ndarray, network: Network, states: np.n
     predecessor, until their states equal those of the first run. A network that does not forget
     within a segment is run sample by sample.
 
-    ``state``, of shape (2, r), has x and tanh(w_in theta + W_r x) of the sample before, zeros
-    before the first one; it is moved on, in place, to those of the last sample.
+    ``state`` has x and tanh(w_in theta + W_r x) of the sample before, zeros before the first one;
+    it is moved on, in place, to those of the last sample.
     """
     done = len(X) // LANES * LANES
     if done < SHORTEST * LANES or not _side_by_side(X[:done], state, network, states[:done]):
@@ -121,10 +118,7 @@ def update(state: np.ndarray, u: np.ndarray, network: Network) -> None:
 
 
 def _side_by_side(X: np.ndarray, state: np.ndarray, network: Network, states: np.ndarray) -> bool:
-    """Run all segments, and again until their states are the same; return whether they became so.
-
-    If not, ``state`` is as before.
-    """
+    """Run all segments until their states stay the same; else return False, ``state`` as before."""
     inputs, rows = (part.reshape(LANES, len(X) // LANES, -1) for part in (X, states))
     lanes = np.zeros((2, LANES, state.shape[1]))
     lanes[:, 0] = end = state
@@ -145,7 +139,7 @@ def _side_by_side(X: np.ndarray, state: np.ndarray, network: Network, states: np
 
 @dataclass(eq=False, repr=False)
 class ESN(SequenceModel):
-    """Echo state network with a ridge readout.
+    """Echo state network with a ridge readout (Sec. III-A, Eqs. 3-5; Jaeger 2002).
 
     x(k+1) = gamma x(k) + (1 - gamma) tanh(w_in theta(k) + W_r x(k))     (3)
     P_ff(k) = w_out [1, theta(k), ..., theta(k-n_y+1), x(k)]             (4)
@@ -171,15 +165,6 @@ class ESN(SequenceModel):
         Steps with the first sample as constant input, in which x settles before the log begins.
     random_state : int or None, default=None
         Source of the random w_in and W_r.
-
-    Attributes
-    ----------
-    features_ : EchoStates
-    readout_ : RidgeReadout
-
-    References
-    ----------
-    Paper, Sec. III-A, Eqs. (3)-(5); Jaeger 2002.
     """
 
     r: int = MODEL["r"].default

@@ -5,7 +5,7 @@ sample (``step``), with the same result. Before the log begins, the signals are
 assumed to equal its first sample.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy, deepcopy
 from dataclasses import dataclass
 from typing import Any, Self
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, ClassNamePrefixFeaturesOutMixin, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fprc.limits import LARGEST, MODEL, Limit, Whole
+from fprc.limits import LARGEST, MODEL, Limit
 from fprc.models.kernels import LOWPASS, PLAY, TAP, advance, advance_log
 from fprc.models.limits import Array, check_limits, is_built_in
 
@@ -45,8 +45,6 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
     something, and ``map_recording``, if it maps a whole recording faster than sample by sample.
     """
 
-    #: See ``fprc.models.limits``.
-    LIMITS: Mapping[str, Limit] = {}
     _streaming = False
 
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
@@ -73,7 +71,7 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
     ) -> Iterator[np.ndarray]:
         """Yield what ``map_log`` returns, in blocks of which each may overwrite the one before.
 
-        A block has ``most`` samples or is a recording, as the map likes; None is a recording.
+        A block has ``most`` samples, or is a recording as the map likes; None: a recording.
         """
         check_is_fitted(self)
         samples = self._samples(X, first=False)
@@ -92,8 +90,7 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         if len(faults):
             k, j = faults[0]
             raise ValueError(
-                f"X: column {j}, sample {k} is {samples[k, j]:g}; must be within {-LARGEST:g} and "
-                f"{LARGEST:g}, remove the fault from the log"
+                f"X: column {j}, sample {k} is {samples[k, j]:g}: remove what is beyond {LARGEST:g}"
             )
         return samples
 
@@ -121,8 +118,8 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         # NaN is not within the limits
         if x.shape != (self.n_features_in_,) or not all(-LARGEST <= v <= LARGEST for v in listed):
             raise ValueError(
-                f"sample {listed}: must be {self.n_features_in_} numbers within {-LARGEST:g} and "
-                f"{LARGEST:g}; the sample is ignored and the stream continues"
+                f"sample {listed}: must be {self.n_features_in_} numbers within {LARGEST:g} either "
+                "way; the sample is ignored and the stream continues"
             )
         return x
 
@@ -183,8 +180,7 @@ class TapFeatures(FeatureMap):
     n_y : int, default=5
         Taps of every reference column, >= 1.
     n_references : int or None, default=1
-        Leading columns that are references; the others are readouts. None
-        takes all columns as references.
+        Leading columns that are references, the others are readouts; None takes all as references.
     n_u : int, default=3
         Taps of every readout column, >= 1.
     epsilon : float, default=0.01
@@ -196,8 +192,6 @@ class TapFeatures(FeatureMap):
     n_u: int = MODEL["n_u"].default
     epsilon: float = MODEL["epsilon"].default
 
-    LIMITS = {"n_references": Whole(0, 1000, or_none=True)}
-
     def count_references(self) -> int:
         """Return the number of leading columns that are references."""
         return self.n_features_in_ if self.n_references is None else self.n_references
@@ -206,8 +200,8 @@ class TapFeatures(FeatureMap):
         references = columns if self.n_references is None else self.n_references
         if self.n_references is not None and columns <= references:
             raise ValueError(
-                f"n_features={columns}, but n_references = {references} leaves no readout; "
-                "give a readout too, or use n_references=None (the model FuzzyLinear)"
+                f"n_features={columns}, of which {references} are references, which leaves no "
+                "readout; give one, or n_references=None (the model FuzzyLinear)"
             )
         return self.n_y * references + self.n_u * (columns - references)
 
@@ -221,10 +215,9 @@ class TapFeatures(FeatureMap):
         return rows
 
     def map_recording(self, X: np.ndarray) -> np.ndarray:
-        if len(X) < max(self.n_y, self.n_u):
+        if len(X) < (size := max(self.n_y, self.n_u)):
             raise ValueError(
-                f"n_samples = {len(X)} is less than the {max(self.n_y, self.n_u)} samples from the "
-                "first to the last tap; use fewer taps or a longer log"
+                f"n_samples = {len(X)} is under {size}; use fewer taps or a longer log"
             )
         signals = np.array(X, order="C")
         for i in range(self.count_references(), X.shape[1]):
@@ -268,7 +261,8 @@ class PlayOperators(FeatureMap):
     A play follows its input at the distance r; after a reversal it waits until the input has moved
     by 2 r. A ridge on plays is a Prandtl-Ishlinskii model, whose loops do not depend on the speed
     of the input. The half-widths r divide half the range of each column of the training log into
-    n_plays + 1 equal parts; a play with half the range as r would not move.
+    n_plays + 1 equal parts; a play with half the range as r would not move. Kuhnen, European
+    Journal of Control 9 (2003), 407-418.
 
     Parameters
     ----------
@@ -279,15 +273,9 @@ class PlayOperators(FeatureMap):
     ----------
     half_widths_ : ndarray of shape (n_inputs, n_plays)
         r of each play, ascending, in the unit of its column.
-
-    References
-    ----------
-    Kuhnen, European Journal of Control 9 (2003), 407-418.
     """
 
     n_plays: int = 10
-
-    LIMITS = {"n_plays": Whole(1, 10_000)}
 
     def count_features(self, columns: int) -> int:
         return columns * self.n_plays

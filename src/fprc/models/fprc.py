@@ -24,7 +24,8 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
 
     P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
 
-    The second form of Eq. (12) lacks the 1; its first form and Eq. (7) have it.
+    The second form of Eq. (12) lacks the 1; its first form and Eq. (7) have it. Paper, Sec. III-B,
+    Eqs. (7)-(12).
 
     Attributes
     ----------
@@ -34,10 +35,6 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
         Weights of each rule, bias first.
     passes_ : float
         Iterations of the clustering; those on a part of the rows count in proportion.
-
-    References
-    ----------
-    Paper, Sec. III-B, Eqs. (7)-(12).
     """
 
     n_c: int = MODEL["n_c"].default
@@ -55,8 +52,7 @@ class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
     def fit(self, X: ArrayLike, y: ArrayLike, *, init: np.ndarray | None = None) -> Self:
         """Cluster the rows, then fit each rule weighted by u_i^2 (Eq. 8).
 
-        ``init``, of the shape of ``centers_``, is where the clustering begins; by default at
-        random samples.
+        The clustering begins at the centres ``init``, by default at random samples.
         """
         check_limits(self)
         rows, targets = training_data(self, X, y)
@@ -112,7 +108,7 @@ def gaussian_memberships(X: np.ndarray, centers: np.ndarray, sigma: float) -> np
 
 @dataclass(eq=False, repr=False)
 class FPRC(SequenceModel):
-    """Takagi-Sugeno fuzzy readout over a pneumatic reservoir.
+    """Takagi-Sugeno fuzzy readout over a pneumatic reservoir (Sec. III-B, Eqs. 6-12).
 
     x(k) = [theta(k), ..., theta(k-n_y+1), P~_o(k), ..., P~_o(k-n_u+1)]
     P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
@@ -138,15 +134,6 @@ class FPRC(SequenceModel):
         Start of the clustering.
     restarts : int, default=1
         Starts of the clustering, >= 1; the one with the lowest objective is kept.
-
-    Attributes
-    ----------
-    features_ : TapFeatures
-    readout_ : TakagiSugenoReadout
-
-    References
-    ----------
-    Paper, Sec. III-B, Eqs. (6)-(12).
     """
 
     epsilon: float = MODEL["epsilon"].default
@@ -175,8 +162,8 @@ class FuzzyLinear(SequenceModel):
     The paper replaces [1, x] by [1, theta] in Eqs. (7) and (12), but does not say whether the
     clusters still use P_o. Here they do not, so that the model needs no reservoir. ``X`` has one
     column; of a second, P_o too, it takes taps as of another reference, and is not the paper's
-    model any more. The rows of ``X`` are samples in time, see ``SequenceModel``. Parameters and
-    attributes are those of ``FPRC``.
+    model any more. The rows of ``X`` are samples in time, see ``SequenceModel``. Parameters are as
+    in ``FPRC``.
     """
 
     n_c: int = MODEL["n_c"].default

@@ -1,7 +1,7 @@
 """Compiled inner loops of the models.
 
-For the few numbers of one step, NumPy's call overhead dominates. For many rows,
-NumPy writes and reads temporary arrays that a compiled loop does not need.
+For the few numbers of one step, NumPy's call overhead dominates; for many rows, NumPy writes and
+reads temporary arrays that a compiled loop does not need.
 """
 
 import math

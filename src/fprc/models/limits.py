@@ -1,8 +1,7 @@
-"""Limits of the models' parameters and learned numbers, declared as data.
+"""Limits of the models' parameters, which ``fit`` checks, and of the numbers that they learn.
 
-``fit`` checks the parameters; both are checked of a model from a file. Parameters of this package's
-classes have the limits of ``fprc.limits.MODEL``, or those in ``LIMITS`` of their class. A method
-``learned`` declares what a class learns: the name of each attribute, and its ``Array`` or its type.
+Both are checked of a model from a file. The parameters have the limits of ``fprc.limits.MODEL``. A
+method ``learned`` declares what a class learns: of each attribute, its ``Array`` or its type.
 """
 
 import inspect
@@ -19,7 +18,6 @@ from fprc.limits import MODEL, Limit, Whole
 #: Smallest number by which samples are divided. The tenth power of the largest quotient, times the
 #: largest weight and summed over all features, is within the range of double.
 SMALLEST_SCALE = 1e-12
-
 #: Most features of a map, and most columns of its input.
 MOST_FEATURES = 100_000
 
@@ -57,9 +55,8 @@ def check_limits(estimator: Any) -> None:
     that knows its columns may not have too many features.
     """
     bases = (cls for cls in type(estimator).__mro__ if cls.__module__.startswith(__package__))
-    shared = MODEL | {"random_state": Whole(0, 2**32 - 1, or_none=True)}
-    names = inspect.signature(next(bases, object)).parameters.keys() & shared.keys()
-    limits = {name: shared[name] for name in names} | getattr(estimator, "LIMITS", {})
+    names = inspect.signature(next(bases, object)).parameters.keys() & MODEL.keys()
+    limits = {name: MODEL[name] for name in names}
     columns = getattr(estimator, "n_features_in_", None)
     values = estimator.get_params(deep=False) | {"n_features_in_": columns}
     limits["n_features_in_"] = Whole(1, MOST_FEATURES, or_none=True)
@@ -74,13 +71,9 @@ def check_limits(estimator: Any) -> None:
         count = estimator.count_features(columns)
         if count > MOST_FEATURES:
             raise ValueError(
-                f"{type(estimator).__name__}: {count} features of {values!r:.100}; at most "
-                f"{MOST_FEATURES} are possible, use fewer"
+                f"{type(estimator).__name__}: {count} features of {values!r:.100}; use fewer, at "
+                f"most {MOST_FEATURES}"
             )
-
-
-#: What a model may know, or not.
-_OPTIONAL = {"feature_names_in_", "information_", "sample_rate_hz_", "units_"}
 
 
 def check_learned(model: Any, learned: Set[str]) -> None:
@@ -90,16 +83,17 @@ def check_learned(model: Any, learned: Set[str]) -> None:
     """
     check_limits(model)
     columns = model.n_features_in_
-    declared: dict[str, Any] = {
+    known = {
         "feature_names_in_": Array((columns,), None),
         "units_": Array((1 + columns,), None),
         "sample_rate_hz_": Limit(1e-3, 1e6),
-        **getattr(model, "learned", dict)(),
     }
+    declared: dict[str, Any] = {key: known[key] for key in known.keys() & learned}
+    declared |= getattr(model, "learned", dict)()
     for key, expected in declared.items():
         value = getattr(model, key, None)
         fits = isinstance(value, expected) if isinstance(expected, type) else expected.allows(value)
-        if not fits and not (value is None and key in _OPTIONAL):
+        if not fits:
             found = f"{value!r:.60}"
             if isinstance(value, np.ndarray):
                 found = f"{value.dtype} of shape {value.shape}, such as {value.ravel()[:1]}"

@@ -48,6 +48,9 @@ class Online:
     the command or the learned part at a limit and asked to go further; nor from an angle that
     cannot be true, see ``fprc.control_laws.believe``.
 
+    This is the paper's future work, by the recursive least squares of its authors' next paper
+    (arXiv 2503.15819), with a prior in place of forgetting.
+
     Parameters
     ----------
     model : SequenceModel
@@ -64,11 +67,6 @@ class Online:
         v, what the weights have learned.
     p_learned_kpa : float
         v phi of the last step, within ``limit_kpa`` either way.
-
-    References
-    ----------
-    The paper's future work; recursive least squares as in its authors' next paper (arXiv
-    2503.15819), with a prior in place of forgetting.
     """
 
     def __init__(

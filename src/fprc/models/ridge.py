@@ -43,17 +43,14 @@ def solve_ridge(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarr
             warnings.simplefilter("error", LinAlgWarning)
             return solve(gram + alpha * np.eye(len(gram)), moments, assume_a="pos")
     except (LinAlgError, LinAlgWarning) as error:
-        raise ValueError(
-            f"the ridge regression is singular with alpha = {alpha}; use a larger alpha"
-        ) from error
+        raise ValueError(f"singular with alpha = {alpha}; use a larger alpha") from error
 
 
 @dataclass(eq=False, repr=False)
 class RidgeReadout(RegressorMixin, BaseEstimator):
     """Linear readout P_ff = w_out [1, x], trained by ridge regression (Eqs. 4, 5).
 
-    The ridge penalises the bias too, as Eq. (5) is printed; most libraries
-    centre the data instead.
+    The ridge penalises the bias too, as Eq. (5) is printed; most libraries centre the data instead.
 
     Parameters
     ----------

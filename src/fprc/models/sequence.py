@@ -24,7 +24,8 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
     Shuffled rows, as of ``KFold(shuffle=True)``, are wrong without a word: the model takes each row
     for the next sample. In scikit-learn's tools use ``TimeSeriesSplit``. The features depend on the
     history of the log, the readout on single rows. Cross-validation therefore computes the features
-    once and fits one readout per fold; ``assembled`` joins the two into a model.
+    once and fits one readout per fold; ``assembled`` joins the two into a model. A fitted model has
+    them in the attributes ``features_`` and ``readout_``.
     """
 
     @abstractmethod
@@ -75,8 +76,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
         check_is_fitted(self)
         if not self.learns_online():
             raise ValueError(
-                f"{type(self).__name__} cannot learn on: that needs a readout of this package with "
-                f"at most {MOST_WEIGHTS} weights"
+                f"cannot learn on: that needs a readout of ours with at most {MOST_WEIGHTS} weights"
             )
         rows = validate_data(self, X, reset=False, dtype=np.float64)
         phi = self.readout_.regressors(self.features_.map_log(rows, lengths))
@@ -97,7 +97,7 @@ class SequenceModel(RegressorMixin, BaseEstimator, ABC):
     def learned(self) -> dict[str, Any]:
         """Return what each attribute must be, see ``fprc.models.limits``."""
         parts: dict[str, Any] = {"features_": BaseEstimator, "readout_": BaseEstimator}
-        if self.learns_online():
+        if hasattr(self, "information_") and self.learns_online():
             parts["information_"] = Array((self.readout_.weights.size,) * 2)
         return parts
 

@@ -5,8 +5,8 @@ before the HDF5 library reads it. The text is JSON: class, parameters and learne
 model and of its parts. Arrays are named by their place in the model, such as ``readout_.W_out_``.
 
 A file may come from anybody, and may move a rig. All numbers must lie in the file as they are: a
-link or a chunk could lead to another file, or to more than there is. See ``fprc.models.limits`` for
-what a class may have learned. Parts must be those that the parameters make, and make a step.
+link or a chunk could lead to another file, or to more than there is. What was learned must be as
+``fprc.models.limits`` says, the parts those that the parameters make, and the model make a step.
 """
 
 import hashlib
@@ -139,9 +139,8 @@ def _is_learned(key: str) -> bool:
 def _kept(value: Any, place: str, arrays: dict[str, np.ndarray]) -> Any:
     """Return what was learned as JSON has it; add its arrays, named by their place."""
     if isinstance(value, BaseEstimator):
-        inside = f"{place}." if place else ""
         learned = {
-            key: _kept(found, inside + key, arrays)
+            key: _kept(found, f"{place}.{key}".lstrip("."), arrays)
             for key, found in vars(value).items()
             if _is_learned(key)
         }
@@ -176,8 +175,7 @@ def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, Any
     cls = known.get(name)
     if not isinstance(cls, type) or not issubclass(cls, BaseEstimator):
         raise ValueError(
-            f"class {name!r:.60} is unknown; a class of your own must be given, by "
-            "--config or in classes"
+            f"class {name!r:.60} is unknown; give a class of your own by --config or in classes"
         )
     model = cls(**parameters)
     for key, value in learned.items():
