@@ -1,13 +1,11 @@
-"""The workflow's plan: its results, what they are made of, which of them the logs allow.
-
-And what the rules pass to their stages: a stage gets only the settings that it reads.
-"""
+"""The results, what they are made of, which of them the logs allow; the settings of each stage."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+from fprc import registry
 from fprc.channels import CHANNELS
 from fprc.config import Settings
 from fprc.errors import LogError
@@ -15,40 +13,23 @@ from fprc.escape import in_words
 from fprc.logs import Columns, read_columns
 from fprc.logs.columns import read_each
 from fprc.paper import DISTURBANCE, EXPERIMENTS, LOOPS, REFERENCES, run_log
-from fprc.registry import (
-    controllers,
-    entries,
-    feedforward_of,
-    model_of_run,
-    outside_classes,
-    settings_of,
-)
 
-#: Settings as plain data.
+#: Settings as plain data, of which a stage gets only what it reads.
 Plain = Mapping[str, Any]
 
-#: The experiment that trains the models, of which recorded logs may be several: ``sweep_2``, ...
-TRAINING = EXPERIMENTS[0]
 
-
-class Need(NamedTuple):
-    """What a result is made from."""
-
-    logs: tuple[str, ...] = ()  #: raw logs that it needs
-    channels: tuple[str, ...] = ()  #: channels that each of these logs must have
-
-
-#: By the target of the workflow; a result that is not listed needs none.
-NEEDS = {
-    **dict.fromkeys(("table2", "table3", "timing", "fig4", "fig10"), Need(EXPERIMENTS)),
-    **dict.fromkeys(("fig5", "fig8", "fig11"), Need(EXPERIMENTS, ("p_o_kpa",))),
-    "fig9": Need(EXPERIMENTS[:1], ("p_o_kpa",)),
+#: Raw logs that a result is made from, and channels that each of them must have, by the target of
+#: the workflow; a result that is not listed needs none.
+NEEDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    **dict.fromkeys(("table2", "table3", "timing", "fig4", "fig10"), (EXPERIMENTS, ())),
+    **dict.fromkeys(("fig5", "fig8", "fig11"), (EXPERIMENTS, ("p_o_kpa",))),
+    "fig9": (EXPERIMENTS[:1], ("p_o_kpa",)),
     **{
-        f"fig{number}": Need((run_log(reference, "fprc"), run_log(reference, "fprc_pd")))
+        f"fig{number}": ((run_log(reference, "fprc"), run_log(reference, "fprc_pd")), ())
         for number, reference in enumerate(REFERENCES, start=12)
     },
-    "fig16": Need(tuple(run_log(name, loop) for name in LOOPS for loop in ("pd", "fprc_pd"))),
-    "fig17": Need((run_log(DISTURBANCE, "fprc_pd"),), ("p_i_kpa", "p_o_kpa", "phi_deg")),
+    "fig16": (tuple(run_log(name, loop) for name in LOOPS for loop in ("pd", "fprc_pd")), ()),
+    "fig17": ((run_log(DISTURBANCE, "fprc_pd"),), ("p_i_kpa", "p_o_kpa", "phi_deg")),
 }
 
 #: Why some results need a simulated rig.
@@ -84,26 +65,27 @@ class Plan:
         #: Whether the workflow records logs.
         self.records = settings.source != "recorded"
         #: Controllers of the closed-loop runs, and the models that drive them.
-        self.controllers = controllers(section)
-        self.feedforward = list(dict.fromkeys(filter(None, map(feedforward_of, self.controllers))))
+        self.controllers = registry.controllers(section)
+        driving = map(registry.feedforward_of, self.controllers)
+        self.feedforward = list(dict.fromkeys(filter(None, driving)))
         #: Logs of every closed-loop run, and of all that the results need.
         references = (*REFERENCES, DISTURBANCE)
         self.every_run = [run_log(name, loop) for loop in self.controllers for name in references]
         self.every_log = [*EXPERIMENTS, *self.every_run]
-        #: Names of the training logs beside ``sweep``, in order.
+        #: Names of the training logs beside ``sweep`` among recorded logs: ``sweep_2``, ...
         self.further = sorted(set(existing) - {*self.every_log}, key=lambda name: (len(name), name))
         #: Channels of the raw logs that exist or will be recorded, by the log's name.
         self.contents = {name: existing[name].names for name in self.every_log if name in existing}
         if self.records:
-            has_phi = self.on_simulated_rig or settings.hardware.phi
-            unseen = set() if has_phi else {"phi_deg"}
-            measured = frozenset(channel.name for channel in CHANNELS) - unseen
+            measured = {channel.name for channel in CHANNELS}
+            if not self.on_simulated_rig and not settings.hardware.phi:
+                measured.remove("phi_deg")
             kept = {} if self.on_simulated_rig else self.contents
-            self.contents = dict.fromkeys(self.every_log, measured) | kept
+            self.contents = dict.fromkeys(self.every_log, frozenset(measured)) | kept
         #: Hysteresis experiments and closed-loop runs whose logs exist or will be recorded.
         self.experiments = [name for name in EXPERIMENTS if name in self.contents]
         self.runs = [run for run in self.every_run if run in self.contents]
-        reasons = {name: self._why_not(need) for name, need in NEEDS.items()}
+        reasons = {name: self._why_not(*need) for name, need in NEEDS.items()}
         if not self.on_simulated_rig:
             reasons |= _ON_RIGS
         if not self.runs:
@@ -112,21 +94,19 @@ class Plan:
         #: Results that cannot be made, with their reasons.
         self.unavailable = {name: reason for name, reason in reasons.items() if reason}
         #: Models that are not in the tables, with their reasons, and those that are.
-        needed = {} if "table2" in self.unavailable else entries(section)
-        lacks = {name: self._why_not(Need(EXPERIMENTS, of.inputs)) for name, of in needed.items()}
+        needed = {} if "table2" in self.unavailable else registry.entries(section)
+        lacks = {name: self._why_not(EXPERIMENTS, of.inputs) for name, of in needed.items()}
         self.left_out = {name: reason for name, reason in lacks.items() if reason}
-        self.models = [name for name in entries(section) if name not in self.left_out]
+        self.models = [name for name in registry.entries(section) if name not in self.left_out]
 
-    def _why_not(self, need: Need) -> str:
+    def _why_not(self, logs: Sequence[str], channels: Sequence[str]) -> str:
         """Return why a result cannot be made from the logs; nothing if it can."""
-        absent = [f"{name}.h5" for name in need.logs if name not in self.contents]
-        if absent:
-            return f"needs {in_words(absent)} in {self._raw}"
-        lacking = [
-            f"{channel} in {name}.h5"
-            for name in need.logs
-            for channel in need.channels
-            if channel not in self.contents[name]
+        lacking = [f"{log}.h5 in {self._raw}" for log in logs if log not in self.contents]
+        lacking = lacking or [
+            f"{channel} in {log}.h5"
+            for log in logs
+            for channel in channels
+            if channel not in self.contents[log]
         ]
         return f"needs {in_words(lacking)}" if lacking else ""
 
@@ -136,7 +116,7 @@ class Plan:
 
     def logs_of(self, experiment: str) -> list[str]:
         """Return the raw logs of an experiment."""
-        further = self.further if experiment == TRAINING else []
+        further = self.further if experiment == "sweep" else []
         return [self.log(name) for name in (experiment, *further)]
 
     @property
@@ -157,17 +137,13 @@ class Plan:
 
     def driver(self, log: str) -> list[str]:
         """Return the file of the model that a raw log is recorded with; an experiment has none."""
-        return [] if log in EXPERIMENTS else [self.judged("sweep", model_of_run(log))["fitted"]]
+        model = registry.model_of_run(log)
+        return [] if log in EXPERIMENTS else [self.judged("sweep", model)["fitted"]]
 
     def replicates(self, part: str) -> list[str]:
         """Return one part of each further seed's report; none where there is no further rig."""
         seeds = self.settings.evaluation.replicate_seeds if self.on_simulated_rig else ()
         return [f"{self._results}/replicates/{part}_{seed}.json" for seed in seeds]
-
-    @property
-    def grids(self) -> list[str]:
-        """Reports that Figs. 10 and 11 show: of further seeds, or of the logs of one rig."""
-        return self.replicates("grids") or [f"{self._results}/grids.json"]
 
     def table(self, name: str) -> list[str]:
         """Return the files of a table: numbers, and pages with title and note."""
@@ -181,14 +157,9 @@ class Plan:
         """Return those of the results, named with their files, that can be made."""
         return {name: made for name, made in files.items() if name not in self.unavailable}
 
-    def refusal(self, target: str) -> str:
-        """Return the message on a target that cannot be made."""
-        why = f"{title_of_result(target)} {self.unavailable[target]}"
-        return f"{target}: not available for this data: {why}"
-
     def source_of(self, target: str) -> str:
         """Return the source of the data that a figure shows; ``none`` if it shows none."""
-        logs = NEEDS.get(target, Need()).logs
+        logs = NEEDS[target][0] if target in NEEDS else ()
         if logs and logs[0] in self.existing and not self.on_simulated_rig:
             return str(self.existing[logs[0]].attributes.get("source", "none"))
         return self.settings.source if logs else "none"
@@ -200,11 +171,11 @@ def read_plan(settings: Settings) -> Plan:
     LogError names every log that cannot be read or has another source than ``source`` says.
     ConfigError: a class of ``models.others`` is no model.
     """
-    outside_classes(settings.models.model_dump())
+    registry.outside_classes(settings.models.model_dump())
     raw, empty = Path(settings.folders.raw), Plan(settings, {})
     names = [name for name in empty.every_log if (raw / f"{name}.h5").exists()]
     if not empty.records:
-        further = re.compile(rf"{TRAINING}_([2-9]|[1-9]\d+)")
+        further = re.compile(r"sweep_([2-9]|[1-9]\d+)")
         names += [path.stem for path in raw.glob("*.h5") if further.fullmatch(path.stem)]
     read = read_each(read_columns, [empty.log(name) for name in names], names=())
     plan = Plan(settings, dict(zip(names, read, strict=True)))
@@ -236,7 +207,7 @@ def paper_models(settings: Plain) -> dict[str, Any]:
 
 def validation(settings: Plain, model: str | None = None, **changed: Any) -> dict[str, Any]:
     """Return the arguments of ``CrossValidation`` for one model, or for all of them."""
-    models = settings_of(model, settings["models"]) if model else settings["models"]
+    models = registry.settings_of(model, settings["models"]) if model else settings["models"]
     folds = pick(settings["evaluation"], "folds", "split", "purge_s")
     return {"models": models, **folds, "seed": settings["seed"], **changed}
 

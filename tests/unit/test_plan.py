@@ -70,7 +70,7 @@ def test_without_closed_loops_what_shows_them_is_refused():
     assert plan.data == [
         f"{folder}/{name}.h5" for folder in ("data/raw", "results/data") for name in EXPERIMENTS
     ]
-    assert plan.grids == ["results/grids.json"]
+    assert plan.replicates("grids") == []
 
 
 def test_closed_loop_results_of_recorded_logs_show_the_runs_that_are_there():

@@ -92,7 +92,7 @@ rule tabulate_times:
 
 rule show_seeds:
     input:
-        grids=PLAN.grids,
+        grids=PLAN.replicates("grids") or [f"{RESULTS}/grids.json"],
         times=f"{RESULTS}/timing/times.json",
         times_over_n_c=f"{RESULTS}/timing/times_over_n_c.json",
         models=PLAN.replicates("models"),
@@ -192,7 +192,7 @@ rule report_page:
         code=SHOWS,
         sources=list(DRAWN.values()),
         captions=CAPTIONS,
-        missing={title_of_result(name): PLAN.unavailable[name] for name in PLAN.unavailable},
+        missing={title_of_result(name): why for name, why in PLAN.unavailable.items()},
         settings=SETTINGS,
     message:
         "Report: claims, tables, figures and settings on one page"
@@ -215,7 +215,7 @@ for target, files in TARGETS.items():
             f"Target {target}"
 
 
-for target in PLAN.unavailable:
+for target, why in PLAN.unavailable.items():
 
     rule:
         name:
@@ -224,7 +224,7 @@ for target in PLAN.unavailable:
             f"{RESULTS}/logs/{target}.log",
         localrule: True
         message:
-            PLAN.refusal(target)
+            f"{target}: not available for this data: {title_of_result(target)} {why}"
         shell:
             "exit 1"
 

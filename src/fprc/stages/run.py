@@ -3,9 +3,8 @@
 import logging
 import os
 import sys
-from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 from pydantic import validate_call
@@ -38,19 +37,13 @@ def run_stage(job: Any) -> None:
         # what loads OpenMP later reads this; its threads would wait for those of other jobs
         os.environ["OMP_NUM_THREADS"] = "1"
         # first: the limit applies to loaded libraries only
-        stage = validate_call(stage_of(job.params.stage))
+        stage = validate_call(resolve_name(f"fprc.{job.params.stage}"))
         with threadpool_limits(1):
             stage(**arguments)
     except FprcError as error:
         log.error("error: %s", error)
         log.debug("traceback:", exc_info=True)
         sys.exit(1)
-
-
-def stage_of(name: str) -> Callable[..., Any]:
-    """Return the function of a stage: ``stages.draw.draw_grids`` is one of ``fprc.stages.draw``."""
-    module, _, function = name.rpartition(".")
-    return getattr(import_module(f"fprc.{module}"), function)
 
 
 def _log_to(path: str, label: str) -> None:

@@ -4,6 +4,7 @@ A unit of a family is a seed, if it has one rig, else a rig.
 """
 
 from collections.abc import Mapping
+from pkgutil import resolve_name
 from typing import Any, NamedTuple
 
 from joblib import Parallel, delayed, parallel_config
@@ -19,7 +20,6 @@ from fprc.experiments.data import RigSettings, simulate
 from fprc.experiments.tracking import Track, measure_control
 from fprc.given import read_json
 from fprc.registry import controllers
-from fprc.stages.run import stage_of
 from fprc.studies.calibration.space import with_values
 
 
@@ -73,7 +73,7 @@ def judge_family(
 
 def _judged(unit: Unit, study: Mapping[str, Any]) -> dict[str, Any]:
     try:
-        found = stage_of(f"studies.{study['judge']}")(unit, **study["how"])
+        found = resolve_name(f"fprc.studies.{study['judge']}")(unit, **study["how"])
     except (FprcError, ValueError) as error:
         found = {"failed": in_one_line(error)}
     return {"unit": unit.number, "seed": unit.seed, **found}
