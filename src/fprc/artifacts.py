@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from fprc.errors import OutputError
+from fprc.errors import FprcError
 
 
 @contextmanager
@@ -35,13 +35,13 @@ def replacing(path: Path | str) -> Iterator[Path]:
 
 @contextmanager
 def explaining(path: Path | str) -> Iterator[None]:
-    """Turn an operating system error on writing ``path`` into ``OutputError``."""
+    """Turn an operating system error on writing ``path`` into ``FprcError``."""
     try:
         yield
     except OSError as error:
         if error.errno in (None, errno.ENOENT):  # of a library, or of a file that was to be read
             raise
-        raise OutputError(
+        raise FprcError(
             f"{path}: cannot be written ({error.strerror}); free some space, make the folder "
             "writable, or choose another"
         ) from error
@@ -50,22 +50,22 @@ def explaining(path: Path | str) -> Iterator[None]:
 def refuse_output(
     out: Path | str, suffix: str, *, ours: Callable[[Path], bool] | None = None
 ) -> None:
-    """Raise OutputError if a file that a user named cannot be written, before anything is computed.
+    """Raise FprcError if a file that a user named cannot be written, before anything is computed.
 
     No existing file is overwritten, but one of which ``ours`` says that it is an earlier output of
     the same command.
     """
     path = Path(out)
     if path.suffix != suffix:
-        raise OutputError(f"{str(out) or repr('')}: must end in {suffix}")
+        raise FprcError(f"{str(out) or repr('')}: must end in {suffix}")
     if os.path.lexists(path) and not (ours and os.path.isfile(path) and ours(path)):
         why = "was not made by this command" if ours else "is not overwritten"
-        raise OutputError(f"{out}: exists and {why}; choose another name")
+        raise FprcError(f"{out}: exists and {why}; choose another name")
     try:
         folders = Path(os.path.abspath(path)).parents
         tempfile.TemporaryFile(dir=next(filter(os.path.lexists, folders))).close()
     except OSError as error:
-        raise OutputError(
+        raise FprcError(
             f"{out}: cannot be written to ({error.strerror}); choose another folder"
         ) from error
 

@@ -20,18 +20,10 @@ class Channel(NamedTuple):
     plausible: str | tuple[float, float] | None
     #: Sources whose logs need it. A closed-loop run needs the channels of kind ``tracking``, and no
     #: other log does.
-    needed: frozenset[str]
-
-    @property
-    def unit(self) -> str:
-        """Unit of its values."""
-        return unit_of(self.name)
+    needed: tuple[str, ...]
 
 
-_ALL = frozenset({"sim", "rig", "import"})
-_RECORDED = frozenset({"sim", "rig"})
-_SIMULATED = frozenset({"sim"})
-
+_ALL, _RECORDED, _SIMULATED = ("sim", "rig", "import"), ("sim", "rig"), ("sim",)
 _EFFORT_KPA = (-1000.0, 1000.0)
 
 # fmt: off
@@ -58,9 +50,9 @@ CHANNELS = (
     Channel("p_ff_kpa", "tracking", "feedforward", _EFFORT_KPA, _ALL),
     Channel("p_fb_kpa", "tracking", "feedback", _EFFORT_KPA, _ALL),
     Channel("p_learned_kpa", "learning", "part of the feedforward that was learned in the run",
-            _EFFORT_KPA, frozenset()),
+            _EFFORT_KPA, ()),
     Channel("learned_norm", "learning", "Euclidean norm of what the weights have learned",
-            (0.0, 1e9), frozenset()),
+            (0.0, 1e9), ()),
 )
 # fmt: on
 

@@ -32,10 +32,6 @@ class LogError(FprcError):
     """A log cannot be used; the message names file, channel and sample."""
 
 
-class SimulationError(FprcError):
-    """The simulated rig left the range in which its model is valid."""
-
-
 class ControlError(FprcError):
     """A run on the rig was refused, or stopped, as by a safety limit; the rig is made safe."""
 
@@ -46,10 +42,6 @@ class EvaluationError(FprcError):
 
 class DeviceError(FprcError):
     """Hardware or its driver failed; the message names the part and what to check."""
-
-
-class OutputError(FprcError):
-    """A result cannot be written."""
 
 
 def in_one_line(error: Exception) -> str:

@@ -5,13 +5,13 @@ params, of the files that compute or of those that show.
 """
 
 import hashlib
-import sys
 from collections.abc import Iterable, Mapping
+from inspect import getfile
 from pathlib import Path
 from typing import Any
 
 import fprc
-from fprc.registry import COMPETITORS, class_module
+from fprc.registry import COMPETITORS, load_class
 
 #: Files and folders that make tables, figures, claims and pages of results.
 SHOWS = """claims config/published.yaml escape.py figures provenance.py stages/draw.py
@@ -31,8 +31,8 @@ def code_that_computes(
     class counts. ``also`` are further files and folders, as ``studies``.
     """
     shared = {*_folder().rglob("*.py")} - _files(SHOWS) - (_files(ELSEWHERE) - _files(also))
-    shared -= {_file_of(class_module(name)) for name in COMPETITORS}
-    own = {_file_of(class_module(name, settings)) for name in models}
+    shared -= {_file_of(name) for name in COMPETITORS}
+    own = {_file_of(name, settings) for name in models}
     return _digest([*sorted(shared), *sorted(own)])
 
 
@@ -51,9 +51,11 @@ def _files(names: Iterable[str]) -> set[Path]:
     return {path for path in found if path.is_file() and path.suffix != ".pyc"}
 
 
-def _file_of(module: str) -> Path:
-    ours = _folder().parent.joinpath(*module.split(".")).with_suffix(".py")
-    return ours if ours.exists() else Path(sys.modules[module].__file__ or "")
+def _file_of(name: str, settings: Mapping[str, Any] | None = None) -> Path:
+    if name not in COMPETITORS:
+        return Path(getfile(load_class(name, settings or {})))
+    module, _, _ = COMPETITORS[name].cls.rpartition(".")
+    return _folder().parent.joinpath(*module.split(".")).with_suffix(".py")
 
 
 def _digest(files: Iterable[Path]) -> str:

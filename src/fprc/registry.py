@@ -1,11 +1,12 @@
 """The models that are compared, one entry each; tables, figures and rules read them here.
 
-Classes are given by name and imported on demand: reading a title imports no numerical library.
+Classes are given by name: reading a title imports no numerical library.
 """
 
 from collections.abc import Mapping
 from importlib import import_module
 from inspect import isabstract
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fprc.errors import ConfigError
@@ -112,19 +113,19 @@ SIDES = {
 
 def entries(models: Settings | None = None) -> dict[str, Entry]:
     """Return every model by name: the paper's, and those of ``models.others``."""
+    others = (models or {}).get("others", {})
     return MODELS | {
         name: Entry(other["estimator"], tuple(other["inputs"]), (f"others.{name}",), title_of(name))
-        for name, other in (models or {}).get("others", {}).items()
+        for name, other in others.items()
     }
 
 
 def entry_of(name: str, models: Settings | None = None) -> Entry:
     """Return the entry of any model; raise ConfigError, which lists ours, if there is none."""
-    try:
-        return (COMPETITORS | entries(models))[name]
-    except KeyError:
-        choice = ", ".join(COMPETITORS)
-        raise ConfigError(f"{name!r} is no model; choose from {choice}") from None
+    known = COMPETITORS | entries(models)
+    if name not in known:
+        raise ConfigError(f"{name!r} is no model; choose from {', '.join(COMPETITORS)}")
+    return known[name]
 
 
 def title_of(name: str) -> str:
@@ -153,9 +154,10 @@ def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceMo
     """
     parameters = dict(entry_of(name, models).fixed)
     for key, value in settings_of(name, models).items():
-        parameters |= value if isinstance(value, Mapping) else {key: value}
-    if other := parameters.pop(name, None):  # of models.others
-        parameters = dict(other["settings"])
+        if key == "others":
+            parameters = dict(value[name]["settings"])
+        else:
+            parameters |= value if isinstance(value, Mapping) else {key: value}
     parameters |= changed
     try:
         model = load_class(name, models)(**parameters)
@@ -167,16 +169,12 @@ def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceMo
 
 
 def load_class(name: str, models: Settings) -> Any:
-    """Import the class of a model, or the class or function that makes a competitor.
-
-    ConfigError names the key of a class of ``models.others`` that is no model.
-    """
+    """Import what makes a model; ConfigError names the key of an outside class that is no model."""
     path = entry_of(name, models).cls
-    module, _, cls = path.rpartition(".")
     if name not in models.get("others", {}):
-        return getattr(import_module(module), cls)
+        return resolve_name(path)
     try:
-        loaded = getattr(import_module(module), cls)
+        loaded = resolve_name(path)
         if not issubclass(loaded, import_module("fprc.models").SequenceModel) or isabstract(loaded):
             raise TypeError("is no model")
     except Exception as error:  # the user's module may raise any error
@@ -188,13 +186,6 @@ def load_class(name: str, models: Settings) -> Any:
     return loaded
 
 
-def class_module(name: str, models: Settings | None = None) -> str:
-    """Return the module of a model's class; import it if it is from outside this package."""
-    if name in (models or {}).get("others", {}):
-        return load_class(name, models or {}).__module__
-    return entry_of(name).cls.rpartition(".")[0]
-
-
 def outside_classes(models: Settings) -> list[type]:
     """Return the classes of all models of ``models.others``, for ``load_model``."""
     return [load_class(name, models) for name in models.get("others", {})]
@@ -202,8 +193,7 @@ def outside_classes(models: Settings) -> list[type]:
 
 def controllers(models: Settings) -> list[str]:
     """Return the controllers: the paper's, and each further model, alone and with PD."""
-    others = models.get("others", {})
-    return [*CONTROLLERS, *(f"{name}{pd}" for name in others for pd in ("", "_pd"))]
+    return [*CONTROLLERS, *(f"{name}{pd}" for name in models["others"] for pd in ("", "_pd"))]
 
 
 def feedforward_of(controller: str) -> str | None:

@@ -11,7 +11,7 @@ import pytest
 from fprc.apparatus import command, guardian, journal, process
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
 from fprc.apparatus.journal import read_journal
-from fprc.errors import ControlError, FprcError, OutputError
+from fprc.errors import ControlError, FprcError
 from fprc.logs import read_columns
 
 TICKS = 8
@@ -245,7 +245,7 @@ def test_log_that_is_there_and_a_rig_that_is_not_armed_are_not_touched(
     if armed:
         raw.parent.mkdir()
         raw.write_bytes(b"mine")
-    refusal = OutputError if armed else ControlError
+    refusal = FprcError if armed else ControlError
     with pytest.raises(refusal, match="exists" if armed else "not armed, nothing was moved"):
         command.record(str(raw), name="sweep", settings=settings, armed=armed)
     assert bench.shared.calls == 0

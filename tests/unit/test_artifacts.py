@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from fprc.artifacts import refuse_output, replacing, write_csv, write_json, write_text
-from fprc.errors import FprcError, OutputError
+from fprc.errors import FprcError
 from fprc.given import read_json
 
 
@@ -26,7 +26,7 @@ def test_file_is_replaced_whole_or_not_at_all(tmp_path, monkeypatch, error):
     monkeypatch.setattr(os, "fsync", synced.append)
     path = tmp_path / "a.b.png"
     path.write_text("old")
-    raised = OutputError if error is TOO_LARGE else error
+    raised = FprcError if error is TOO_LARGE else error
     with pytest.raises(raised) if error else nullcontext(), replacing(path) as temporary:
         temporary.write_text("new")
         if error:
@@ -92,6 +92,6 @@ def test_output_that_cannot_be_written_is_refused_before(out, tmp_path, monkeypa
     (tmp_path / "folder.h5").mkdir()
     (tmp_path / "link.h5").symlink_to("link.h5")
     before = names(tmp_path)
-    with pytest.raises(OutputError):
+    with pytest.raises(FprcError):
         refuse_output(out, ".h5")
     assert names(tmp_path) == before

@@ -59,7 +59,7 @@ def record(
 ) -> None:
     """Run one experiment on the real rig and write its raw log.
 
-    OutputError: the log exists, or cannot be written. ControlError: not armed, or the run was
+    FprcError: the log exists, or cannot be written. ControlError: not armed, or the run was
     stopped; names the experiment, or the file of its samples. Others are those of ``plan``.
     """
     refuse_output(raw, ".h5")

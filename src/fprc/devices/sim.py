@@ -8,7 +8,7 @@ import numpy as np
 
 from fprc.channels import LEARNING_CHANNELS, RAW_CHANNELS, SENSORS, TRACKING_CHANNELS, Readings
 from fprc.control_laws import NEUTRAL_V
-from fprc.errors import ControlError, SimulationError
+from fprc.errors import ControlError, FprcError
 from fprc.rig import simulator
 from fprc.rig.closed_loop import close_loop
 
@@ -59,7 +59,7 @@ class SimulatedRig:
     def wait_for(self, tick: int) -> int:
         """Simulate up to this tick; no tick is ever missed.
 
-        SimulationError: the state left its physical range; names the quantity and the time.
+        FprcError: the state left its physical range; names the quantity and the time.
         """
         while self._tick < tick:
             self._advance(self._substeps)
@@ -88,7 +88,7 @@ class SimulatedRig:
         ``push_kpa`` pushes the reservoir. ``online`` is the model of the feedforward, if it learns
         as the run goes on: it is changed, and has ``regressors`` of shape (n_samples, n_weights).
 
-        ControlError: P_ff is not finite. SimulationError: as ``wait_for``.
+        ControlError: P_ff is not finite. FprcError: as ``wait_for``.
         """
         bad = np.flatnonzero(~np.isfinite(p_ff_kpa))
         if bad.size:
@@ -139,7 +139,7 @@ class SimulatedRig:
 
     def _refuse(self, failed: int) -> None:
         if failed:
-            raise SimulationError(
+            raise FprcError(
                 f"simulated rig: the {simulator.DIVERGED[failed]} left its physical range at "
                 f"t = {self._tick * self._period_s:.3f} s; check the gains under control and "
                 "the parameters under rig, or reduce rig.step_s"

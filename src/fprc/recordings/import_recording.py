@@ -145,7 +145,7 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
                 apart.add(name)
                 words.append("time: its samples are interpolated, since others lie between")
         elif channel.name in drafted:
-            spec, words = {"column": "?", "unit": channel.unit}, [channel.meaning]
+            spec, words = {"column": "?", "unit": unit_of(channel.name)}, [channel.meaning]
             others = best.get("p_exp_kpa", [])[1:] if channel.name == "p_o_kpa" else []
         else:
             continue

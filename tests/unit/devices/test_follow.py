@@ -6,7 +6,7 @@ import pytest
 from fprc.channels import TRACKING_CHANNELS, needed_by
 from fprc.control import hysteresis_law, run, tracking_law
 from fprc.devices.sim import SimulatedRig
-from fprc.errors import ControlError, SimulationError
+from fprc.errors import ControlError, FprcError
 
 SAMPLES = 5000
 
@@ -80,7 +80,7 @@ def test_run_continues_where_the_rig_is(rig, control):
 
 def test_diverging_rig_is_refused_with_quantity_and_time(rig, control):
     rig["step_s"] = 5e-3
-    with pytest.raises(SimulationError, match=r"spool of a valve .* at t = 0\.\d+ s"):
+    with pytest.raises(FprcError, match=r"spool of a valve .* at t = 0\.\d+ s"):
         device(rig).follow(control, pressures())
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fprc.channels import RAW_CHANNELS, unit_of
 from fprc.cli import main
 from fprc.config import Settings
-from fprc.errors import ConfigError, OutputError
+from fprc.errors import ConfigError, FprcError
 from fprc.experiments.data import select_channels
 from fprc.logs import assess, read_raw
 from fprc.recordings.import_recording import draft_map, import_or_draft
@@ -55,7 +55,7 @@ def test_log_goes_out_as_csv_and_comes_back_the_same(bring, recorded):
 @pytest.mark.parametrize("name", ["sweep.h5", "sweep.png"])
 def test_file_that_no_import_wrote_is_kept_and_nothing_written(bring, tmp_path, name):
     (tmp_path / name).write_text("mine")
-    with pytest.raises(OutputError, match=f"{name}: exists and was not made by this command"):
+    with pytest.raises(FprcError, match=f"{name}: exists and was not made by this command"):
         bring()
     assert [(path.name, path.read_text()) for path in tmp_path.glob("sweep*")] == [(name, "mine")]
 

@@ -12,7 +12,7 @@ from fprc.config.rig import Rig
 from fprc.config.section import limit_of, section_of
 from fprc.control_laws import NEUTRAL_V, pressure_step
 from fprc.devices.sim import SimulatedRig
-from fprc.errors import ConfigError, SimulationError
+from fprc.errors import ConfigError, FprcError
 from fprc.rig import simulator
 
 ATMOSPHERE_KPA = 101.325
@@ -210,7 +210,7 @@ def test_divergence_names_quantity_and_time(quiet_rig, section, key, value, quan
     quiet_rig[section][key] = value
     device = start(quiet_rig)
     device.write(7.0, 7.0)
-    with pytest.raises(SimulationError, match=quantity) as caught:
+    with pytest.raises(FprcError, match=quantity) as caught:
         device.wait_for(400)
     failed_at = device._tick / RATE_HZ
     assert f"t = {failed_at:.3f} s" in str(caught.value)
@@ -236,7 +236,7 @@ def test_settings_are_integrated_finely_enough_or_refused(changed):
             rig = check({"rig": changed | {"step_s": step_s}}).rig.model_dump()
             rig["drift"]["sigma_kpa"] = 0.0
             states, _ = drive(rig, command)
-        except (ConfigError, SimulationError):
+        except (ConfigError, FprcError):
             return
         found.append(np.column_stack([states["theta_deg"], states["sensed_kpa"][:, 2]]))
     assert np.ptp(found[1], axis=0).min() > 20.0
@@ -263,7 +263,7 @@ def test_state_is_physical_or_the_divergence_is_reported(rig):
     command = 200.0 - 200.0 * np.cos(2.0 * np.pi * 0.8 * np.arange(250) / RATE_HZ)
     try:
         states, readings = drive(rig, command)
-    except SimulationError as error:
+    except FprcError as error:
         assert "left its physical range at t = " in str(error)  # noqa: PT017
     else:
         assert all(np.isfinite(states[name]).all() for name in states.dtype.names)

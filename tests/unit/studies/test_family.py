@@ -3,7 +3,7 @@ import json
 import pytest
 
 from fprc.config import Settings
-from fprc.errors import FprcError, SimulationError
+from fprc.errors import FprcError
 from fprc.experiments.data import RigSettings, simulate
 from fprc.studies import family as families
 from fprc.studies.family import count_members, judge_family, judge_tables, unit_of
@@ -58,7 +58,7 @@ def test_every_unit_is_judged_and_one_that_fails_is_the_only_one_lost(
 ):
     def judge(unit, factor):
         if unit.number == 1:
-            raise SimulationError("it\ndiverged")
+            raise FprcError("it\ndiverged")
         return {"found": factor * unit.number}
 
     monkeypatch.setattr("fprc.studies.learning.judge_online", judge)
