@@ -22,22 +22,12 @@ def replacing(path: Path | str) -> Iterator[Path]:
     """
     path = Path(path)
     temporary = path.with_name(f".{path.stem}.part{path.suffix}")
-    with explaining(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            yield temporary
-            with temporary.open("rb") as written:
-                os.fsync(written.fileno())
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-
-
-@contextmanager
-def explaining(path: Path | str) -> Iterator[None]:
-    """Turn an operating system error on writing ``path`` into ``FprcError``."""
     try:
-        yield
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield temporary
+        with temporary.open("rb") as written:
+            os.fsync(written.fileno())
+        temporary.replace(path)
     except OSError as error:
         if error.errno in (None, errno.ENOENT):  # of a library, or of a file that was to be read
             raise
@@ -45,6 +35,9 @@ def explaining(path: Path | str) -> Iterator[None]:
             f"{path}: cannot be written ({error.strerror}); free some space, make the folder "
             "writable, or choose another"
         ) from error
+    finally:
+        if temporary.exists():
+            temporary.unlink()
 
 
 def refuse_output(

@@ -1,23 +1,15 @@
 """Where a result comes from."""
 
 import hashlib
-import json
 import platform
 import subprocess
-from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 _LIBRARIES = (
     "fprc", "numpy", "scipy", "pandas", "scikit-learn", "numba", "h5py", "matplotlib",
     "snakemake",
 )  # fmt: skip
-
-
-def hash_of(settings: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of settings, independent of the order of their keys."""
-    return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()
 
 
 def versions() -> dict[str, str]:

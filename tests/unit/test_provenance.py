@@ -3,7 +3,7 @@ import subprocess
 
 import pytest
 
-from fprc.provenance import commit_of, hash_of
+from fprc.provenance import commit_of
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="no git here")
@@ -29,9 +29,3 @@ def test_code_is_dirty_from_a_change_until_it_is_committed(tmp_path, monkeypatch
     assert commit_of(package) == f"{commit}-dirty"
     monkeypatch.setenv("PATH", str(tmp_path))  # where there is no git
     assert commit_of(package).startswith("unknown")
-
-
-def test_hash_of_settings_does_not_depend_on_the_order_of_keys():
-    settings = {"seed": 1, "rig": {"drift": [{"x": 0.1, "y": "a"}], "valve": None}}
-    turned = {"rig": {"valve": None, "drift": [{"y": "a", "x": 0.1}]}, "seed": 1}
-    assert hash_of(turned) == hash_of(settings) != hash_of(settings | {"seed": 2})

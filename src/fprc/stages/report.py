@@ -1,6 +1,8 @@
 """Write the report: one page with claims, tables, figures and settings."""
 
 import base64
+import hashlib
+import json
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -22,7 +24,7 @@ from fprc.escape import in_words, typeset
 from fprc.given import read_json, read_yaml
 from fprc.paper import SOURCES
 from fprc.plan import title_of_result
-from fprc.provenance import commit_of, hash_of, versions
+from fprc.provenance import commit_of, versions
 
 #: Folder of the page's templates and of the figures' captions.
 _HERE = Path(__file__).parent
@@ -85,7 +87,7 @@ def write_report(
         settings=settings,
         changed=_changed(settings),
         yaml=yaml.safe_dump(dict(settings), sort_keys=False),
-        config=hash_of(settings),
+        config=hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest(),
         commit=commit_of(Path(fprc.__path__[0])),
         versions=versions(),
     )

@@ -3,14 +3,12 @@
 import logging
 import os
 import sys
-from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
 from pydantic import validate_call
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import explaining
 from fprc.errors import FprcError
 
 log = logging.getLogger("fprc")
@@ -50,9 +48,7 @@ def _log_to(path: str, label: str) -> None:
     log.setLevel(logging.DEBUG)
     terminal = logging.StreamHandler()
     terminal.setLevel("INFO" if os.environ.get("FPRC_MESSAGES") == "all" else "WARNING")
-    with explaining(path):
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        file = logging.FileHandler(path, mode="w")
+    file = logging.FileHandler(path, mode="w")
     # ignore a full disk: the message is on the terminal too
     file.handleError = lambda record: None  # type: ignore[method-assign]
     for handler in (terminal, file):

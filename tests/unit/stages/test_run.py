@@ -28,7 +28,7 @@ def run(tmp_path, monkeypatch):
         monkeypatch.setattr(runner, "resolve_name", {"fprc.loops.draw": stage}.__getitem__)
         params = SimpleNamespace(stage="loops.draw")
         params.items = {"stage": "loops.draw", "quiet_s": 12.0, "code": "0123"}.items
-        log = tmp_path / "logs/fig99.log"
+        log = tmp_path / "fig99.log"
         try:
             runner.run_stage(
                 SimpleNamespace(
