@@ -4,6 +4,3 @@ from pathlib import Path
 
 #: Texts and declared verdicts of the claims, and the sentences of the paper that are not tested.
 TEXTS = Path(__file__).with_name("claims.yaml")
-
-#: On how many rigs of the ensemble each claim holds, see ``fprc.claims.ledger.Members``.
-MEMBERS = Path(__file__).with_name("members.json")

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.stats import spearmanr
 
 from fprc.artifacts import write_csv, write_json
-from fprc.claims import MEMBERS, TEXTS
+from fprc.claims import TEXTS
 from fprc.claims.ledger import PHASES, Claim, Results, Statement, judge_claims, terms_in_words
 from fprc.given import read_json, read_yaml
 from fprc.paper import LOOPS, MODELS, PRINTED, PUBLISHED, REFERENCE_NAMES, REFERENCES
@@ -299,23 +299,13 @@ _TEXTS = read_yaml(TEXTS)
 CLAIMS = tuple(Claim(name, test, **_TEXTS["claims"][name]) for name, test in TESTS.items())
 
 
-def write_ledger(
-    replicates: Sequence[str],
-    grids: Sequence[str],
-    controls: Sequence[str],
-    times: str,
-    times_over_n_c: str,
-    claims: Sequence[str],
-    *,
-    fitted: Mapping[str, Any],
-) -> None:
+def write_ledger(results: Results, claims: Sequence[str], fitted: Mapping[str, Any]) -> None:
     """Write the ledger: the paper's numbers, ours, limits and verdicts; in CSV a row a number.
 
     ``fitted`` has the ``name`` of the rig, and terms of an objective, which it was fitted ``to``.
     """
-    of_seeds = ([read_json(path) for path in paths] for paths in (replicates, grids, controls))
-    results = Results._make([*of_seeds, read_json(times), read_json(times_over_n_c)])
-    ledger = judge_claims(CLAIMS, results, fitted["to"], read_json(MEMBERS))
+    members = read_json(TEXTS.with_name("members.json"))
+    ledger = judge_claims(CLAIMS, results, fitted["to"], members)
     origin = (
         f"The rig {fitted['name']} was fitted to {terms_in_words(fitted['to'])}; the other claims "
         "were not part of the fit. A verdict is undecided where the 95 % interval of the mean over "

@@ -14,7 +14,7 @@ from pandas import DataFrame, Series, concat
 
 from fprc import escape
 from fprc.figures import style
-from fprc.given import read_json, read_yaml
+from fprc.given import read_yaml
 from fprc.paper import GRID_SETTINGS, PUBLISHED
 from fprc.registry import title_of
 
@@ -32,14 +32,14 @@ _FRAMES = {"lowest": style.MARK, "paper's setting": "white"}
 
 
 def draw_grids(
-    grids: Sequence[str], times: str, fig10: Sequence[str], fig11: Sequence[str] = ()
-) -> None:
+    reports: Sequence[Mapping[str, Any]], timed: Mapping[str, Any],
+    fig10: Sequence[str], fig11: Sequence[str] = (),
+) -> None:  # fmt: skip
     """Figures 10 and 11: errors over epsilon, n_c and the taps, execution times over n_c.
 
     The errors are over further seeds, or over the folds of one report. Without FPRC there are no
     errors over epsilon and over the taps.
     """
-    reports, timed = [read_json(path) for path in grids], read_json(times)
     several = len(reports) > 1
     marks = {"seeds": [report["seed"] for report in reports]} if several else reports[0]
     batch = DataFrame(entry for entry in timed["times"] if entry["mode"] == "batch")
@@ -119,8 +119,7 @@ def _draw_taps(table: DataFrame) -> Figure:
     """Draw Fig. 11: the RMSE of each phase over n_u and n_y as a coloured grid.
 
     All grids share the colours, which are closer together at small errors, so that neither these
-    nor the largest look alike. The lowest cell and that of the paper's setting are framed, and the
-    titles have their numbers.
+    nor the largest look alike. The titles have the numbers of the framed cells.
     """
     printed = read_yaml(PUBLISHED)["table_1_configuration"]
     papers = printed["fprc"]["n_u"], printed["shared"]["n_y"]

@@ -28,18 +28,7 @@ _SYMBOLS = {
 }
 
 
-def draw_hysteresis(
-    sweep: str, complex: str, fig4: Sequence[str] = (), fig5: Sequence[str] = ()
-) -> None:
-    """Figures 4 and 5, those that are asked for."""
-    channels = ("time_s", "p_target_kpa", "theta_deg")
-    for files, more, draw in ((fig4, (), _draw_actuator), (fig5, ("p_o_kpa",), _draw_reservoir)):
-        if files:
-            logs = [read_columns(path, (*channels, *more)) for path in (sweep, complex)]
-            style.save(draw(logs), logs[0].attributes, *files)
-
-
-def _draw_actuator(logs: Sequence[Any]) -> Figure:
+def draw_actuator(logs: Sequence[Any]) -> Figure:
     """Figure 4: pressure commands, each as wide as the column, and the actuator's loops."""
     fig, axes = style.figure(
         3, 2, style.COLUMN_IN, 4.6, height_ratios=(1, 1, 2), sharex="row", sharey="row"
@@ -64,7 +53,7 @@ def _widened(fig: Figure, axes: Any, *rows: int) -> list[Axes]:
     return [fig.add_subplot(grid[row, :]) for row in rows]
 
 
-def _draw_reservoir(logs: Sequence[Any]) -> Figure:
+def draw_reservoir(logs: Sequence[Any]) -> Figure:
     """Figure 5: hysteresis between theta and the reservoir's P_o."""
     fig, axes = style.figure(1, 2, style.COLUMN_IN, 2.4, sharex=True, sharey=True)
     _draw_loops(logs, axes, "theta_deg", "p_o_kpa", ("(a) Sweep", "(b) Complex"))

@@ -1,7 +1,4 @@
-"""Figures 4 and 5; 9, the weights of FPRC; the closed loops, Table IV and Figs. 12 to 17.
-
-The files of a figure are its PDF and PNG, and the CSV with the statistics that it shows, if any.
-"""
+"""Figures 4 and 5; 9, the weights of FPRC; the closed loops, Table IV and Figs. 12 to 17."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,10 +16,9 @@ from fprc.config.settings import Quality
 from fprc.errors import LogError
 from fprc.experiments.comparison import CrossValidation, weight_shares
 from fprc.experiments.data import read_data
-from fprc.figures import style
-from fprc.figures.hysteresis import draw_hysteresis
+from fprc.figures import hysteresis, style
 from fprc.given import read_yaml
-from fprc.logs import assess, read_run
+from fprc.logs import assess, read_columns, read_run
 from fprc.logs.columns import read_each
 from fprc.logs.quality import warnings
 from fprc.paper import DISTURBANCE, LOOPS, PUBLISHED, REFERENCE_NAMES, REFERENCES, SOURCES
@@ -56,22 +52,30 @@ def draw_experiments(
     validation: CrossValidation,
 ) -> None:
     """Figures 4, 5 and 9, those that are asked for; Fig. 9 needs no log ``complex``."""
-    draw_hysteresis(sweep, complex, fig4, fig5)
+    of_loops = ("time_s", "p_target_kpa", "theta_deg")
+    for files, channels, draw in (
+        (fig4, of_loops, hysteresis.draw_actuator),
+        (fig5, (*of_loops, "p_o_kpa"), hysteresis.draw_reservoir),
+    ):
+        if files:
+            logs = [read_columns(path, channels) for path in (sweep, complex)]
+            style.save(draw(logs), logs[0].attributes, *files)
     if fig9:
-        draw_weights(sweep, fig9, validation=validation)
+        data = read_data(sweep)
+        described = {"source": data.attributes["source"], "seed": validation.seed}
+        table = _shares(weight_shares(data, validation), described["source"])
+        style.save(_draw_shares(table), described, *fig9, table=table)
 
 
-def draw_weights(train: str, fig9: Sequence[str], *, validation: CrossValidation) -> None:
-    """Figure 9: share of each weight in its rule, and each feature's mean over rules.
+def _shares(found: Mapping[str, Any], source: str) -> pd.DataFrame:
+    """Share of each weight in its rule, and each feature's mean over rules, ours and the paper's.
 
     The paper prints no mean for the bias; it is 1 minus the two printed means.
     """
-    data = read_data(train)
-    source, found = data.attributes["source"], weight_shares(data, validation)
     percent = read_yaml(PUBLISHED)["fig_portion_mean_weight_share_percent"]
     printed = {name: share / 100 for name, share in percent.items()}
     printed["bias"] = 1.0 - sum(printed.values())
-    table = pd.DataFrame(
+    return pd.DataFrame(
         {
             "rule": rule,
             "feature": feature,
@@ -85,15 +89,10 @@ def draw_weights(train: str, fig9: Sequence[str], *, validation: CrossValidation
         for rule, lags in enumerate(rules, start=1)
         for lag, share in enumerate(lags)
     )
-    described = {"source": source, "seed": validation.seed}
-    style.save(_draw_shares(table), described, *fig9, table=table)
 
 
 def _draw_shares(table: pd.DataFrame) -> Figure:
-    """Draw stacked bars: bias, P_o and theta_d from the bottom, separated by red lines.
-
-    Beside the rules: the mean over the rules, and the mean that the paper prints, in percent.
-    """
+    """Draw stacked bars of the rules, and beside them of the means, ours and the paper's."""
     fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.8)
     shares = table.pivot(index="rule", columns=["feature", "lag"], values="share")[list(_LABELS)]
     rules, edges = list(shares.index), shares.cumsum(axis=1)

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from fprc.artifacts import replacing
+from fprc.claims.ledger import Results
 from fprc.claims.paper import write_ledger
 from fprc.figures import DRAWINGS
 from fprc.figures.grids import draw_grids
@@ -106,34 +107,32 @@ def show_seeds(
     fitted: Mapping[str, Any],
 ) -> None:
     """Figs. 10 and 11; of further seeds, which recorded logs have not, tables and the ledger."""
-    draw_grids(grids, times_over_n_c, fig10, fig11)
+    reports = ([read_json(path) for path in paths] for paths in (models, grids, controls))
+    results = Results._make([*reports, read_json(times), read_json(times_over_n_c)])
+    draw_grids(results.grids, results.times_over_n_c, fig10, fig11)
     if models:
-        tabulate_seeds(models, controls, seeds, feedback=feedback)
-        write_ledger(models, grids, controls, times, times_over_n_c, claims, fitted=fitted)
+        tabulate_seeds(results, seeds, feedback)
+        write_ledger(results, claims, fitted)
 
 
-def tabulate_seeds(
-    models: Sequence[str], loops: Sequence[str], seeds: Sequence[str], *, feedback: str
-) -> None:
-    """Tables II, III and IV over further seeds, from their reports; ``feedback`` in words."""
-    reports, tracked = ([read_json(path) for path in paths] for paths in (models, loops))
+def tabulate_seeds(results: Results, seeds: Sequence[str], feedback: str) -> None:
+    """Tables II, III and IV over further seeds; ``feedback`` in words."""
+    reports = results.replicates
     two, three, four = np.array_split(seeds, 3)
     about = (
         f"mean and its 95 % interval over {len(reports)} further seeds.\n"
         f"Data: {SOURCES[reports[0]['source']]}"
     )
+    errors = [entry for report in reports for entry in report["models"]]
     for (trained_on, title), files in zip(_TITLES.items(), (two, three), strict=True):
-        errors = [entry for report in reports for entry in report["models"]]
         table = _comparison([entry for entry in errors if entry["trained_on"] == trained_on])
-        table = means_of(
-            table.rename(columns={"mean": "value"}),
-            "model", "metric", "unit", "published_mean", "source",
-        )  # fmt: skip
         last = ["published_mean", "source"]
+        table = table.rename(columns={"mean": "value"})
+        table = means_of(table, "model", "metric", "unit", *last)
         table = table[[*table.columns.drop(last), *last]]
         note = f"{about}; each seed is another draw of sensors, noise and models."
         _write_errors(table, note, files, title)
-    table = tracking.over_seeds(tracked)
+    table = tracking.over_seeds(results.controls)
     note, title = f"{about}. {feedback}", f"{tracking.TITLE}, over seeds"
     write_table(table, tracking.page(table), note, *four, title=title)
 

@@ -22,18 +22,12 @@ def errors(runs: Sequence[Any]) -> pd.DataFrame:
     """
     rows = []
     for log in runs:
-        named, judged = log.attributes, settled(log.channels, log.attributes["settle_s"])
+        judged = settled(log.channels, log.attributes["settle_s"])
         error = judged["theta_d_deg"] - judged["theta_deg"]
-        rows.append(
-            {
-                "reference": named["reference"],
-                "controller": named["controller"],
-                "rmse_deg": rms(error),
-                "max_abs_error_deg": np.abs(error).max(),
-                "source": named["source"],
-            }
-        )
-    return pd.DataFrame(rows)
+        named = [log.attributes[key] for key in ("reference", "controller", "source")]
+        rows.append([*named[:2], rms(error), np.abs(error).max(), named[2]])
+    columns = ["reference", "controller", "rmse_deg", "max_abs_error_deg", "source"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def beside_print(table: pd.DataFrame) -> pd.DataFrame:

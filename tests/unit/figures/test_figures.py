@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.escape import figure
 from fprc.experiments.comparison import CrossValidation
@@ -20,6 +19,7 @@ pytestmark = pytest.mark.slow
 
 #: Nothing is saved to these.
 PICTURES = ("f.pdf", "f.png")
+HOW = CrossValidation(models={}, folds=5, split="shuffled", seed=1)
 SIMULATED = {"source": "sim", "seed": 7, "model": "fprc"}
 PHASES = ("train", "validation", "test")
 FOLDS = {1: [10.0, 12.0, 11.0, 16.0], 2: [9.0, 9.5, 8.0, 8.5], 4: [7.0, 7.1, 7.2, 7.7]}
@@ -77,7 +77,7 @@ def test_unit_from_a_file_is_drawn_as_text(axes, unit):
 
 def test_loops_show_the_start_until_the_command_turns(log, figures):
     logs = log("one.h5", speed=3.0), log("two.h5", speed=4.0)
-    hysteresis.draw_hysteresis(*logs, fig4=PICTURES, fig5=PICTURES)
+    draw.draw_experiments(*logs, fig4=PICTURES, fig5=PICTURES, validation=HOW)
     for fig in figures:
         assert fig.data["seed"] == 7
         starts = [ax.lines[-1] for ax in fig.axes[:2]]
@@ -129,8 +129,7 @@ def test_fig_9_writes_the_shares_and_their_means(figures, place, monkeypatch):
     data = Columns(Path("sweep.h5"), {}, {"source": "sim"})
     monkeypatch.setattr(draw, "read_data", lambda path: data)
     monkeypatch.setattr(draw, "weight_shares", lambda data, how: found)
-    how = CrossValidation(models={}, folds=5, split="shuffled", seed=1)
-    draw.draw_experiments("sweep.h5", fig9=[*PICTURES, place("t.csv")], validation=how)
+    draw.draw_experiments("sweep.h5", fig9=[*PICTURES, place("t.csv")], validation=HOW)
     table = pd.read_csv(place("t.csv"))
     assert table.groupby("rule")["share"].sum().tolist() == pytest.approx([1.0, 1.0])
     of_p_o = table[table["feature"] == "p_o"]
@@ -176,12 +175,9 @@ def drawn(figures, place):
             for phase in ("train", "test")
             for mode in ("batch", "sequential")
         ]
-        write_json(place("times.json"), {"source": "sim", "times": entries})
-        paths = [place(f"{k}.json") for k, _ in enumerate(reports)]
-        for path, report in zip(paths, reports, strict=True):
-            write_json(path, {"source": "sim", "taps": TAPS} | report)
+        whole = [{"source": "sim", "taps": TAPS} | report for report in reports]
         files = [[*PICTURES, place(name)] for name in ("fig10.csv", "fig11.csv")]
-        grids.draw_grids(paths, place("times.json"), *files)
+        grids.draw_grids(whole, {"source": "sim", "times": entries}, *files)
         return *figures, *(pd.read_csv(file[-1]) for file in files)
 
     return make

@@ -11,6 +11,7 @@ import yaml
 
 from fprc import config
 from fprc.artifacts import write_json
+from fprc.claims.ledger import Results
 from fprc.errors import LogError
 from fprc.given import read_json
 from fprc.stages import tabulate
@@ -86,8 +87,8 @@ class Tables:
         return self.made(*made, tables=2, left_out={})
 
     def over_seeds(self, replicates, controls):
-        paths = self.stored(*replicates), self.stored(*controls)
-        return self.made(tabulate.tabulate_seeds, *paths, tables=3, feedback="So.")
+        results = Results(replicates, [], controls, {}, {})
+        return self.made(tabulate.tabulate_seeds, results, tables=3, feedback="So.")
 
 
 @pytest.fixture
