@@ -64,12 +64,11 @@ def learn_step(
 ) -> None:  # fmt: skip
     """Make one step of recursive least squares, in place; see ``fprc.models.Online``.
 
-    ``weights``, to be added to the trained ones, are what was learned. ``covariance`` and ``prior``
-    are symmetric: after the update the covariance moves towards the prior by the share ``mixing``,
-    so that it and the gains stay below it. ``regressors``, ``base_kpa``, ``p_ff_kpa`` and
-    ``p_fb_kpa`` are of the sample some time ago which this sample's angle follows from: what
-    multiplies the weights, P_ff as the model was trained and as it was commanded, and P_fb.
-    theta_d - theta and theta are of this sample; ``gains`` is overwritten.
+    ``weights``, added to the trained ones, are what was learned. ``covariance`` and ``prior`` are
+    symmetric: after the update the covariance moves towards the prior by the share ``mixing``, so
+    that it and the gains stay below it. Regressors, ``base_kpa`` (P_ff as trained), ``p_ff_kpa``
+    and ``p_fb_kpa`` are of the sample some time ago which this sample's angle follows from; error
+    and angle are of this one. ``gains`` is overwritten.
 
     Nothing is learned where the actuator is at its stop, up to ``stop_deg``: there its angle does
     not depend on the pressure. A command that was at a limit, 0 or ``high``, and a learned part

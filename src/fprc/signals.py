@@ -66,10 +66,9 @@ def random_pushes(
     samples: int, sample_rate_hz: float, *, quiet_s: float, every_s: float, sigma_kpa: float,
     rng: np.random.Generator,
 ) -> np.ndarray:  # fmt: skip
-    """Return pushes like those of a hand, kPa: half sines of random size, duration and time.
+    """Return pushes like those of a hand, kPa: half sines of random size, of 0.2 to 1 s.
 
-    The first push begins at ``quiet_s``, further ones every ``every_s`` on average; each
-    lasts 0.2 to 1 s.
+    The first push begins at ``quiet_s``, further ones every ``every_s`` on average.
     """
     t_s = np.arange(samples) / sample_rate_hz
     force, begin = np.zeros(samples), quiet_s
@@ -129,7 +128,7 @@ def measure_runs(
     They are the RMSE of every run, by "reference/controller"; ``effort``, the rms of P_fb over that
     of P_ff; measures of ``sweep`` and ``loops``; and ``disturbance``, what the pushes, the first
     after ``quiet_s``, change of a run that is ``unpushed`` but has the same noise: the rms of
-    bending and P_o over their swing, and the ratio of the errors. Runs begin when they settled.
+    bending and P_o over their swing, and the ratio of the errors. No run has its settling time.
     """
     effort, loops = {}, {}
     for name in REFERENCES:
@@ -164,11 +163,9 @@ def measure_hysteresis(sweep: Channels) -> dict[str, dict[str, float]]:
     a start from rest and noise hardly change it.
     """
     shares = {"width_quarter": 0.25, "width_half": 0.5, "width_three_quarters": 0.75}
+    loops = {"actuator": ("p_exp_command_kpa", "theta_deg"), "reservoir": ("p_o_kpa", "p_o_kpa")}
     time_s, found = sweep["time_s"], {}
-    for name, channel, response in (
-        ("actuator", "p_exp_command_kpa", "theta_deg"),
-        ("reservoir", "p_o_kpa", "p_o_kpa"),
-    ):
+    for name, (channel, response) in loops.items():
         shapes = []
         for part in (time_s < 0.25 * time_s[-1], time_s > 0.75 * time_s[-1]):
             x, y, moved = (sweep[k][part] for k in ("theta_deg", channel, response))
@@ -176,18 +173,16 @@ def measure_hysteresis(sweep: Channels) -> dict[str, dict[str, float]]:
             widths = [loop_width(x, y, share) / swing for share in shares.values()]
             shapes.append([of_response, *widths, np.polyfit(x, y, 1)[0]])
         first, last = np.array(shapes)
-        ratios = (last / first).tolist()
-        found[name] = dict(zip(("swing", *shares, "slope"), ratios, strict=True))
+        found[name] = dict(zip(("swing", *shares, "slope"), (last / first).tolist(), strict=True))
     return found
 
 
 def measure_range(sweep: Channels) -> dict[str, float]:
     """Return the largest angle, the dead zone, and how monotonic the reservoir's response is.
 
-    The dead zone is the median over the rises of the angle of the commanded P_exp at which the
-    actuator leaves ``_STRAIGHT_DEG``, over the span of the command. ``monotony`` is the mean rank
-    correlation of P_o with theta from one turn of theta to the next, without its sign, where the
-    actuator is not straight: there noise alone moves.
+    The dead zone is the median of the commanded P_exp at which the angle rises above
+    ``_STRAIGHT_DEG``, over the span of the command. ``monotony`` is the mean rank correlation of
+    P_o with theta from turn to turn, without its sign, where noise is not all that moves.
     """
     from scipy.stats import spearmanr  # takes half a second to import, like the one above
 

@@ -55,7 +55,7 @@ class Results(NamedTuple):
 
     replicates: Sequence[Mapping[str, Any]]  #: errors of the models, and weights
     grids: Sequence[Mapping[str, Any]]  #: cells of the grids, by their name
-    controls: Sequence[Mapping[str, Any]]  #: numbers of ``fprc.signals``
+    controls: Sequence[Mapping[str, Any]]  #: numbers of ``measure_control``
     times: Mapping[str, Any]
     times_over_n_c: Mapping[str, Any]
 
@@ -77,7 +77,7 @@ class Results(NamedTuple):
         return np.array([report["weights"]["mean_share"][feature] for report in self.replicates])
 
     def measured(self, *keys: str) -> np.ndarray:
-        """Return a number of ``fprc.signals``."""
+        """Return a number of the closed loops, of all seeds."""
         return np.array([reduce(getitem, keys, report) for report in self.controls])
 
     def tracking_error(self, reference: str, controller: str) -> np.ndarray:

@@ -87,7 +87,6 @@ class SimulatedRig:
         With a reference P_d is from 0 to ``pressure_limit_kpa``, and P_fb = 0 without ``feedback``.
         ``push_kpa`` pushes the reservoir. ``online`` is the model of the feedforward, if it learns
         as the run goes on: it is changed, and has ``regressors`` of shape (n_samples, n_weights).
-
         ControlError: P_ff is not finite. FprcError: as ``wait_for``.
         """
         bad = np.flatnonzero(~np.isfinite(p_ff_kpa))

@@ -105,9 +105,8 @@ def evaluate_grids(
     train, test = data["sweep"], data["complex"]
     models = models_for(validation.models, train, test)
     rows = validation.split_rows(train)[:folds]
-    found: dict[str, list[dict[str, Any]]] = {}
+    found: dict[str, list[dict[str, Any]]] = {grid: [] for grid in GRID_MODELS}
     for grid, names in GRID_MODELS.items():
-        found[grid] = []
         for name in filter(models.__contains__, names):
             samples = train.samples(name), test.samples(name)
             for cell in ParameterGrid({key: values[key] for key in GRID_SETTINGS[grid]}):

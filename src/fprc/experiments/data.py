@@ -26,10 +26,7 @@ RUNS = {"sweep": 0, "complex": 1}
 
 
 class Data(NamedTuple):
-    """One preprocessed log; its channel ``p_target_kpa`` is P_exp, commanded or measured.
-
-    It may hold several recordings, one after the other.
-    """
+    """One preprocessed log, of one or more recordings; ``p_target_kpa`` is the P_exp to learn."""
 
     channels: Mapping[str, np.ndarray]
     attributes: Mapping[str, Any]
@@ -80,14 +77,9 @@ def read_data(path: str) -> Data:
 
 
 def preprocess(
-    data: Sequence[str],
-    quality: Sequence[str],
-    sweep: Sequence[str] = (),
-    complex: Sequence[str] = (),
-    *,
-    limits: Quality,
-    **how: Any,
-) -> None:
+    data: Sequence[str], quality: Sequence[str], sweep: Sequence[str] = (),
+    complex: Sequence[str] = (), *, limits: Quality, **how: Any,
+) -> None:  # fmt: skip
     """Write the models' channels of raw logs and the quality records, see ``read_recordings``.
 
     Nothing is filtered here: filter and taps are parts of the models, since the control loop
@@ -98,9 +90,8 @@ def preprocess(
     def read(name: str) -> Any:
         return read_recordings(raw[name], experiment=name, limits=limits, **how)
 
-    for (found, reports), samples, record in zip(
-        read_each(read, [*raw]), data, quality, strict=True
-    ):
+    logs = read_each(read, [*raw])
+    for (found, reports), samples, record in zip(logs, data, quality, strict=True):
         write_json(record, {"recordings": reports})
         write_columns(samples, found.channels, found.attributes)
 

@@ -24,10 +24,6 @@ from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback
 #: noise and drift, so that only the controllers differ.
 TRACKING_RUNS = {"sine_0p2": 10, "sine_0p5": 20, "sweep": 30, "complex": 40, "disturbance": 50}
 
-#: The feedforward of a whole reference: ``p_ff_kpa`` as the model was trained; if it learns as the
-#: run goes on, ``online``, which is changed, and its ``regressors``, see ``SimulatedRig.follow``.
-Precomputed = Mapping[str, Any]
-
 
 class Track(NamedTuple):
     """Settings that every tracking run shares."""
@@ -103,8 +99,11 @@ class Track(NamedTuple):
         p_o_kpa = at_rest["p_o_kpa"] + self.control.feedforward.p_o_shift_kpa
         return np.column_stack([at_rest["theta_d_deg"], p_o_kpa])
 
-    def precompute(self, model: SequenceModel, inputs: np.ndarray) -> Precomputed:
-        """Return P_ff of a model for a whole reference, and the model that learns, if it does."""
+    def precompute(self, model: SequenceModel, inputs: np.ndarray) -> dict[str, Any]:
+        """Return P_ff of a model for a whole reference, as ``SimulatedRig.follow`` takes it.
+
+        If the model learns, that is as it was trained, beside the one that learns.
+        """
         X = inputs[:, : model.n_features_in_]
         if not self.control.feedforward.adapt:
             return {"p_ff_kpa": model.predict(X)}
@@ -123,7 +122,7 @@ class Track(NamedTuple):
             raise ControlError(f"control.feedforward.adapt: {error}") from error
 
     def simulate(
-        self, reference: str, precomputed: Precomputed | None, *, feedback: bool
+        self, reference: str, precomputed: Mapping[str, Any] | None, *, feedback: bool
     ) -> dict[str, np.ndarray]:
         """Return the channels of a run, simulated in compiled code.
 

@@ -108,7 +108,7 @@ def grid_values():
 
 
 def measures(scale):
-    """Numbers of one seed's closed loop, as ``fprc.signals`` gives them."""
+    """Numbers of one seed's closed loop, as ``measure_control`` gives them."""
     printed = PUBLISHED["table_4_tracking_rmse_deg"]
     opened = {"complex": 3.6, "sine_0p2": 4.0, "sine_0p5": 4.3, "sweep": 4.6}
     errors = {f"{name}/fprc": opened[name] * scale for name in REFERENCES}
