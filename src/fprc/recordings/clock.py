@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fprc.recordings.names import SECONDS, has, is_time, parse_unit, time_unit_in, unit_in
+from fprc.recordings.names import SECONDS, TIMES, has, is_time, parse_unit, unit_in
 from fprc.recordings.table import Column, Table
 
 #: Largest distance of a clock that jitters from a straight line, as a share of its span.
@@ -35,12 +35,9 @@ class Clock(NamedTuple):
 
 
 def pauses_of(time_s: np.ndarray) -> np.ndarray:
-    """Return the last sample before each pause of a clock.
-
-    A pause is a step longer than some median steps; of a clock that scatters, longer than three
-    times its 99th percentile: its long steps are no pauses.
-    """
+    """Return the last sample before each pause of a clock."""
     steps = np.diff(time_s)
+    # of a clock that scatters, long steps are no pauses
     limit, (high, highest) = PAUSE_PERIODS * np.median(steps), np.percentile(steps, (95, 99))
     return np.flatnonzero(steps > (max(limit, 3.0 * highest) if high > limit else limit))
 
@@ -56,26 +53,29 @@ def rate_of(time_s: np.ndarray) -> float:
 def clocks_of(table: Table) -> dict[str, Clock]:
     """Return every column that may be a clock, the likeliest first."""
     found = {n: clock for n, column in table.columns.items() if (clock := guess_clock(n, column))}
+    parts = {part for name in found if " + " in name for part in name.split(" + ")}
 
     def rank(name: str) -> tuple[bool, bool]:
         column = table.columns[name]
         named = " + " in name or is_time(f"{name} {column.label}")
         return not named, found[name].repeated > 0.5 * len(column.values)
 
-    return {name: found[name] for name in sorted(found, key=rank)}
+    return {name: found[name] for name in sorted(found, key=rank) if name not in parts}
 
 
 @np.errstate(all="ignore")  # differences of large values may overflow, and are no steps of a clock
 def guess_clock(name: str, column: Column) -> Clock | None:
     """Guess unit and rate of a column that increases as a clock does; None for another.
 
-    Nine of ten steps are about equal, or, where a clock jitters more, its stamps are near a
-    straight line; one whose name says that it is a clock may tick as it likes. What counts the
-    samples is no clock.
+    Nine of ten steps are about equal, or its stamps are near a straight line, or its name says
+    that it is a clock. What counts the samples is no clock.
     """
     stamps, words = column.values[np.isfinite(column.values)], f"{name} {column.label}"
-    named, other = is_time(words), parse_unit(column.unit) or unit_in(name)
-    if len(stamps) < max(3, 0.9 * len(column.values)) or (other and other.quantity != "s"):
+    named, stated = (
+        is_time(words),
+        parse_unit(column.unit) or unit_in(name) or unit_in(words, TIMES),
+    )
+    if len(stamps) < max(3, 0.9 * len(column.values)) or (stated and stated.quantity != "s"):
         return None
     steps, span = np.diff(stamps), float(stamps[-1] - stamps[0])
     back, step = int((steps < 0.0).sum()), np.median(steps)
@@ -84,7 +84,7 @@ def guess_clock(name: str, column: Column) -> Clock | None:
     likely = named or even or off_line < _OFF_LINE * span
     if not likely or span <= 0.0 or back > 0.01 * len(steps) * named:
         return None
-    stated, epoch = other.text if other else time_unit_in(words), None
+    epoch = None
     for begin, end, unit in _EPOCHS:
         if begin <= stamps[0] <= end and span / len(steps) * SECONDS[unit] <= 1.0 / _LIKELY_HZ[0]:
             epoch = unit
@@ -95,7 +95,7 @@ def guess_clock(name: str, column: Column) -> Clock | None:
     usual = "s" if step < 2.0 else "ms"
     if whole:  # whole numbers above 1 are no seconds
         usual = "s" if step <= 1.0 else "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
-    unit = stated or epoch or usual
+    unit = stated.text if stated else epoch or usual
     doubts: tuple[str, ...] = () if stated or epoch else ("unit?",)
     rate_hz = rate_of(np.unique(stamps - stamps[0]) * SECONDS[unit])
     if not _LIKELY_HZ[0] <= rate_hz <= _LIKELY_HZ[1]:
@@ -109,10 +109,7 @@ def guess_clock(name: str, column: Column) -> Clock | None:
 
 
 def own_clock(name: str, table: Table, clocks: dict[str, Clock]) -> str | None:
-    """Return the clock of a column: as long as it, and with the longest common part of the name.
-
-    Where each clock stands before columns of its own, it is the nearest one before the column.
-    """
+    """Return the clock of a column: with the longest common part of the name, or just before it."""
     order, length = list(table.columns), len(table.columns[name].values)
     same = [clock for clock in clocks if len(table.columns[clock].values) == length]
     same = [clock for clock in same if is_time(clock)] or same[:1]

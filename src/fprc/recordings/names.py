@@ -33,7 +33,11 @@ _SPELLINGS = {
     for word in words.split()
 }  # fmt: skip
 #: Of these, what is a unit without brackets too.
-_BARE = set(_SPELLINGS) - set("n grad 度 pa s h d min std ore tag second seconde segundo".split())
+_BARE = frozenset(_SPELLINGS) - set(
+    "n grad 度 pa s h d min std ore tag second seconde segundo".split()
+)
+#: Words for units of time, which the name of a clock may have.
+TIMES = frozenset(word for word, unit in _SPELLINGS.items() if unit in SECONDS)
 _LETTERS = set("shdVANm°%K")
 _REFERENCE = (
     r"(?i)\b(?:abs|absolute|absolut|rel|relative|relativ|gauge|gage)\b\.?|\((?:g|a|abs|rel)\)"
@@ -43,38 +47,34 @@ _GAUGE = r"(bar|psi|kpa|mbar)[ag]$"
 #: Words in names of columns, in English, German, French, Spanish, Italian, Dutch, Japanese and
 #: Chinese. ``~`` is the rest of a compound.
 _WORDS = {
-    "time": "t|~time|timestamp|~stamp|datetime|date|clock|elapsed|x_value|~zeit|zeitstempel|"
-    "datum|temps|heure|horodatage|tiempo|fecha|hora|tempo|ora|tijd|~tijd|tijdstempel|"
-    "~時間~|~時刻~|~日時~|~时间~|~時間|~时刻~|~日期~",
-    "count": "sample|samples|index|idx|count|counter|seq|row|nr|no|id|n|i|number|frame|record|"
-    "nummer|zeile|numero|ligne|fila|riga|nombre|サンプル|番号|序号|编号",
-    "angle": "theta~|θ|angles|~angle|bend|bending|~winkel|~biegung|flexion|inclinaison|"
-    "angulo|doblado|angolo|piegatura|flessione|hoek|~hoek|buiging|~角度~|~屈曲~|~曲げ角~|~弯曲~|~彎曲~|~转角~",
-    "pressure": "pressure~|press|~pressure|p_?exp|~druck|druck~|pression~|presion~|druk~|~druk|"
-    "~圧力~|~圧|~压力~|~壓力~|~压强~|~气压~",
-    "command": "command|commanded|cmd|set|setpoint|desired|demand|soll|soll~|sollwert|vorgabe~|"
-    "consigne|commande|consigna|comando|impostata|gewenste?|instelwaarde|指令~|~指令|~指令値|~目標~|"
-    "~設定~|~目标~|~设定~|~给定~|~期望~",
-    "wanted": "theta_?d|ref|reference|target|error|erreur|referenz|riferimento|referencia|"
-    "偏差|误差",
+    "time": "t|~time|~stamp|date|clock|elapsed|x_value|~zeit|zeitstempel|datum|temps|heure|tiempo|"
+    "fecha|hora|tempo|ora|~tijd|tijdstempel|~時間~|~時刻~|~日時~|~时间~|~时刻~|~日期~",
+    "count": "samples?|index|idx|count|counter|seq|row|nr|no|id|n|i|number|frame|record|nummer|"
+    "zeile|numero|ligne|fila|riga|nombre|サンプル|番号|序号|编号",
+    "angle": "theta~|θ|~angles?|bend|bending|~winkel|~biegung|flexion|inclinaison|angulo|doblado|"
+    "angolo|piegatura|flessione|~hoek|buiging|~角度~|~屈曲~|~曲げ角~|~弯曲~|~彎曲~|~转角~",
+    "pressure": "~pressure~|press|p_?exp|~druck~|pression~|presion~|~druk~|~圧力~|~圧|~压力~|"
+    "~壓力~|~压强~|~气压~",
+    "command": "command|commanded|cmd|set|setpoint|desired|demand|soll~|vorgabe~|consigne|commande|"
+    "consigna|comando|impostata|gewenste?|instelwaarde|~指令~|~目標~|~設定~|~目标~|~设定~|~给定~|"
+    "~期望~",
+    "wanted": "theta_?d|ref|referen[cz]~|target|error|erreur|riferimento|偏差|误差",
     "sealed": "p_?o|p_?res|pam_?b|sealed|reservoir|versiegelt~|verschlossen~|geschlossen~|scellee?|"
-    "etanche|fermee?|sellad[ao]|cerrad[ao]|sigillat[ao]|chius[ao]|afgesloten|~密閉~|~リザーバ~|~密封~|"
-    "~储层~|~封闭~",
-    "chamber": "chamber|~chamber|kammer~|~kammer|chambre|reservoir|camara|camera|kamer~|~kamer|"
-    "~チャンバ~|~室~|~腔~|~气室~",
+    "etanche|fermee?|sellad[ao]|cerrad[ao]|sigillat[ao]|chius[ao]|afgesloten|~密閉~|~リザーバ~|"
+    "~密封~|~储层~|~封闭~",
+    "chamber": "~chamber|~kammer~|chambre|reservoir|camara|camera|~kamer~|~チャンバ~|~室~|~腔~",
     "inner": "p_?i|pam_?a",
     "phi": "phi|φ",
-    "sensor": "sensor|sensors|~sensor|strain|stretch|capacitance|capteur|sensore|dehnung~|"
-    "ひずみ|~センサ~|~传感器~",
+    "sensor": "~sensor[es]?|strain|stretch|capacitance|capteur|dehnung~|ひずみ|~センサ~|~传感器~",
     "other": "current|strom|courant|corriente|corrente|stroom|force|kraft|fuerza|forza|kracht|"
-    "moment~|torque|drehmoment|couple|temperature|temp|temperatur|speed|velocity|vel|rate|omega|"
-    "accel|acceleration|dot|ddot|~dot|flow|durchfluss|debit|voltage|spannung|memory|power|energy|status|"
-    "電流|~力矩~|トルク|速度|温度|电流|電圧|电压|流量|~角速度~",
-    "absolute": "abs|absolute|absolut|absolu|absoluto|assoluta|kpaa|bara|psia|(?:bar|psi|kpa)_a|"
-    "~絶対~|~绝对~",
-    "gauge": "gauge|gage|rel|relative|relativ|relatif|ueberdruck|uberdruck|barg|psig|kpag|mbarg|"
-    "(?:bar|psi|kpa)_g|~ゲージ~|~表压~",
+    "moment~|torque|drehmoment|couple|temperature?|temp|speed|vel|velocity|rate|omega|accel~|~dot|"
+    "flow|durchfluss|debit|voltage|spannung|memory|power|energy|status|電流|~力矩~|トルク|速度|"
+    "温度|电流|電圧|电压|流量|~角速度~",
+    "absolute": "abs|absolut~|absolu|assolut~|(?:m?bar|psi|kpa)_?a|~絶対~|~绝对~",
+    "gauge": "gau?ge|rel|relati[fv]e?|ue?berdruck|(?:m?bar|psi|kpa)_?g|~ゲージ~|~表压~",
 }
+#: Those of Japanese and Chinese, which tell the encoding of a text.
+KANJI = re.findall(r"[\u3000-\u9fff]{2,}", "|".join(_WORDS.values()))
 
 
 class Unit(NamedTuple):
@@ -122,7 +122,7 @@ def is_unit(text: str) -> bool:
 
 
 @cache
-def unit_in(name: str) -> Unit | None:
+def unit_in(name: str, bare: frozenset[str] = _BARE) -> Unit | None:
     """Return the unit in a name: in the bracket at its end, or its last word that is one."""
     name = unicodedata.normalize("NFKC", name).replace("μ", "u").strip()
     bracket = re.search(r"[\[({<]([^\[\](){}<>]*(?:\([a-z]+\))?)[\])}>]$", name)
@@ -131,11 +131,11 @@ def unit_in(name: str) -> Unit | None:
     words = re.findall(r"[^\W\d_]+(?:/(?:s|min|[cm]?m2)\b)?\d*|[°%]", re.sub(_REFERENCE, "", name))
     for word in reversed(words):
         humps = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\W", word)
-        for bare in (word, "".join(humps[-2:]), "".join(humps[-1:])):
+        for part in (word, "".join(humps[-2:]), "".join(humps[-1:])):
             # PA and MA may be ports, and p_a a part of a name
-            known = re.sub(_GAUGE, r"\1", bare.lower()) in _BARE and bare not in ("MA", "MM", "NM")
-            if bare == "Pa" or known:
-                return parse_unit(bare)
+            known = re.sub(_GAUGE, r"\1", part.lower()) in bare and part not in ("MA", "MM", "NM")
+            if part == "Pa" or known:
+                return parse_unit(part)
     return None
 
 
@@ -157,23 +157,10 @@ def reference_of(name: str) -> str | None:
     return next((reference for reference in ("absolute", "gauge") if has(name, reference)), None)
 
 
-def time_unit_in(name: str) -> str | None:
-    """Return the last word in the name of a clock that is a unit of time; None without one."""
-    words = re.split(r"[\W\d_]+|(?<=[a-z])(?=[A-Z])", name)
-    units = [unit for word in reversed(words) if (unit := parse_unit(word))]
-    return next((unit.text for unit in units if unit.quantity == "s"), None)
-
-
 def is_time(name: str) -> bool:
     """Return whether a name says that the column holds times."""
     inside = unit_in(name)
     return inside.quantity == "s" if inside else has(name, "time")
-
-
-def known_words(text: str) -> bool:
-    """Return whether a text has a Japanese or Chinese word for what a recording has."""
-    words = re.findall(r"[\u3000-\u9fff]{2,}", "|".join(_WORDS.values()))
-    return any(word in text for word in words)
 
 
 def _plain(text: str) -> str:
@@ -199,25 +186,29 @@ def likely_channel(name: str, label: str = "", unit: str = "") -> tuple[str, int
     if name in RAW_CHANNELS[1:]:
         return name, 4
     words, stated = f"{name} {label}", stated_unit(name, label, unit)
-    quantity = stated.quantity if stated else None
-    if quantity not in (None, "kPa", "deg") or (stated is None and has(words, "other")):
+    quantity = stated.quantity if stated else ""
+    if quantity not in ("", "kPa", "deg") or (not stated and has(words, "other")):
         return None
-    angle, command, wanted = (has(words, what) for what in ("angle", "command", "wanted"))
-    pressure = quantity == "kPa" or has(words, "pressure")
-    bends = quantity != "kPa" and (angle or quantity == "deg")
-    if bends and (wanted or (angle and command)):
-        return None
-    channel, named = "", True  # whether a word names it, and not the unit alone
+    command, wanted = has(words, "command"), has(words, "wanted")
+    named = True  # whether a word names it, and not the unit alone
     if quantity != "kPa" and has(words, "phi"):
         channel = "phi_deg"
-    elif bends:
-        channel, named = "theta_deg", angle
+    elif quantity == "deg" or (not quantity and has(words, "angle")):
+        channel, named = "theta_deg", has(words, "angle")
+        if wanted or (named and command):
+            return None
     elif has(words, "inner"):
         channel = "p_i_command_kpa" if command else "p_i_kpa"
-    elif has(words, "sealed") or (pressure and has(words, "chamber") and not command):
+    elif has(words, "sealed"):
         channel = "p_o_kpa"
     elif command:
         channel = "p_exp_command_kpa"
-    elif pressure and not wanted:
+    elif not quantity and not has(words, "pressure"):
+        return None
+    elif has(words, "chamber"):
+        channel = "p_o_kpa"
+    elif wanted:
+        return None
+    else:
         channel, named = "p_exp_kpa", has(words, "pressure")
-    return (channel, 2 * named + (stated is not None)) if channel else None
+    return channel, 2 * named + (stated is not None)

@@ -153,7 +153,7 @@ def _joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
             total = coarse[0] + parts  # which goes on at midnight
         else:
             continue
-        joined[f"{name} + {fine.rpartition('.')[2]}"] = Column(total, "s")
+        joined[f"{name} + {fine}"] = Column(total, "s")
     return joined
 
 
@@ -200,12 +200,16 @@ def _of_matlab(name: str, thing: Any) -> Parts:
         yield name, Column(thing)
 
 
+def _texts(value: Any) -> list[str]:
+    """Return the texts in an array of texts."""
+    items = [item for item in np.ravel(value).tolist() if isinstance(item, str | bytes)]
+    return [item if isinstance(item, str) else item.decode(errors="replace") for item in items]
+
+
 def _text(fields: Any, names: Sequence[str]) -> str:
     """Return the text of the first of these fields or attributes; empty without one."""
-    for found in (np.ravel(fields[name]) for name in names if name in fields):
-        if found.size == 1 and isinstance(found[0], str | bytes):
-            return found[0].decode(errors="replace") if isinstance(found[0], bytes) else found[0]
-    return ""
+    found = [_texts(fields[name]) for name in names if name in fields]
+    return next((texts[0] for texts in found if len(texts) == 1), "")
 
 
 def read_hdf5(path: Path) -> Parts:
@@ -214,38 +218,30 @@ def read_hdf5(path: Path) -> Parts:
     with open_hdf5(path) as file:
         file.visit(names.append)
         for name in names:
-            if isinstance(member := file[name], h5py.Dataset):
-                yield name, _of_dataset(member)
-
-
-def _of_dataset(dataset: h5py.Dataset) -> Column | str:
-    """Return a dataset with unit and names of its columns, or why it is none."""
-    if not dataset.size or dataset.dtype.kind not in "fiubV":
-        return f"{dataset.dtype} of shape {dataset.shape}"
-    try:
-        refuse_absent(dataset)
-        values = np.asarray(dataset[()])
-    except (LogError, OSError, RuntimeError) as error:  # other datasets may be readable
-        return f"cannot be read ({error})"
-    attributes, own = dict(dataset.attrs), dataset.name
-    names = next((attributes[key] for key in _NAMES if key in attributes), ())
-    if not np.size(names) and own.endswith("_values") and f"{own[:-6]}items" in dataset.file:
-        names = dataset.file[f"{own[:-6]}items"][()]  # of pandas
-    texts = [n.decode() if isinstance(n, bytes) else n for n in np.ravel(names).tolist()]
-    parts = texts if all(isinstance(text, str) for text in texts) else ()
-    return Column(values, _text(attributes, _UNITS), _text(attributes, _LABELS), parts)
+            if not isinstance(dataset := file[name], h5py.Dataset):
+                continue
+            try:
+                refuse_absent(dataset)
+                values = np.asarray(dataset[()])
+            except (LogError, OSError, RuntimeError) as error:  # other datasets may be readable
+                yield name, f"cannot be read ({error})"
+                continue
+            fields = dict(dataset.attrs)
+            if name.endswith("_values") and f"{name[:-6]}items" in file:  # of pandas
+                fields["columns"] = file[f"{name[:-6]}items"][()]
+            parts = next((_texts(fields[key]) for key in _NAMES if key in fields), ())
+            yield name, Column(values, _text(fields, _UNITS), _text(fields, _LABELS), parts)
 
 
 def read_numpy(path: Path) -> Parts:
     """Read an .npz or .npy file; an array of texts names the columns of a matrix."""
     content: Any = np.load(path)
     if isinstance(content, np.ndarray):
-        content = {field: content[field] for field in content.dtype.names or ()} or {
-            "data": content
-        }
-    texts = [array.tolist() for array in content.values() if array.dtype.kind == "U" and array.ndim]
+        fields = content.dtype.names
+        content = {field: content[field] for field in fields} if fields else {"data": content}
+    texts = [found for array in content.values() if len(found := _texts(array)) > 1]
     for name, array in content.items():
-        yield name, Column(array, parts=next((t for t in texts if len(t) in array.shape[:2]), ()))
+        yield name, Column(array, parts=texts[0] if texts else ())
 
 
 def read_tdms(path: Path) -> Parts:
@@ -311,18 +307,17 @@ def _of_messages(messages: Iterable[tuple[str, int, Any]]) -> Parts:
 
 
 def _numbers(name: str, thing: Any) -> Iterator[tuple[str, float]]:
+    parts: Any = {}
     if isinstance(thing, int | float | np.number):
         yield name, float(thing)
-    elif isinstance(thing, list | tuple | np.ndarray) and len(thing) <= _MOST_NUMBERS:
-        for k, part in enumerate(thing):
-            yield from _numbers(f"{name}[{k}]", part)
-    elif isinstance(thing, dict) or hasattr(thing, "__slots__") or hasattr(thing, "__dict__"):
-        if not isinstance(thing, dict):
-            names = getattr(thing, "__slots__", None) or vars(thing)
-            thing = {key: getattr(thing, key) for key in names}
-        for key, part in thing.items():
-            if not key.startswith("_"):
-                yield from _numbers(f"{name}.{key}".lstrip("."), part)
+    elif isinstance(thing, list | tuple | np.ndarray):
+        parts = {f"{name}[{k}]": part for k, part in enumerate(thing[: _MOST_NUMBERS + 1])}
+    elif isinstance(thing, dict):
+        parts = {f"{name}.{key}": part for key, part in thing.items()}
+    elif fields := getattr(thing, "__slots__", None) or getattr(thing, "__dict__", None):
+        parts = {f"{name}.{field}": getattr(thing, field) for field in fields if field[0] != "_"}
+    for part, value in parts.items():
+        yield from _numbers(part.lstrip("."), value)
 
 
 #: How the files of a format begin, its name, and its reader.

@@ -3,9 +3,8 @@
 import csv
 import io
 import re
-from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice
 from operator import ge, itemgetter
@@ -13,16 +12,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from fprc.errors import LogError
 from fprc.given import read_given
-from fprc.recordings.names import is_time, is_unit, known_words
+from fprc.recordings.names import KANJI, is_time, is_unit
 from fprc.recordings.table import Column, Table
 
 #: Largest text file; reading it takes about ten times as much memory.
 LARGEST_TEXT_BYTES = 256 << 20
-#: Accepted separators and their names; a blank stands for any run of blanks and tabs.
-_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
+#: Separators that are looked for; a blank stands for any run of blanks and tabs.
+_SEPARATORS = ",;\t| "
 #: Lines that are looked at to find the separator and the first sample, and lines above it.
 _TRIED, _ABOVE = 300, 40
 #: Most lines of a table that are no samples, and texts of a column that are no numbers, as a share.
@@ -64,12 +64,9 @@ _PREFIX = re.compile(rf"\s*({_STAMP.pattern})(?:\s*->|\s+(?=[^\W\d]\w*\s*[:=]))"
 def read_text(path: Path, **layout: Any) -> Table:
     """Read a text table of any layout that has one sample per line.
 
-    Names are taken from the line above the first sample that has one for each column, which may
-    be a comment; a line of units below it, LabVIEW's and TwinCAT's headers, and lines such as
-    ``angle: 1.2, p: 30`` are understood. Lines that begin with ``#``, ``%``, ``//`` or ``sep=``
-    are comments; blank lines are skipped. A last line without a line end is left out: it may be
-    cut short. What ``layout`` has, as ``importing.Csv``, is not detected. LogError: the file is no
-    text, has no samples, or many lines with more or fewer fields than the first.
+    Names are those nearest above the first sample, perhaps in a comment. A last line without a
+    line end may be cut short and is left out. What ``layout`` has, as ``importing.Csv``, is not
+    detected. LogError: it is no text, has no samples, or many lines of another width.
     """
     raw = read_given(path, error=LogError, most_bytes=LARGEST_TEXT_BYTES)
     numbered = enumerate(io.StringIO(_decoded(raw), newline=""), 1)
@@ -84,20 +81,18 @@ def read_text(path: Path, **layout: Any) -> Table:
 
 
 def _decoded(raw: bytes) -> str:
-    if raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         return raw.decode("utf-16", errors="replace")
     for code in ("utf-8-sig", "cp932", "gb18030"):  # spreadsheets in Japan and China
         with suppress(UnicodeDecodeError):
             text = raw.decode(code)
-            if code == "utf-8-sig" or known_words(text[:4000]):
+            if code == "utf-8-sig" or any(word in text[:4000] for word in KANJI):
                 return text
     return raw.decode("latin-1")
 
 
 def read_xlsx(path: Path) -> Table:
     """Read the sheet of an Excel file that has the most rows, with values as they were saved."""
-    import pandas as pd
-
     sheets = pd.read_excel(path, sheet_name=None, header=None, dtype=object, engine="openpyxl")
     title, sheet = max(sheets.items(), key=lambda item: len(item[1]))
     rows = sheet.fillna("").astype(str).replace(r'[\s"]+', " ", regex=True).to_numpy().tolist()
@@ -121,22 +116,22 @@ def _table_of(
     if 2 * len(stamps) <= len(lines):
         stamps = {}
     lines = lines | {n: lines[n][found.end() :] for n, found in stamps.items()}
+    start = data_line or (header_line or 0) + 1
+    below = {n: line for n, line in lines.items() if n >= start and not _COMMENT.match(line)}
     marks = [separator] if separator else [mark for mark in _SEPARATORS if mark != decimal]
-    fit, mark, width, begin = _locate(lines, marks, header_line, data_line)
-    kind = f"text separated by {_SEPARATORS.get(mark, mark)}"
-    if fit < 0.6 and (worded := _without_words(lines)):
-        lines, header_line, kind = worded, None, "text with a name before each number"
-        _, mark, width, begin = _locate(lines, ["\t"])
+    fit, mark, width, begin = _locate(below, marks)
+    kind = f"text separated by {mark!r}"
+    if fit < 0.6 and (worded := _without_words(below)):
+        lines, below, header_line = worded, worded, None
+        kind, (_, mark, width, begin) = "text with a name before each number", _locate(below, "\t")
     if not width:
-        raise LogError(
-            f"{path}: no samples; the file has no lines of plain numbers, or csv.header_line or "
-            "csv.data_line are past them"
-        )
+        raise LogError(f"{path}: no samples: no plain numbers below csv.header_line")
+    begin = data_line or begin
     rows: dict[int, list[str]] = {}
     odd: dict[int, str] = {}
-    for number, line in lines.items():
-        fields = _split(line, mark) if number >= begin and not _COMMENT.match(line) else []
-        if not any(fields):
+    for number, line in below.items():
+        fields = _split(line, mark)
+        if number < begin or not any(fields):
             continue
         if len(fields) == width + 1 and not fields[-1]:
             fields.pop()
@@ -156,18 +151,19 @@ def _table_of(
         )
     if footer := [n for n in odd if n > last]:
         notes.append(f"lines {footer[0]} to {footer[-1]}, below the last sample, were left out")
-    above = [(n, line) for n, line in lines.items() if begin - _ABOVE <= n < begin]
-    names, units, keys = _header(above[::-1], mark, width, header_line)
+    above = [(n, line) for n, line in lines.items() if n < begin]
+    names, units, keys = _header(above[-_ABOVE:][::-1], mark, width, header_line)
     decimal = decimal or keys.get("Decimal_Separator", [None])[0]
     if "Delta_X" in keys:  # LabVIEW
         units[0] = "s"
         zero, step = (float(keys[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
         for k, fields in enumerate(rows.values()):
             fields[0] = fields[0] or repr(zero + k * step).replace(".", decimal or ".")
+    frame = pd.DataFrame([*rows.values()], index=[*rows], columns=names)
     if stamps:
-        names, units = ["time", *names], ["", *units]
-        rows = {n: [stamps[n][1] if n in stamps else "", *fields] for n, fields in rows.items()}
-    columns, others, more = _columns_of(names, units, rows, decimal, mark)
+        frame.insert(0, "time", [stamps[n][1] if n in stamps else "" for n in rows])
+        units.insert(0, "")
+    columns, others, more = _columns_of(frame, units, decimal, mark)
     unusable = tuple(f"line {n}: {line!r}" for n, line in odd.items() if n < last)
     return Table(path, kind, columns, others, (*notes, *more), np.array([*rows]), unusable)
 
@@ -189,19 +185,9 @@ def is_value(text: str) -> bool:
     return text.lower() in _MISSING or any(pattern.fullmatch(text) for pattern in patterns)
 
 
-def _locate(
-    lines: Mapping[int, str],
-    marks: Sequence[str],
-    header_line: int | None = None,
-    data_line: int | None = None,
-) -> tuple[float, str, int, int]:
-    """Return how much is a table (0 to 1), its separator, its width (0: none), its first line.
-
-    Samples have values wherever most of the lines have them.
-    """
-    begin = data_line or (header_line or 0) + 1
-    below = ((n, line) for n, line in lines.items() if n >= begin and not _COMMENT.match(line))
-    head, best = dict(islice(below, _TRIED)), (False, 0.0, False, 0, marks[0], 1)
+def _locate(lines: Mapping[int, str], marks: Iterable[str]) -> tuple[float, str, int, int]:
+    """Return how much is a table (0 to 1), its separator, its width (0: none), its first line."""
+    head, best = dict(islice(lines.items(), _TRIED)), (False, 0.0, False, 0, "", 1)
     for mark in marks:
         rows = {n: fields for n, line in head.items() if any(fields := _split(line, mark))}
         kinds = {n: tuple(map(is_value, fields)) for n, fields in rows.items()}
@@ -220,7 +206,7 @@ def _locate(
         # one column may be several with another separator; blanks split wherever tabs do
         best = max(best, (width > 1, share, mark != " ", width, mark, first))
     _, share, _, width, mark, first = best
-    return share, mark, width, data_line or first
+    return share, mark, width, first
 
 
 def _without_words(lines: Mapping[int, str]) -> dict[int, str] | None:
@@ -261,7 +247,7 @@ def _header(
     if not names and "Name" in keys:  # TwinCAT: a time and a value for each channel
         stamp = "".join(re.findall(r"SampleTime\[(.*)\]", " ".join(keys)))
         names = [part for name in keys["Name"][::2] for part in (f"{name} time", name)]
-        units = [part for unit in keys.get("Unit", names)[::2] for part in (stamp, unit)]
+        units = [part for unit in keys.get("Unit", [""] * width)[::2] for part in (stamp, unit)]
     if not names:
         names, units = units or [""] * width, []
     return names, units or [""] * width, keys
@@ -287,38 +273,34 @@ def _names_in(line: str, mark: str, width: int, *, asked: bool) -> list[str]:
 
 
 def _columns_of(
-    names: Sequence[str],
-    units: Sequence[str],
-    rows: Mapping[int, list[str]],
-    decimal: str | None,
-    separator: str,
+    frame: pd.DataFrame, units: Sequence[str], decimal: str | None, separator: str
 ) -> tuple[dict[str, Column], dict[str, str], list[str]]:
     """Return the columns of rows of texts, why others are none, and notes."""
     columns: dict[str, Column] = {}
     others: dict[str, str] = {}
     notes: list[str] = []
-    texts = list(zip(*rows.values(), strict=True))
-    decimal = decimal or _decimal_of(texts, separator)
-    for k, column in enumerate(texts):
-        if not names[k] and not any(column):
+    decimal = decimal or _decimal_of(frame, separator)
+    for k, (name, texts) in enumerate(frame.items()):
+        missing = texts.str.lower().isin(_MISSING)
+        if not name and missing.all():
             continue  # separators at the line ends make columns with neither name nor value
-        repeats = names[:k].count(names[k]) if names[k] else 0
-        name = f"{names[k]} ({repeats + 1})" if repeats else names[k] or str(k)
-        unit, values = units[k].strip("[]() -"), _stamps(column)
+        repeats = [*frame.columns[:k]].count(name) if name else 0
+        name = f"{name} ({repeats + 1})" if repeats else name or str(k)
+        unit, values = units[k].strip("[]() -"), _stamps(texts, missing)
         if values is None:
-            values = _numbers(column, decimal)
+            values = _numbers(texts, decimal)
         else:
             unit = "s"
-        bad = [k for k in np.flatnonzero(np.isnan(values)) if column[k].lower() not in _MISSING]
-        first = f"line {[*rows][bad[0]]} holds {column[bad[0]][:60]!r}, not a number" if bad else ""
-        if len(bad) > _MOST_ODD * len(column):
+        bad = texts[np.isnan(values) & ~missing]
+        first = "".join(f"line {n} holds {t[:60]!r}, not a number" for n, t in bad[:1].items())
+        if len(bad) > _MOST_ODD * len(texts):
             doubt = "" if decimal else ", or its mark may group thousands: set csv.decimal"
             others[name] = f"{first}{doubt}"
         elif not np.isfinite(values).any():
             others[name] = "no numbers"
         else:
             columns[name] = Column(values, unit)
-            notes += [f"{name}: {first}; such lines in all: {len(bad)}"] if bad else []
+            notes += [f"{name}: {first}; such lines in all: {len(bad)}"] if len(bad) else []
     clocks = [name for name in columns if is_time(name)]
     length = None
     for name, found in columns.items() if len(clocks) > 1 else ():
@@ -328,58 +310,45 @@ def _columns_of(
     return columns, others, notes
 
 
-def _numbers(texts: Sequence[str], mark: str | None) -> np.ndarray:
+def _numbers(texts: pd.Series, mark: str | None) -> np.ndarray:
     """Return the numbers in texts; NaN for other texts, and without a mark where it matters."""
-    import pandas as pd
-
     if mark is None:
         points, commas = _numbers(texts, "."), _numbers(texts, ",")
         return np.where(points == commas, points, np.nan)
-    found = pd.Series(texts).str.lower()
-    numbers = found.where(found.str.fullmatch(_NUMBERS[mark].pattern))
+    numbers = texts.where(texts.str.fullmatch(_NUMBERS[mark])).str.lower()
     plain = numbers.str.replace(".,"[mark == "."], "").str.replace(mark, ".").str.replace("d", "e")
     return pd.to_numeric(plain, errors="coerce").to_numpy(np.float64, na_value=np.nan)
 
 
-def _decimal_of(columns: Sequence[Sequence[str]], separator: str) -> str | None:
+def _decimal_of(frame: pd.DataFrame, separator: str) -> str | None:
     """Return the one decimal mark of a table.
 
-    None if numbers contradict each other, or if all marks may group thousands: if there are three
-    digits after each, as in 980, 990, 1,000. Columns between semicolons usually have decimal
-    commas, others decimal points.
+    None if numbers contradict each other, or if all marks may group thousands, as in 980, 990,
+    1,000, and are not those that are usual with the separator.
     """
-    marked: dict[str, list[str]] = {".": [], ",": []}
-    mixed = False  # whether a column has numbers with a comma, and others without
-    for texts in columns:
-        for mark, pattern in _NUMBERS.items():
-            given = [text for text in texts if mark in text and pattern.fullmatch(text)]
-            marked[mark] += given
-            mixed |= mark == "," and 0 < len(given) < sum(map(str.isdigit, texts)) + len(given)
-    if all(marked.values()):
-        return None
-    mark = "," if marked[","] else "."
-    usual = (mark == ",") == (separator == ";")
-    if all(map(_GROUPED.fullmatch, marked[mark])) and marked[mark] and (mixed or not usual):
-        return None
-    return mark
+    cells = pd.Series(frame.to_numpy().ravel())
+    points, commas = (
+        cells[cells.str.contains(mark, regex=False) & cells.str.fullmatch(number)]
+        for mark, number in _NUMBERS.items()
+    )
+    mixed = frame.apply(lambda texts: texts.str.isdigit().any() and texts.str.contains(",").any())
+    mark, marked = (",", commas) if len(commas) else (".", points)
+    usual = (mark == ",") == (separator == ";") and not (mark == "," and mixed.any())
+    doubtful = len(marked) and not usual and marked.str.fullmatch(_GROUPED).all()
+    return None if doubtful or (len(points) and len(commas)) else mark
 
 
-def _stamps(texts: Sequence[str]) -> np.ndarray | None:
+def _stamps(texts: pd.Series, missing: pd.Series) -> np.ndarray | None:
     """Return dates as seconds since 1970, or times of day in s; None for other texts."""
-    given = [text for text in texts[:50] if text.lower() not in _MISSING]
-    if not given or not all(map(_STAMP.fullmatch, given)):
+    given, days_first = texts[~missing], False
+    if given.empty or not given[:50].str.fullmatch(_STAMP).all():
         return None
-    import pandas as pd
-
-    series, clock = pd.Series(texts), all(map(_CLOCK_TIME.fullmatch, given))
-    if clock:  # min:s too
-        hours = series.str.replace(r"^(\d+:\d+[.,])", r"0:\1", regex=True)
-        series = ("1970-01-01 " + hours).mask(series == "")
-    years_first = re.match(r"\d{4}", series.dropna().iloc[0])
-    days_first = "/" not in given[0] or any(re.match(r"(1[3-9]|[23]\d)/", d) for d in texts)
-    form: dict[str, Any] = {"format": "mixed", "dayfirst": days_first and not years_first}
-    found = pd.to_datetime(series, utc=True, errors="coerce", **form)
-    since = (found - pd.Timestamp(0, tz="UTC")) / pd.Timedelta(seconds=1)
-    seconds = since.to_numpy(np.float64, na_value=np.nan)
+    if clock := given[:50].str.fullmatch(_CLOCK_TIME).all():  # min:s too
+        given = "1970-01-01 " + given.str.replace(r"^(\d+:\d+[.,])", r"0:\1", regex=True)
+    elif not re.match(r"\d{4}", given.iloc[0]):
+        days_first = "/" not in given.iloc[0] or given.str.match(r"(1[3-9]|[23]\d)/").any()
+    form: dict[str, Any] = {"format": "mixed", "dayfirst": days_first}
+    found = pd.to_datetime(given, utc=True, errors="coerce", **form).reindex(texts.index)
+    seconds = ((found - pd.Timestamp(0, tz="UTC")) / pd.Timedelta(seconds=1)).to_numpy()
     midnights = np.append(0, np.cumsum(np.diff(seconds) < -43200.0))
     return seconds + 86400.0 * midnights if clock else seconds

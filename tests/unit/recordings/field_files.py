@@ -288,8 +288,9 @@ CASES = {
     "h:m:s": Case("a.csv", text(["t", *NAMES[1:]], stamps("%H:%M:%S.%f3"))),
     "AM and PM": Case("a.csv", text(["Time", *NAMES[1:]], stamps("%m/%d/%Y %I:%M:%S.%f3 %p"))),
     "secs and nsecs": Case("a.csv", text(
-        ["header.stamp.secs", "header.stamp.nsecs", *NAMES[1:]], ["1700000000"] * COUNT,
-        more=[[str(10**7 * k) for k in range(COUNT)]])),
+        ["header.stamp.secs", "header.stamp.nsecs", *NAMES[1:]],
+        [str(1700000000 + (k + 50) // 100) for k in range(COUNT)],
+        more=[[str(10**7 * ((k + 50) % 100)) for k in range(COUNT)]])),
     # LabVIEW
     "LVM, one X": Case("a.lvm", _lvm(".", "One", "".join(
         rows(T, ANGLE, PRESSURE, P_O, separator="\t")))),
