@@ -1,11 +1,8 @@
 """Journal of a run on a real rig: written sample by sample, readable however the run ends.
 
-    header  samples  end mark
-
-Each part is a marker of 8 bytes, a CRC-32 (uint32), and content: a sample's tick (uint64) and one
-float64 per channel, all little-endian; or a line of JSON. The checksums of samples and end mark
-start from the header's checksum, so that those of another journal are rejected (after a power cut a
-disk may return an old page).
+data/raw/README.md describes the format. The checksums of samples and end mark start from the
+header's checksum, so that those of another journal are rejected: after a power cut a disk may
+return an old page.
 """
 
 import json
@@ -13,9 +10,8 @@ import os
 import struct
 import threading
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,8 +39,8 @@ class Journal:
     last sync, and the loop does not wait for the disk. Before each sync the thread checks that the
     file was not deleted, moved, replaced, cut or unmounted; after that, ``append`` raises.
 
-    Each method raises LogError. ``names`` and ``attributes`` are those of a raw log; ``started``,
-    the present time (UTC), is added to the latter.
+    Each method raises LogError. ``names`` and ``attributes`` are those of a raw log; by ``started``
+    among them its checksums differ from those of another journal.
     """
 
     def __init__(
@@ -55,13 +51,11 @@ class Journal:
         *,
         sync_s: float = 0.5,
     ):
-        self.path, self.samples = path, 0
-        started = {"started": datetime.now(UTC).isoformat(timespec="microseconds")}
-        self.attributes = started | dict(attributes)
-        header = _part(_line(self.attributes | {"names": list(names)}), 0)
-        self._seed, self._bytes = _crc_of(header.removeprefix(_MARK)), len(header)
+        self.path, self._samples, self._problem = path, 0, ""
+        content = _line({**attributes, "names": list(names)})
+        header, self._seed = _part(content, 0), zlib.crc32(content)
+        self._bytes = len(header)
         self._record = struct.Struct(f"<Q{len(names)}d")
-        self._problem = ""
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o644)
@@ -84,58 +78,49 @@ class Journal:
 
         LogError: it cannot be written, earlier samples could not be synced, or the file was lost.
         """
-        if self._problem:
-            raise LogError(self._problem)
         part = _part(self._record.pack(tick, *row), self._seed)
-        try:
-            _write(self._file, part)
-        except OSError as error:
-            self._problem = self._unwritten("sample", error)
-            raise LogError(self._problem) from error
-        self.samples += 1
+        if self._problem or not self._done(_write, part):
+            raise LogError(self._problem)
+        self._samples += 1
         self._bytes += len(part)
 
     def close(self, reason: str = "", **statistics: Any) -> None:
-        """Write the end mark and close the file; a second call does nothing.
+        """Write the end mark and close the file, once.
 
         ``reason`` tells why the run did not reach its planned end; empty if it did. LogError: as
         for ``append``, or the end mark cannot be written. The mark, if there is one, says so.
         """
-        if self._closing.is_set():
-            return
         self._closing.set()
         self._syncing.join()
-        problem = self._problem or self._loss()
-        content = {"reason": problem or reason, "statistics": statistics, "samples": self.samples}
-        try:
-            _write(self._file, _part(_line(content), self._seed))
-            os.fsync(self._file)
-        except OSError as error:
-            problem = problem or self._unwritten("end mark after sample", error)
-        finally:
-            os.close(self._file)
-            self._problem = problem or f"{self.path}: is closed"
+        self._problem = self._problem or self._loss()
+        content = {"reason": self._problem or reason, "statistics": statistics}
+        self._done(_write, _part(_line(content | {"samples": self._samples}), self._seed))
+        self._done(os.fsync)
+        os.close(self._file)
+        problem, self._problem = self._problem, self._problem or f"{self.path}: is closed"
         if problem:
             raise LogError(problem)
 
     def _sync(self, period_s: float) -> None:
         on_disk = 0
         while not self._closing.wait(period_s) and not self._problem:
-            samples = self.samples
+            samples = self._samples
             if loss := self._loss():
                 self._problem = loss
-            elif samples != on_disk:
-                try:
-                    os.fsync(self._file)
-                    on_disk = samples
-                except OSError as error:
-                    self._problem = self._unwritten("what follows sample", error)
+            elif samples != on_disk and self._done(os.fsync):
+                on_disk = samples
 
-    def _unwritten(self, what: str, error: OSError) -> str:
-        return (
-            f"{self.path}: {what} {self.samples} may not have reached the disk ({error.strerror}); "
-            "check it, or free some space, and run again"
-        )
+    def _done(self, action: Callable[..., Any], *arguments: Any) -> bool:
+        """Do something with the file; return whether it succeeded, and remember why it did not."""
+        try:
+            action(self._file, *arguments)
+        except OSError as error:
+            self._problem = self._problem or (
+                f"{self.path}: what follows sample {self._samples} may not have reached the disk "
+                f"({error.strerror}); check it, or free some space, and run again"
+            )
+            return False
+        return True
 
     def _loss(self) -> str:
         """Return an error text if the file was lost; empty if it is whole."""
@@ -164,13 +149,10 @@ def _part(content: bytes, seed: int) -> bytes:
     return _MARK + zlib.crc32(content, seed).to_bytes(4, "little") + content
 
 
-def _crc_of(part: bytes) -> int:
-    return int.from_bytes(part[:4], "little")
-
-
 def _intact(part: bytes, end: int, seed: int) -> bytes:
     """Return the content of a part up to an end; empty if it was cut, damaged or forged."""
-    return part[4:end] if zlib.crc32(part[4:end], seed) == _crc_of(part) else b""
+    crc = int.from_bytes(part[:4], "little")
+    return part[4:end] if zlib.crc32(part[4:end], seed) == crc else b""
 
 
 def _object(part: bytes, types: Mapping[str, type], seed: int = 0) -> dict[str, Any]:
@@ -206,14 +188,15 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
             f"{path}: not a journal of this version, or its header is damaged or cut; give the "
             "file *.journal beside the raw log, restore it, or run again"
         )
+    seed = int.from_bytes(header[:4], "little")
     record = np.dtype([("tick", "<u8"), ("row", "<f8", (len(names),))])
     samples, end, cut = list[bytes](), dict[str, Any](), False
     for n, part in enumerate(parts):
         whole = _MARK.join(parts[n : n + 2])  # the marker may be among the bytes of a sample
-        sample = _intact(whole, 4 + record.itemsize, _crc_of(header))
+        sample = _intact(whole, 4 + record.itemsize, seed)
         if len(sample) == record.itemsize:
             samples.append(sample)
-        elif end := _object(part, _IN_END, _crc_of(header)):
+        elif end := _object(part, _IN_END, seed):
             break
         cut = len(part) != 4 + record.itemsize or not sample
     records = np.frombuffer(b"".join(samples), record)

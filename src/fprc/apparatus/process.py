@@ -61,11 +61,12 @@ def record(
     beside the journal under another name, or among the temporary files; the ControlError names it.
     DeviceError: a part cannot be opened.
     """
-    law, samples, attributes, extra, hint = plan(name, settings, model)
-    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    path = Path(raw).with_suffix(f".{stamp}.journal")
+    law, samples, planned, extra, hint = plan(name, settings, model)
+    started = datetime.now(UTC)
+    path = Path(raw).with_suffix(f".{started:%Y%m%d-%H%M%S}.journal")
     seconds = samples / settings["control"]["sample_rate_hz"]
     log.info("%s, %.0f s; Ctrl-C stops it and vents%s", name, seconds, hint)
+    attributes = planned | {"started": started.isoformat(timespec="microseconds")}
     journal = Journal(path, (*RAW_CHANNELS, *extra), attributes)
     try:
         channels, statistics, stopped, unvented = on_rig(
@@ -81,11 +82,13 @@ def record(
     except LogError as error:
         if str(error) not in stopped:
             log.warning("%s", error)
-    attributes = journal.attributes | state_of(stopped, statistics)
+    attributes |= state_of(stopped, statistics)
     recorded, rescued = len(channels["time_s"]), path.with_suffix(".rescued.h5")
     places = [rescued, Path(tempfile.gettempdir(), rescued.name)]
+    if not stopped:
+        places.insert(0, Path(raw))
     why, where = [stopped], f"{path} has what it can of the {recorded} samples"
-    for place in [] if not recorded else places if stopped else [Path(raw), *places]:
+    for place in places if recorded else []:
         try:
             place.parent.resolve(strict=True)  # a folder that is gone is not made again
             refuse_output(place, ".h5")

@@ -9,16 +9,7 @@ from typing import Annotated, Any, NamedTuple
 
 import h5py
 import numpy as np
-from pydantic import (
-    Field,
-    FiniteFloat,
-    Json,
-    Strict,
-    StrictBool,
-    StrictInt,
-    TypeAdapter,
-    ValidationError,
-)
+from pydantic import ConfigDict, Field, FiniteFloat, Json, Strict, TypeAdapter, ValidationError
 
 from fprc.artifacts import replacing
 from fprc.channels import unit_of
@@ -37,23 +28,24 @@ _IN_MEMORY: dict[str, Any] = {
     "meta_block_size": 1,
 }
 
-_NUMBER = Annotated[FiniteFloat, Strict()]
 #: Type of each known attribute. ``units`` belongs to a channel, all others to the file.
+_TEXT = Annotated[str, Strict(False)]  # of other programs also bytes
 _KINDS: dict[str, Any] = {
-    **dict.fromkeys(("experiment", "source", "software", "started", "units"), str),
-    **dict.fromkeys(("controller", "reference", "model", "model_file", "model_sha256"), str),
-    **dict.fromkeys(("incomplete_reason", "imported_from", "imported_sha256"), str),
-    **dict.fromkeys(("settle_s", "imported_start_s"), _NUMBER),
-    "sample_rate_hz": Annotated[_NUMBER, Field(gt=0.0)],
-    **dict.fromkeys(("seed", "lost_samples"), StrictInt),
+    **dict.fromkeys(("experiment", "source", "software", "started", "units"), _TEXT),
+    **dict.fromkeys(("controller", "reference", "model", "model_file", "model_sha256"), _TEXT),
+    **dict.fromkeys(("incomplete_reason", "imported_from", "imported_sha256"), _TEXT),
+    **dict.fromkeys(("settle_s", "imported_start_s"), FiniteFloat),
+    "sample_rate_hz": Annotated[FiniteFloat, Field(gt=0.0)],
+    **dict.fromkeys(("seed", "lost_samples"), int),
     **dict.fromkeys(("rig", "recordings", "map"), Json[dict[str, Any]]),
-    "statistics": Json[dict[str, StrictInt | _NUMBER | None]],
+    "statistics": Json[dict[str, int | FiniteFloat | None]],
     "notes": Json[dict[str, str]],
-    "complete": StrictBool,
+    "complete": bool,
 }
 #: What parses them, and those of other programs, of which plain ones are kept.
-_KNOWN = {name: TypeAdapter[Any](kind) for name, kind in _KINDS.items()}
-_OTHER = TypeAdapter[Any](str | StrictBool | StrictInt | _NUMBER)
+_STRICT = ConfigDict(strict=True)
+_KNOWN = {name: TypeAdapter[Any](kind, config=_STRICT) for name, kind in _KINDS.items()}
+_OTHER = TypeAdapter[Any](_TEXT | bool | int | FiniteFloat, config=_STRICT)
 
 
 class Columns(NamedTuple):

@@ -58,7 +58,8 @@ def read_raw(
             f"{path}: is preprocessed; give the raw log of the same name, which `fprc readout` and "
             "the workflow keep in the folder raw"
         )
-    source, is_run = attributes.get("source"), _is_run(attributes)
+    source = attributes.get("source")
+    is_run = str(attributes.get("experiment")).startswith(RUN_PREFIX)
     needed = needed_by(source if source in SOURCES else "sim", tracking=is_run)
     optional = tuple(name for name in RAW_CHANNELS if name not in needed)
     required = RAW_ATTRIBUTES + (RUN_ATTRIBUTES if is_run else ())
@@ -71,16 +72,12 @@ def read_raw(
 def read_run(path: Path | str) -> Columns:
     """Read the log of a closed-loop run, as ``read_raw``, at any rate; LogError for another."""
     log = read_raw(path, experiment=None, sample_rate_hz=None, rate_tolerance=math.inf)
-    if not _is_run(log.attributes):
+    if not log.attributes["experiment"].startswith(RUN_PREFIX):
         raise LogError(
             f"{path}: attribute experiment = {log.attributes['experiment']}; must begin with "
             f"{RUN_PREFIX}, as of a closed-loop run"
         )
     return log
-
-
-def _is_run(attributes: Mapping[str, Any]) -> bool:
-    return str(attributes.get("experiment")).startswith(RUN_PREFIX)
 
 
 def _impossible(

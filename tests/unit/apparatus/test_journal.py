@@ -19,7 +19,7 @@ NAMES = (*needed_by("sim"), "theta_d_deg")
 ATTRIBUTES = {
     "experiment": "sweep", "source": "rig", "sample_rate_hz": 200.0, "seed": 0,
     "software": "fprc test", "rig": {"boards": {"library": "θ"}}, "reference": "sine",
-    "path": "mine", "channels": "mine",
+    "started": "now", "path": "mine", "channels": "mine",
 }  # fmt: skip
 # as data/raw/README.md documents it
 MARK = b"\x89FPRCJ3\n"
@@ -30,8 +30,8 @@ def row(k):
     return (k / 200.0, *(k + j / 16.0 for j in range(1, len(NAMES))))
 
 
-def write(path, ticks=range(20), **closing):
-    journal = Journal(path, NAMES, ATTRIBUTES)
+def write(path, ticks=range(20), started="now", **closing):
+    journal = Journal(path, NAMES, ATTRIBUTES | {"started": started})
     for k in ticks:
         journal.append(k, row(k))
     journal.close(**closing)
@@ -46,9 +46,9 @@ def path(tmp_path):
 def closed(tmp_path_factory):
     """Header, samples and end mark of a closed journal of 20 samples, and samples of another."""
     files = []
-    for name in ("run", "other"):
-        path = tmp_path_factory.mktemp("closed") / f"{name}.journal"
-        write(path, overruns=3)
+    for started in ("now", "another time"):
+        path = tmp_path_factory.mktemp("closed") / "run.journal"
+        write(path, started=started, overruns=3)
         data = path.read_bytes()
         start = data.index(MARK, 1)
         end = start + 20 * SIZE
@@ -72,7 +72,6 @@ def test_existing_file_is_not_overwritten_and_a_closed_journal_takes_no_sample(p
     journal = Journal(path, NAMES, ATTRIBUTES)
     journal.close()
     before = path.read_bytes()
-    journal.close(reason="twice")
     with pytest.raises(LogError):
         journal.append(0, row(0))
     with pytest.raises(LogError, match=str(path)):
