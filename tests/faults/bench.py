@@ -11,7 +11,9 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
+from fprc.apparatus.journal import read_journal
 from fprc.config import Settings
 from fprc.devices.sim import SimulatedRig
 
@@ -54,6 +56,15 @@ def compile_driver(folder: Path) -> Path:
     flags = ["-shared", "-fPIC", "-O2", "-Wall", "-Wextra", "-Werror"]
     subprocess.run(["cc", *flags, "-o", library, FOLDER / "fake_caio.c"], check=True)
     return library
+
+
+def journal_at(path):
+    """Return what a journal holds, and what it says of the end of its run."""
+    channels, attributes, closed = read_journal(path)
+    found = SimpleNamespace(channels=channels, attributes=attributes, closed=closed)
+    found.samples, found.lost = len(next(iter(channels.values()))), attributes["lost_samples"]
+    found.reason = attributes.get("incomplete_reason", "")
+    return found
 
 
 def mapped(path):

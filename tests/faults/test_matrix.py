@@ -7,10 +7,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from bench import journal_at
 
 from fprc.apparatus import command, guardian, journal, process
 from fprc.apparatus.guardian import ARMED, HEARTBEAT, OPENING, SAFE
-from fprc.apparatus.journal import read_journal
 from fprc.errors import ControlError, FprcError
 from fprc.logs import read_columns
 
@@ -52,9 +52,8 @@ def record(bench, settings, live_by, monkeypatch, tmp_path):
             found.error = error
         found.messages = stand_in.messages
         (path,) = tmp_path.glob("*.journal")
-        found.channels, _, findings = read_journal(path)
-        found.samples, found.reason = findings.samples, findings.reason
-        assert (findings.closed, findings.lost) == (True, 0)
+        vars(found).update(vars(journal_at(path)))
+        assert (found.closed, found.lost) == (True, 0)
         for path in tmp_path.glob("*.h5"):  # what is in the journal is in the log too
             log = read_columns(path, ("time_s", "theta_deg"))
             assert len(log.channels["time_s"]) >= found.samples

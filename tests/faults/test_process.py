@@ -13,9 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import BOARDS, mapped
+from bench import BOARDS, journal_at, mapped
 
-from fprc.apparatus.journal import read_journal
 from fprc.channels import RAW_CHANNELS
 from fprc.logs import read_raw
 
@@ -124,7 +123,7 @@ class Program:
 
     def journal(self):
         (path,) = self.raw.parent.glob("*.journal")
-        return read_journal(path)
+        return journal_at(path)
 
     def ended_vented(self, samples, lost=0):
         """Check that the last writes vented, and how many samples at most are in no file."""
@@ -157,16 +156,16 @@ def test_run_that_ends_well_leaves_a_log_that_can_be_read(start, rig):
     program = start("run", "sweep", seconds=1.0)
     code, output = program.end()
     assert code == 0, output
-    channels, attributes, findings = program.journal()
-    overruns = attributes["statistics"]["overruns"]
+    findings = program.journal()
+    overruns = findings.attributes["statistics"]["overruns"]
     assert findings.reason == ""
     # on a busy machine, the last ticks that were missed may be beyond the end
     assert findings.samples <= 200 <= findings.samples + overruns
     log = read_raw(program.raw, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.9)
     assert set(log.channels) == set(RAW_CHANNELS)
     for name, values in log.channels.items():
-        assert np.array_equal(values, channels[name])
-    assert (log.attributes["source"], attributes["source"]) == ("rig", "rig")
+        assert np.array_equal(values, findings.channels[name])
+    assert (log.attributes["source"], findings.attributes["source"]) == ("rig", "rig")
     assert np.ptp(log.channels["p_exp_kpa"]) > 50.0
     assert rig.opened == 0
     valves = [log.channels[name].astype("f4") for name in ("valve_main_v", "valve_reservoir_v")]
@@ -251,7 +250,7 @@ def test_run_in_which_something_fails_ends_vented(start, rig, happen, settings, 
     code, output = program.end()
     assert code == (-signal.SIGKILL if says == ALONE else 1)
     assert says in output
-    findings = program.journal()[2]
+    findings = program.journal()
     assert (findings.lost, bool(findings.reason)) == (0, True)
     # a reading that hangs comes before the writes that complete a sample
     program.ended_vented(findings.samples, lost=not closed and happen is not a_reading_hangs)
@@ -287,7 +286,7 @@ def test_board_that_takes_long_to_open_is_waited_for_but_not_without_end(start, 
     assert code == (0 if opens else 1), output
     assert ("and was killed" in output and VENTED_AS_SHOWN in output) is not opens
     assert list(rig.outputs[:2]) == [0.0, 0.0]
-    assert bool(program.journal()[2].samples) is opens
+    assert bool(program.journal().samples) is opens
 
 
 def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig):
@@ -299,11 +298,11 @@ def test_ticks_that_are_missed_are_counted_and_leave_a_gap(start, rig):
     rig.stall_us = 0
     code, output = program.end()
     assert code == 0, output
-    channels, attributes, findings = program.journal()
-    overruns = attributes["statistics"]["overruns"]
+    findings = program.journal()
+    overruns = findings.attributes["statistics"]["overruns"]
     assert (findings.reason, findings.samples + overruns) == ("", 400)
     assert overruns >= 20
-    assert np.diff(channels["time_s"]).max() > 0.1
+    assert np.diff(findings.channels["time_s"]).max() > 0.1
 
 
 def test_rig_that_is_in_use_is_left_alone(start, rig):
@@ -315,7 +314,7 @@ def test_rig_that_is_in_use_is_left_alone(start, rig):
     os.kill(program.process.pid, signal.SIGTERM)
     program.end()
     # neither opened nor vented meanwhile: each write was one of a tick
-    program.ended_vented(program.journal()[2].samples)
+    program.ended_vented(program.journal().samples)
 
 
 def test_loop_without_a_guardian_keeps_the_boards_until_it_has_vented(start, rig):
@@ -330,7 +329,7 @@ def test_loop_without_a_guardian_keeps_the_boards_until_it_has_vented(start, rig
     rig.fail_count = 0
     program.end()
     assert list(rig.outputs[:2]) == [0.0, 0.0]
-    assert VENTED_AS_SHOWN in program.journal()[2].reason
+    assert VENTED_AS_SHOWN in program.journal().reason
 
 
 def test_loop_without_a_guardian_does_not_wait_for_a_driver_that_hangs(start, rig):
@@ -341,7 +340,7 @@ def test_loop_without_a_guardian_does_not_wait_for_a_driver_that_hangs(start, ri
     wait_until(lambda: rig.failures > 100, "attempts to vent")
     rig.stall_us, rig.fail_count = HOUR_US, 0
     program.end()
-    assert "the valves took the voltage to vent" in program.journal()[2].reason
+    assert "the valves took the voltage to vent" in program.journal().reason
     (rescued,) = program.raw.parent.glob("*.rescued.h5")
     log = read_raw(rescued, experiment="sweep", sample_rate_hz=200.0, rate_tolerance=0.9)
     program.ended_vented(len(log.channels["time_s"]), lost=1)
@@ -379,4 +378,4 @@ def test_third_ctrl_c_ends_a_loop_that_hangs_and_the_guardian_vents(start, rig):
     assert code == 1
     assert "ended with code -9" in output
     assert VENTED_AS_SHOWN in output
-    program.ended_vented(program.journal()[2].samples, lost=1)
+    program.ended_vented(program.journal().samples, lost=1)

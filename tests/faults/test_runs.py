@@ -82,7 +82,7 @@ def test_closed_loop_is_that_of_the_simulator(make_bench, settings, live_by, tmp
     assert read_run(raw).attributes == described
     assert described["rig"]["control"]["pd"] == settings["control"]["pd"]
     (journal,) = tmp_path.glob("*.journal")
-    channels, _, findings = read_journal(journal)
-    assert findings.reason == ""
+    channels, attributes, _ = read_journal(journal)
+    assert attributes["complete"]
     for channel, values in channels.items():
         assert np.array_equal(values, found.channels[channel])

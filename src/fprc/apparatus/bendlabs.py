@@ -18,31 +18,25 @@ _TICKS, _TICKS_HZ = 81, 16384
 _SETTLE_S = 2e-3
 
 
-def open_bus(number: int) -> Any:
-    """Open an I2C bus with smbus2."""
-    try:
-        from smbus2 import SMBus
-
-        return SMBus(number)
-    except (ImportError, OSError) as error:
-        raise DeviceError(
-            f"I2C bus {number}: cannot be opened ({error}); `pip install smbus2`, enable I2C, "
-            "choose a bus that `i2cdetect -l` lists, and be a member of its group: `sudo usermod "
-            "-aG i2c $USER`, then log in again"
-        ) from error
-
-
 class BendSensor:
-    """One sensor on an open bus; every method raises DeviceError if it does not answer.
+    """One sensor and its bus; every method raises DeviceError if one of them does not answer.
 
     angle = packet / 64 * gain + offset_deg
     """
 
-    def __init__(self, bus: Any, address: int, *, gain: float = 1.0, offset_deg: float = 0.0):
-        from smbus2 import i2c_msg
+    def __init__(self, bus: int, address: int, gain: float, offset_deg: float):
+        try:
+            from smbus2 import SMBus, i2c_msg
 
-        self._bus, self._address, self._message = bus, address, i2c_msg
-        self._gain, self._offset_deg, self._deg = gain, offset_deg, math.nan
+            self._bus, self._message = SMBus(bus), i2c_msg
+        except (ImportError, OSError) as error:
+            raise DeviceError(
+                f"I2C bus {bus}: cannot be opened ({error}); `pip install smbus2`, enable I2C, "
+                "choose a bus that `i2cdetect -l` lists, and be a member of its group: `sudo "
+                "usermod -aG i2c $USER`, then log in again"
+            ) from error
+        self._address, self._gain, self._offset_deg = address, gain, offset_deg
+        self._deg = math.nan
 
     def start(self, sleep: Callable[[float], None]) -> None:
         """Start sampling, and wait for the first sample."""
@@ -60,9 +54,12 @@ class BendSensor:
         return self._deg
 
     def shutdown(self) -> None:
-        """Stop sampling until the next ``start``."""
+        """Stop sampling, and close the bus."""
         # not its command SHUTDOWN, 0x09: only the reset line or a power cycle wakes it from that
-        self._send("stopping it", _RUN, 0, 0)
+        try:
+            self._send("stopping it", _RUN, 0, 0)
+        finally:
+            self._bus.close()
 
     def _send(self, action: str, *packet: int) -> None:
         self._exchange(action, self._message.write(self._address, bytes(packet)))

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from fprc import __version__
+from fprc import __version__, registry
 from fprc.apparatus.guardian import guard
 from fprc.artifacts import refuse_output
 from fprc.channels import unit_of
@@ -14,14 +14,6 @@ from fprc.control import Law, hysteresis_law
 from fprc.errors import ConfigError, ControlError
 from fprc.escape import in_words
 from fprc.paper import DISTURBANCE, EXPERIMENTS, reference_and_controller, run_log
-from fprc.registry import (
-    controllers,
-    entries,
-    feedforward_of,
-    load_class,
-    model_of_run,
-    outside_classes,
-)
 from fprc.signals import pressure_command
 
 
@@ -40,14 +32,14 @@ def run(
 ) -> str:
     """Run one experiment and write its raw log."""
     settings = _settings(config)
-    references, laws = settings["tracking"]["references"], controllers(settings["models"])
+    references, laws = settings["tracking"]["references"], registry.controllers(settings["models"])
     names = [*EXPERIMENTS, *(run_log(reference, law) for reference in references for law in laws)]
     if name == "list":
         return "\n".join(names) + "\n"
     if name not in names:
         raise ConfigError(f"no experiment {name}; must be one of {', '.join(names)}")
     folders = settings["folders"]
-    trained = f"{folders['results']}/models/sweep_{model_of_run(name)}.h5"
+    trained = f"{folders['results']}/models/sweep_{registry.model_of_run(name)}.h5"
     model = model or (trained if Path(trained).exists() else "")
     raw = out or f"{folders['raw']}/{name}.h5"
     record(raw, name=name, settings=settings, armed=armed, model=model)
@@ -118,7 +110,7 @@ def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
         reference, controller = reference_and_controller(name)
         theta_d, fitted = bench.reference(reference), None
         attributes, extra = bench.describe(reference, controller), bench.channels(controller)
-        driver = feedforward_of(controller)
+        driver = registry.feedforward_of(controller)
         if driver and model:  # without a file the law refuses to start
             fitted = _load(model, name, driver, settings)
             attributes |= describe_model(fitted, model)
@@ -145,8 +137,8 @@ def _load(file: str, name: str, driver: str, settings: Mapping[str, Any]) -> Any
     from fprc.models import load_model
 
     models, which = settings["models"], f"{file}, the model of {name}"
-    inputs, needed = entries(models)[driver].inputs, load_class(driver, models)
-    fitted = load_model(file, outside_classes(models))
+    inputs, needed = registry.entries(models)[driver].inputs, registry.load_class(driver, models)
+    fitted = load_model(file, registry.outside_classes(models))
     columns = getattr(fitted, "n_features_in_", 0)  # a part of a model may have none
     if type(fitted) is not needed or columns != len(inputs):
         raise ConfigError(

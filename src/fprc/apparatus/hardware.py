@@ -11,7 +11,7 @@ from functools import partial
 from itertools import cycle
 from typing import Any
 
-from fprc.apparatus.bendlabs import BendSensor, open_bus
+from fprc.apparatus.bendlabs import BendSensor
 from fprc.apparatus.contec import Board
 from fprc.channels import Readings
 from fprc.errors import DeviceError
@@ -151,7 +151,7 @@ class HardwareRig(Pneumatics):
         locks: AbstractContextManager[Any],
     ):
         self._elapsed, self._sleep = elapsed, sleep
-        self._buses, self._angles = dict[int, Any](), list[BendSensor]()
+        self._angles: list[BendSensor] = []
         with ExitStack() as held:
             held.enter_context(locks)
             super().__init__(hardware, reset=True)
@@ -160,11 +160,7 @@ class HardwareRig(Pneumatics):
             self.exhaust()  # even at rest: a closed valve leaks, and would fill the chamber
             self._inputs = self._open_inputs()
             for place in filter(None, (hardware["theta"], hardware["phi"])):
-                calibration = dict(place)
-                number = calibration.pop("bus")
-                if number not in self._buses:
-                    self._buses[number] = open_bus(number)
-                self._angles.append(BendSensor(self._buses[number], **calibration))
+                self._angles.append(BendSensor(**place))
                 self._angles[-1].start(sleep)
         except BaseException:
             with suppress(DeviceError):
@@ -194,10 +190,8 @@ class HardwareRig(Pneumatics):
         self._end(vent)
 
     def _end(self, vent: Callable[[], None]) -> None:
-        sensors = (sensor.shutdown for sensor in self._angles)
-        buses = (bus.close for bus in self._buses.values())
         with self._locks:
-            _call_all([vent, self.release, *sensors, *buses])
+            _call_all([vent, self.release, *(sensor.shutdown for sensor in self._angles)])
 
 
 def _call_all(calls: Iterable[Callable[[], None]]) -> None:

@@ -13,20 +13,20 @@ import zlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from fprc.artifacts import refuse_output
 from fprc.errors import LogError
 from fprc.given import parse_object, read_given
-from fprc.logs import write_raw
 
 #: Marker of a part; the digit is the version of the format.
 _MARK = b"\x89FPRCJ3\n"
 #: What header and end mark must hold.
 _IN_HEADER = {"names": list, "started": str}
 _IN_END = {"samples": int, "reason": str, "statistics": dict}
+#: Time between two syncs to the disk, s.
+_SYNC_S = 0.5
 #: Largest journal: 15 h of ten channels at 200 Hz.
 _LARGEST_BYTES = 1 << 30
 
@@ -35,22 +35,15 @@ class Journal:
     """Append-only file of samples.
 
     Each sample is passed to the operating system at once, so that none is lost if the process
-    ends. A thread syncs the file every ``sync_s``: a power cut loses at most the samples since the
-    last sync, and the loop does not wait for the disk. Before each sync the thread checks that the
-    file was not deleted, moved, replaced, cut or unmounted; after that, ``append`` raises.
+    ends. A thread syncs it to the disk now and then: a power cut loses at most the samples since
+    the last sync, and the loop does not wait for the disk. Before each sync the thread checks that
+    the file was not deleted, moved, replaced, cut or unmounted; after that, ``append`` raises.
 
     Each method raises LogError. ``names`` and ``attributes`` are those of a raw log; by ``started``
     among them its checksums differ from those of another journal.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        names: Sequence[str],
-        attributes: Mapping[str, Any],
-        *,
-        sync_s: float = 0.5,
-    ):
+    def __init__(self, path: Path, names: Sequence[str], attributes: Mapping[str, Any]):
         self.path, self._samples, self._problem = path, 0, ""
         content = _line({**attributes, "names": list(names)})
         header, self._seed = _part(content, 0), zlib.crc32(content)
@@ -70,7 +63,7 @@ class Journal:
                 "or choose another folder"
             ) from error
         self._closing = threading.Event()
-        self._syncing = threading.Thread(target=self._sync, args=(sync_s,), daemon=True)
+        self._syncing = threading.Thread(target=self._sync, daemon=True)
         self._syncing.start()
 
     def append(self, tick: int, row: Sequence[float]) -> None:
@@ -101,9 +94,9 @@ class Journal:
         if problem:
             raise LogError(problem)
 
-    def _sync(self, period_s: float) -> None:
+    def _sync(self) -> None:
         on_disk = 0
-        while not self._closing.wait(period_s) and not self._problem:
+        while not self._closing.wait(_SYNC_S) and not self._problem:
             samples = self._samples
             if loss := self._loss():
                 self._problem = loss
@@ -164,20 +157,12 @@ def _object(part: bytes, types: Mapping[str, type], seed: int = 0) -> dict[str, 
     return {}
 
 
-class Findings(NamedTuple):
-    """Which samples of a run can be read, and how the run ended."""
-
-    samples: int  #: number of readable samples
-    lost: int  #: known number of samples that were written but cannot be read
-    closed: bool  #: whether the end mark exists
-    reason: str  #: why it is not complete; empty if it is
-
-
-def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any], Findings]:
+def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any], bool]:
     """Read a journal, even if it is truncated, damaged, or still being written.
 
     Returns the channels, with every sample whose checksum is right, by tick; the attributes of a
-    log; and what was found. LogError: it cannot be opened, is no journal, or its header is damaged.
+    log; and whether there is an end mark. LogError: it cannot be opened, is no journal, or its
+    header is damaged.
     """
     data = read_given(path, error=LogError, most_bytes=_LARGEST_BYTES)
     _, header, *parts = data.split(_MARK) if data.startswith(_MARK) else (b"", b"")
@@ -216,25 +201,7 @@ def read_journal(path: Path | str) -> tuple[dict[str, np.ndarray], dict[str, Any
     if lost:
         reasons.append(f"{lost} of {kept.size + lost} samples are lost")
     reason = "; ".join(filter(None, reasons))
-    attributes |= state_of(reason, end.get("statistics", {}), lost)
-    return channels, attributes, Findings(kept.size, lost, bool(end), reason)
-
-
-def recover(journal: Path | str, raw: Path | str) -> Findings:
-    """Write the readable samples of a journal as a raw log; the journal is not changed.
-
-    Errors are those of ``read_journal`` and ``refuse_output``; LogError also if there is no sample,
-    or a forged header or end mark has what no log can hold.
-    """
-    refuse_output(raw, ".h5")
-    channels, attributes, findings = read_journal(journal)
-    if not findings.samples:
-        raise LogError(f"{journal}: no sample can be read; nothing was written")
-    try:
-        write_raw(raw, channels, **attributes)
-    except (TypeError, ValueError) as error:
-        raise LogError(f"{journal}: what it says of the run fits no log ({error})") from error
-    return findings
+    return channels, attributes | state_of(reason, end.get("statistics", {}), lost), bool(end)
 
 
 def state_of(reason: str, statistics: Mapping[str, Any], lost: int = 0) -> dict[str, Any]:

@@ -93,7 +93,7 @@ class CheckedRig:
         self._watched = [
             (name, *limits[name], steps[unit_of(name)])
             for name in SENSORS
-            if name in limits and (hardware["phi"] or name != "phi_deg")
+            if hardware["phi"] or name != "phi_deg"
         ]
         self._last: Readings | None = None
         self._changed_s: dict[str, float] = {}
@@ -118,18 +118,14 @@ class CheckedRig:
             elif (held_s := now.time_s - self._changed_s[name]) > self._stale_s:
                 problems.append(f"{name} has been {value:g} for {held_s:.2f} s (stale_s)")
         if problems:
-            raise ControlError(
-                "; ".join(problems) + "; check the sensor's cable, channel and calibration, and "
-                "hardware.limits"
-            )
+            problems.append("check the sensor's cable, channel and calibration, or hardware.limits")
+            raise ControlError("; ".join(problems))
         return now
 
     def write(self, main_v: float, reservoir_v: float) -> None:
         """Set the voltages of both valves; ControlError, before any is written: not 0 to 10 V."""
         if not (0.0 <= main_v <= HIGHEST_V and 0.0 <= reservoir_v <= HIGHEST_V):
-            raise ControlError(
-                f"a valve takes 0 to {HIGHEST_V:g} V, not {main_v} and {reservoir_v}"
-            )
+            raise ControlError(f"valves take 0 to {HIGHEST_V:g} V, not {main_v}, {reservoir_v}")
         if self._moves:
             self._device.write(main_v, reservoir_v)
 
@@ -193,13 +189,11 @@ def on_rig(
 ) -> tuple[dict[str, np.ndarray], dict[str, float], str, str]:
     """Open the real rig with its safety limits and clock; run a law; make it safe and release it.
 
-    Returns the channels; the statistics of the clock; why the run was stopped, empty if it was not;
-    and the error of closing the rig, empty if readings show that it is vented. If the guardian is
-    not there to vent in our place, we try until readings show it.
-
-    Unless the law ``moves`` the rig, its voltages are not written. ``law``, ``samples`` and
-    ``recording`` are those of ``fprc.control.run``. DeviceError: a part cannot be opened; or an
-    unexpected exception came, and closing failed too.
+    Returns channels, statistics of the clock, why the run was stopped, and the error of closing the
+    rig; the last two are empty if it ended as planned, and if readings show that it is vented. If
+    the guardian is not there to vent in our place, we try until they do. Unless the law ``moves``
+    the rig, its voltages are not written. ``recording`` is that of ``fprc.control.run``.
+    DeviceError: a part cannot be opened; or an unexpected exception came, and closing failed too.
     """
     control, hardware = Control(**settings["control"]), settings["hardware"]
     period_s = 1.0 / control.sample_rate_hz

@@ -3,13 +3,14 @@
 import sys
 from collections.abc import Sequence
 
-from fprc.apparatus.journal import recover
+from fprc.apparatus.journal import read_journal
+from fprc.artifacts import refuse_output
 from fprc.config import from_files
 from fprc.config.load import RIG, rig_file
 from fprc.config.settings import Quality
 from fprc.errors import LogError
 from fprc.given import read_given
-from fprc.logs import assess, read_raw
+from fprc.logs import assess, read_raw, write_raw
 from fprc.logs.quality import warnings
 from fprc.paper import SOURCES
 
@@ -59,8 +60,16 @@ def check_logs(paths: Sequence[str]) -> int:
 
 
 def repair(source: str, *, out: str) -> int:
-    """Recover a raw log from the journal of a run."""
-    findings = recover(source, out)
-    reason = findings.reason or "nothing is lost"
-    print(f"{out}: {findings.samples} samples from {source}; {reason}")
-    return 0 if findings.closed and not findings.lost else SOME_LOST
+    """Recover a raw log from the journal of a run, which is not changed."""
+    refuse_output(out, ".h5")
+    channels, attributes, closed = read_journal(source)
+    samples = len(next(iter(channels.values())))
+    if not samples:
+        raise LogError(f"{source}: no sample can be read; nothing was written")
+    try:
+        write_raw(out, channels, **attributes)
+    except (TypeError, ValueError) as error:  # of what was forged
+        raise LogError(f"{source}: what it says of the run fits no log ({error})") from error
+    reason = attributes.get("incomplete_reason", "nothing is lost")
+    print(f"{out}: {samples} samples from {source}; {reason}")
+    return 0 if closed and not attributes["lost_samples"] else SOME_LOST

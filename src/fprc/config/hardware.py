@@ -75,12 +75,6 @@ class Limits(Section):
     stale_s: float = quantity(0.25, (0.01, 10), "longest time without a new value from a sensor")
     overruns_in_a_row: int = quantity(5, (0, 1000), "missed ticks allowed in a row", unit="ticks")
 
-    def _problems(self) -> Iterator[str]:
-        for name in ("p_exp_kpa", "p_i_kpa"):
-            low, high = getattr(self, name)
-            if not low < 0.0 < high:
-                yield f"{name} excludes 0 kPa, the reading of a vented chamber; begin below 0"
-
 
 class Loop(Section):
     """Real-time settings of the control loop."""
@@ -117,6 +111,8 @@ class Hardware(Section):
                 yield f"{name}: with a broken cable, 0 V, it reads a valid {off:g} kPa; {remedy}"
             if full <= high:
                 yield f"{name}: at its full 5 V it reads {full:g} kPa, below its limit; {remedy}"
+            if name != "p_o" and not low < 0.0 < high:
+                yield f"limits.{name}_kpa excludes 0 kPa, as of a vented chamber; begin below 0"
         theta, phi = self.theta, self.phi
         if phi and (theta.bus, theta.address) == (phi.bus, phi.address):
             yield (

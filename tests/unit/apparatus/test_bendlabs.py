@@ -5,13 +5,13 @@ from unittest.mock import Mock
 import pytest
 import smbus2
 
-from fprc.apparatus.bendlabs import BendSensor, open_bus
+from fprc.apparatus.bendlabs import BendSensor
 from fprc.errors import DeviceError
 
 
 def test_sensor_starts_waits_and_sleeps_after_shutdown(bench):
-    waited, bus = [], open_bus(1)
-    sensor = BendSensor(bus, 0x12)
+    waited, sensor = [], BendSensor(1, 0x12, 1.0, 0.0)
+    bus = sensor._bus
     assert math.isnan(sensor.read())
     sensor.start(waited.append)
     assert waited == [0.002, pytest.approx(81 / 16384, rel=1e-4)]
@@ -19,8 +19,9 @@ def test_sensor_starts_waits_and_sleeps_after_shutdown(bench):
     for counts in (-32768, -257, -1, 0, 256, 800, 32767):
         bench.shared.angles[0] = counts / 64
         assert sensor.read() == counts / 64
+    bench.shared.angles[0], bench.shared.i2c_fault = 5.0, 4  # packets without an angle
+    assert sensor.read() == counts / 64
     sensor.shutdown()
-    assert sensor.read() == counts / 64  # a packet without an angle changes none
     assert [packet.hex(" ") for packet in bus.written] == ["01 51 00", "00 01 00", "00 00 00"]
 
 
@@ -28,7 +29,7 @@ def test_sensor_starts_waits_and_sleeps_after_shutdown(bench):
 def test_sensor_that_does_not_answer_is_named(bench, call, given):
     bench.shared.i2c_fault = 1
     with pytest.raises(DeviceError, match="0x13"):
-        getattr(BendSensor(open_bus(1), 0x13), call)(*given)
+        getattr(BendSensor(1, 0x13, 1.0, 0.0), call)(*given)
 
 
 @pytest.mark.parametrize("module", [None, Mock(SMBus=Mock(side_effect=PermissionError)), smbus2])
@@ -37,4 +38,4 @@ def test_bus_that_cannot_be_opened_is_named(monkeypatch, module):
     monkeypatch.delenv("FAKE_BENCH", raising=False)
     monkeypatch.setitem(sys.modules, "smbus2", module)
     with pytest.raises(DeviceError, match="^I2C bus 3: "):
-        open_bus(3)
+        BendSensor(3, 0x12, 1.0, 0.0)

@@ -4,9 +4,9 @@ from itertools import count
 from unittest.mock import Mock
 
 import pytest
+import smbus2
 
 from fprc.apparatus import hardware as module
-from fprc.apparatus.bendlabs import open_bus
 from fprc.apparatus.contec import locked
 from fprc.apparatus.hardware import HardwareRig
 from fprc.errors import DeviceError
@@ -19,20 +19,20 @@ def hardware(settings):
 
 @pytest.fixture
 def build(bench, hardware, monkeypatch):
-    """Open the rig; keeps its buses by number, of which ``close`` counts its calls."""
+    """Open the rig; keeps the buses of its sensors, of which ``close`` counts its calls."""
+    open_bus = smbus2.SMBus
 
     def open_and_keep(number):
-        assert number not in build.buses
-        build.buses[number] = bus = open_bus(number)
-        bus.close = Mock(wraps=bus.close)
-        return bus
+        build.buses.append(open_bus(number))
+        build.buses[-1].close = Mock(wraps=build.buses[-1].close)
+        return build.buses[-1]
 
     def build(wait=bench.wait):
         return HardwareRig(hardware, bench.elapsed, wait, nullcontext())
 
     monkeypatch.setattr(module, "time", Mock(monotonic=bench.elapsed))
-    monkeypatch.setattr(module, "open_bus", open_and_keep)
-    build.buses = {}
+    monkeypatch.setattr(smbus2, "SMBus", open_and_keep)
+    build.buses = []
     return build
 
 
@@ -74,10 +74,9 @@ def test_close_vents_and_releases_everything(bench, hardware, build, phi):
     writes = written(bench, since=4)
     assert writes == [(0, 0.0), (1, 0.0)] * (len(writes) // 2)
     assert bench.shared.opened == 0
-    (bus,) = build.buses.values()
-    states = {address: sensor.state for address, sensor in bus.sensors.items()}
+    states = {at: sensor.state for bus in build.buses for at, sensor in bus.sensors.items()}
     assert states == dict.fromkeys([0x12, 0x13][: 1 + phi], "standby")
-    assert bus.close.call_count == 1
+    assert [bus.close.call_count for bus in build.buses] == [1] * (1 + phi)
 
 
 def test_rig_without_an_angle_sensor_is_vented_and_released(bench, build):
@@ -85,7 +84,7 @@ def test_rig_without_an_angle_sensor_is_vented_and_released(bench, build):
     with pytest.raises(DeviceError, match="angle sensor 0x12"):
         build()
     assert written(bench) == 2 * [(0, 0.0), (1, 0.0)]
-    assert (bench.shared.opened, build.buses[1].close.call_count) == (0, 1)
+    assert (bench.shared.opened, build.buses[0].close.call_count) == (0, 1)
 
 
 def test_rig_that_another_program_has_is_refused_before_any_call_of_the_driver(bench, hardware):

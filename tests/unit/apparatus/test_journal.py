@@ -6,9 +6,11 @@ import zlib
 
 import numpy as np
 import pytest
+from bench import journal_at
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fprc.apparatus import journal as module
 from fprc.apparatus.journal import Journal, read_journal
 from fprc.channels import needed_by
 from fprc.cli import main
@@ -58,7 +60,8 @@ def closed(tmp_path_factory):
 
 def read_ticks(path):
     """Return the ticks of the samples read; each sample must be as written."""
-    channels, attributes, findings = read_journal(path)
+    findings = journal_at(path)
+    channels, attributes = findings.channels, findings.attributes
     ticks = np.rint(channels["time_s"] * 200.0).astype(int).tolist()
     rows = np.column_stack([channels[name] for name in NAMES])
     assert rows.tolist() == [list(row(k)) for k in ticks]
@@ -88,7 +91,8 @@ def test_samples_are_brought_to_the_disk_while_the_run_goes_on(path, monkeypatch
             synced.set()
 
     monkeypatch.setattr(os, "fsync", noted)
-    journal = Journal(path, NAMES, ATTRIBUTES, sync_s=0.01)
+    monkeypatch.setattr(module, "_SYNC_S", 0.01)
+    journal = Journal(path, NAMES, ATTRIBUTES)
     assert len(sizes) == 2
     journal.append(0, row(0))
     assert synced.wait(10.0)
@@ -116,7 +120,8 @@ def broken(file):
 
 @pytest.mark.parametrize("one_more", [True, False])
 def test_disk_that_fails_ends_the_run_and_keeps_the_samples_written(path, monkeypatch, one_more):
-    journal = Journal(path, NAMES, ATTRIBUTES, sync_s=0.001)
+    monkeypatch.setattr(module, "_SYNC_S", 0.001)
+    journal = Journal(path, NAMES, ATTRIBUTES)
     with monkeypatch.context() as patch:
         patch.setattr(os, "fsync", broken)
         journal.append(0, row(0))
@@ -238,9 +243,9 @@ def test_marker_among_the_numbers_of_a_sample_costs_none(path):
     for k in range(3):
         journal.append(k, [*row(k)[:3], number, *row(k)[4:]])
     journal.close()
-    channels, _, findings = read_journal(path)
+    findings = journal_at(path)
     assert (findings.samples, findings.reason) == (3, "")
-    assert channels[NAMES[3]].tolist() == [number] * 3
+    assert findings.channels[NAMES[3]].tolist() == [number] * 3
 
 
 FORGED = [

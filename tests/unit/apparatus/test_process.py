@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fprc.apparatus import process
+from fprc.apparatus import journal, process
 from fprc.apparatus.journal import Journal
 from fprc.errors import ControlError
 from fprc.logs import read_raw
@@ -47,11 +47,12 @@ def record(bench, settings, live_by, places, monkeypatch):
                     journals[0]._syncing.join(10.0)
 
         def open_journal(*arguments):
-            journals.append(Journal(*arguments, sync_s=1e-3 if notices else 1e6))
+            journals.append(Journal(*arguments))
             return journals[0]
 
         monkeypatch.setattr(process, "plan", lambda *given: plan(*given)._replace(samples=TICKS))
         monkeypatch.setattr(process, "Journal", open_journal)
+        monkeypatch.setattr(journal, "_SYNC_S", 1e-3 if notices else 1e6)
         sessions, guardian = live_by(bench, at_tick)
         with pytest.raises(ControlError) if fails else nullcontext() as caught:
             raw = str(places["raw"] / "sweep.h5")

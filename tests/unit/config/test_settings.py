@@ -120,8 +120,8 @@ def test_squeeze_lags_by_its_damping_over_its_stiffness():
         ({"valves": {"neutral_v": 5.0, "vent_v": 5.0}}, "valves", "vent_v"),
         ({"valves": {"neutral_v": 4.5, "vent_v": 2.6}}, "valves", "vent_v"),
         # limits that leave out a vented chamber
-        ({"limits": {"p_exp_kpa": (0.0, 400.0)}}, "limits", "p_exp_kpa"),
-        ({"limits": {"p_i_kpa": (-90.0, -10.0)}}, "limits", "p_i_kpa"),
+        ({"limits": {"p_exp_kpa": (0.0, 400.0)}}, "", "limits.p_exp_kpa"),
+        ({"limits": {"p_i_kpa": (-90.0, -10.0)}}, "", "limits.p_i_kpa"),
         # a sensor that would hide a fault
         ({"p_exp": {"zero_v": 0.0}}, "", "p_exp: with a broken cable"),
         ({"p_exp": {"gain_kpa_per_v": 100.0}}, "", "p_exp: at its full 5 V it reads 400"),
