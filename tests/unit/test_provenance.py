@@ -3,7 +3,7 @@ import subprocess
 
 import pytest
 
-from fprc.provenance import commit_of
+from fprc.artifacts import commit_of
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="no git here")

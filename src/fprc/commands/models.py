@@ -8,7 +8,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from fprc import __version__
-from fprc.artifacts import refuse_output, replacing, write_text
+from fprc.artifacts import refuse_output, replacing, sha256, write_text
 from fprc.config import Settings, from_files
 from fprc.config.settings import Control
 from fprc.errors import ConfigError, FprcError
@@ -22,7 +22,6 @@ from fprc.given import refuse_repeats
 from fprc.models import load_model, save_model
 from fprc.models.c_header import c_header
 from fprc.plan import of_pressures, validation
-from fprc.provenance import sha256
 from fprc.registry import build, entries, entry_of, load_class, outside_classes
 from fprc.stages.record import record
 

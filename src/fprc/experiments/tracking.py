@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fprc import signals
+from fprc.artifacts import sha256
 from fprc.channels import LEARNING_CHANNELS, TRACKING_CHANNELS
 from fprc.config.settings import Control, Tracking
 from fprc.control import Law, refuse_impossible, tracking_law
@@ -17,7 +18,6 @@ from fprc.evaluation import rmse
 from fprc.experiments.data import Data
 from fprc.models import Learning, Online, SequenceModel
 from fprc.paper import DISTURBANCE, REFERENCES, run_log
-from fprc.provenance import sha256
 from fprc.registry import ANGLE, entry_of, feedforward_of, has_feedback
 
 #: Run numbers; with the seed they set the noise. On one reference all controllers get the same

@@ -10,13 +10,12 @@ import numpy as np
 import pandas as pd
 
 from fprc import escape
-from fprc.artifacts import refuse_output, replacing
+from fprc.artifacts import refuse_output, replacing, sha256
 from fprc.channels import CHANNELS, TARGETS, unit_of
 from fprc.config import Settings
 from fprc.errors import ConfigError, LogError
 from fprc.escape import in_words, visible
 from fprc.logs import read_columns, write_raw
-from fprc.provenance import sha256
 from fprc.recordings.clock import Clock, clocks_of, own_clock
 from fprc.recordings.importing import Draft, ImportMap, Recording, gather, read_map, resample
 from fprc.recordings.judge import judge, other_units

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from fprc.artifacts import refuse_output, write_json, write_text
+from fprc.artifacts import refuse_output, sha256, write_json, write_text
 from fprc.channels import TARGETS
 from fprc.config import check, from_files
 from fprc.errors import ConfigError, LogError
@@ -18,7 +18,6 @@ from fprc.given import read_json
 from fprc.logs.quality import noted_unit
 from fprc.paper import SOURCES
 from fprc.plan import paper_models
-from fprc.provenance import sha256
 from fprc.recordings import answer
 from fprc.recordings.clock import rate_of
 from fprc.recordings.import_recording import draw_recording, is_imported, write_log

@@ -17,14 +17,13 @@ from markupsafe import Markup, escape
 from PIL import Image
 
 import fprc
-from fprc.artifacts import write_text
+from fprc.artifacts import commit_of, versions, write_text
 from fprc.claims.ledger import holding
 from fprc.config import Settings
 from fprc.escape import in_words, typeset
 from fprc.given import read_json, read_yaml
 from fprc.paper import SOURCES
 from fprc.plan import title_of_result
-from fprc.provenance import commit_of, versions
 
 #: Folder of the page's templates and of the figures' captions.
 _HERE = Path(__file__).parent
