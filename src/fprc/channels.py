@@ -74,18 +74,13 @@ def _names(*kinds: str) -> tuple[str, ...]:
 
 #: Names of the channels of raw logs: setpoints, measurements, valve voltages.
 RAW_CHANNELS = _names("time", "command", "sensor", "valve")
-
 #: Names of the further channels of a closed-loop run, and of one whose model learns.
 TRACKING_CHANNELS, LEARNING_CHANNELS = _names("tracking"), _names("learning")
-
 #: Channel that the models learn as P_exp, by ``evaluation.target``. An import needs one of them.
 TARGETS = {"command": "p_exp_command_kpa", "measured": "p_exp_kpa"}
-
 #: Names of all sensors, and of those that every real rig has.
 SENSORS = _names("sensor")
-NEEDED_SENSORS = tuple(
-    channel.name for channel in CHANNELS if channel.name in SENSORS and "rig" in channel.needed
-)
+NEEDED_SENSORS = tuple(c.name for c in CHANNELS if c.kind == "sensor" and "rig" in c.needed)
 
 
 def needed_by(source: str, *, tracking: bool = False) -> tuple[str, ...]:

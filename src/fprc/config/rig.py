@@ -80,8 +80,7 @@ class Chamber(Section):
 class BendingChamber(Chamber):
     """The chamber of the actuator."""
 
-    volume_ml_per_deg: float = quantity(0.3, (0, 0.6),
-        "growth of the volume with the bending angle", "size of muscle")
+    volume_ml_per_deg: float = quantity(0.3, (0, 0.6), "growth with the angle", "size of muscle")
 
 
 class Bending(Section):

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from types import UnionType
-from typing import Annotated, Any, Self, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Self, TypeVar, get_args, get_origin
 
 from pydantic import (
     AfterValidator,
@@ -87,7 +87,7 @@ Rising = Annotated[tuple[float, float], AfterValidator(_rise)]
 def section_of(field: FieldInfo) -> type[BaseModel] | None:
     """Return the section that a key holds, also if it may be null; None if it holds a value."""
     whole = field.annotation
-    kinds = get_args(whole) if get_origin(whole) in (Union, UnionType) else [whole]
+    kinds = get_args(whole) if get_origin(whole) is UnionType else [whole]
     sections = (kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel))
     return next(sections, None)
 

@@ -89,8 +89,7 @@ class Control(Section):
 
     sample_rate_hz: float = quantity(200, (50, 1000), "refresh rate", "paper, Sec. II-B")
     k_in_kpa_per_deg: float = quantity(7.0, (0.1, 20), "K_in of the reservoir", "paper, Sec. II-B")
-    reservoir_limit_kpa: float = quantity(450, (100, 500),
-        "largest pressure command to the reservoir", "paper, Sec. II-B")
+    reservoir_limit_kpa: float = quantity(450, (100, 500), "largest command", "paper, Sec. II-B")
     main_loop: PressureLoop = PressureLoop()
     reservoir_loop: PressureLoop = PressureLoop(kp_v_per_kpa=0.05)
     feedback: Literal["incremental", "positional"] = Field("incremental",
@@ -145,8 +144,7 @@ def _is_single(value: Any) -> Any:
 class Other(Section):
     """A model from outside this package; docs/extending.md shows one."""
 
-    estimator: str = Field(pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$",
-        description="its class, as module.Class")
+    estimator: str = Field(pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$", description="module.Class")
     inputs: tuple[str, ...] = Field((ANGLE,), description="its inputs, in the order of its columns")
     settings: dict[str, Annotated[Any, AfterValidator(_is_single)]] = Field({},
         description="parameters of its constructor")
@@ -203,8 +201,7 @@ class Grids(Section):
 class Reference(Sines):
     """Reference of the bending angle, which starts at its lowest value."""
 
-    amplitude_deg: float = quantity(27.5, (0, 40), "amplitude of each sine",
-        "printed for sweep and complex")
+    amplitude_deg: float = quantity(27.5, (0, 40), "of each sine", "printed for sweep and complex")
     offset_deg: float = quantity(32.5, (0, 80), "mean", "printed for sweep and complex")
     duration_s: float = quantity(40, (1, 3600), "length", "printed for sweep and complex")
     settle_s: float = quantity(5, (0, 60), "time at the first value, not evaluated", "assumed")
@@ -233,10 +230,8 @@ class Tracking(Section):
     """The closed-loop runs of Sec. IV."""
 
     references: References = References()
-    pressure_limit_kpa: float = quantity(450, (100, 500),
-        "largest pressure command to the actuator", "as for the reservoir")
-    angle_range_deg: Rising = quantity((0, 65), (-10, 120),
-        "references outside are refused", "paper: about 60 deg")
+    pressure_limit_kpa: float = quantity(450, (100, 500), "largest command", "as for the reservoir")
+    angle_range_deg: Rising = quantity((0, 65), (-10, 120), "of references", "paper: about 60 deg")
     pushes: Pushes = Pushes()
 
     def reference(self, name: str) -> Reference:
@@ -266,8 +261,7 @@ class Settings(Section):
 
     source: Literal["sim", "rig", "recorded"] = Field("sim",
         description="where raw logs come from: the simulated rig, the real one, or existing files")
-    armed: bool = Field(False,
-        description="whether the real rig may move; give this on the command line only")
+    armed: bool = Field(False, description="may the real rig move? only for the command line")
     seed: int = quantity(1, (0, 2**31), "seed of the rig, its noise and the models")
     folders: Folders = Folders()
     experiments: Experiments = Experiments()
