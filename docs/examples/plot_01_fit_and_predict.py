@@ -30,5 +30,5 @@ axes.plot(time_s[shown], test.target[shown], color=style.SIGNALS["p_exp"], label
 for name, predicted in p_ff.items():
     axes.plot(time_s[shown], predicted[shown], label=name, **style.line_of(name))
 axes.set(xlabel="Time [s]", ylabel="Pressure [kPa]")
-style.letter(axes, "Simulated rig")
+axes.set_title("Simulated rig")
 style.legend_above(axes)

@@ -46,7 +46,7 @@ for name, learns, grey in (("as trained", False, "0.65"), ("learning", True, "0.
     print(f"{name}: tracking RMSE {rmse(theta_d[1000:], theta[1000:]):.2f} deg")
     axes.plot(time_s, theta - theta_d, color=grey, label=name)
 axes.set(xlabel="Time [s]", ylabel="Error of the angle [deg]", xlim=(5, None))
-style.letter(axes, "Without feedback, simulated rig")
+axes.set_title("Without feedback, simulated rig")
 style.legend_above(axes)
 
 # %%

@@ -35,7 +35,7 @@ figure, axes = style.figure(1, 1, style.COLUMN_IN, 2.5)
 for phase, values in zip(("train", "validation", "test"), np.transpose(errors), strict=True):
     axes.semilogx(epsilons, values, color="0.3", label=phase, **style.PHASES[phase])
 axes.set(xlabel="epsilon", ylabel="RMSE [kPa]", ylim=(0, None))
-style.letter(axes, "Simulated rig")
+axes.set_title("Simulated rig")
 style.legend_above(axes)
 
 # %%

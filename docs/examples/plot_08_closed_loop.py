@@ -46,5 +46,5 @@ for name, *given in (("pd", False, True), ("fprc", True, False), ("fprc_pd", Tru
     print(f"{name}: {rmse(theta_d[1000:], theta[1000:]):.2f} deg")
     axes.plot(time_s, theta, label=name, **style.line_of(name))
 axes.set(xlabel="Time [s]", ylabel="Angle [deg]", xlim=(10, 18))
-style.letter(axes, "Simulated rig")
+axes.set_title("Simulated rig")
 style.legend_above(axes)

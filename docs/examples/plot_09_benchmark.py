@@ -41,5 +41,5 @@ for place, rig in enumerate(["dry", "viscous"]):
         print(f"rig {rig}, {name}: {mean:.1f} ± {std:.1f} kPa")
 axes.set_yticks(np.arange(3) + 0.175, names)
 axes.set(xlabel="Test RMSE [kPa]")
-style.letter(axes, "Simulated rigs")
+axes.set_title("Simulated rigs")
 style.legend_above(axes)

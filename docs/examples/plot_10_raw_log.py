@@ -46,4 +46,4 @@ for ax, names in zip(
     style.legend_above(ax)
 axes[0].set_ylabel("Pressure [kPa]")
 axes[1].set(xlabel="Time [s]", ylabel="Angle [deg]", xlim=(0, 40))
-style.letter(axes[0], "Sweep, simulated rig")
+axes[0].set_title("Sweep, simulated rig")

@@ -99,10 +99,9 @@ def _draw_settings(panels: Mapping[str, DataFrame], spread: str) -> Figure:
         if panel == "c":
             ax.set_yscale("log")
             ax.set_ylim(table["mean"].min() / 2.0, 2.0 * table["mean"].max())
-        ax.set_ylabel(f"{quantity} [{escape.figure(table['unit'].iloc[0])}]")
-        style.letter(ax, f"({panel}) {title}")
+        unit = escape.figure(table["unit"].iloc[0])
+        ax.set(title=f"({panel}) {title}", xlabel=label, ylabel=f"{quantity} [{unit}]")
         ax.set_xscale("log", base=base)
-        ax.set_xlabel(label)
         if base == 2:
             ax.set_xticks(sorted(table["value"].unique()))
             ax.xaxis.set_major_formatter("{x:g}")
@@ -139,7 +138,7 @@ def _draw_taps(table: DataFrame) -> Figure:
                 ax.add_patch(Rectangle(np.subtract(cell, 0.5), 1, 1, fill=False, clip_on=False,
                                        edgecolor=colour, linewidth=1.0))  # fmt: skip
         # on two lines, as a panel is not as wide as both
-        style.letter(ax, f"({letter}) {title.capitalize()}\n{', '.join(numbers)}")
+        ax.set_title(f"({letter}) {title.capitalize()}\n{', '.join(numbers)}")
         ax.set(xlabel="$n_u$", ylabel="$n_y$")
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_major_locator(MaxNLocator(5, integer=True))

@@ -37,9 +37,8 @@ def draw_actuator(logs: Sequence[Any]) -> Figure:
     for log, ax, title in zip(logs, commands, ("(a) Sweep", "(c) Complex"), strict=True):
         time_s, command = (log.channels[name] for name in ("time_s", "p_target_kpa"))
         ax.plot(time_s, command, color=style.SIGNALS["p_exp"], linewidth=0.5)
-        ax.set(xlabel="Time [s]", ylabel=label("p_target_kpa", log.attributes))
+        ax.set(title=title, xlabel="Time [s]", ylabel=label("p_target_kpa", log.attributes))
         ax.set_xlim(time_s[0], time_s[-1])
-        style.letter(ax, title)
     titles = "(b) Loops of (a)", "(d) Loops of (c)"
     _draw_loops(logs, axes[2], "p_target_kpa", "theta_deg", titles)
     return fig
@@ -82,10 +81,9 @@ def _draw_loops(
         # begins at rest and is not repeated
         start = smoothed[: next(iter(turning_points(log.channels["p_target_kpa"])), 0)]
         ax.plot(start[x], start[y], color="black", linewidth=0.9, label="start")
-        ax.set(xlabel=label(x, log.attributes), ylabel=label(y, log.attributes))
+        ax.set(title=title, xlabel=label(x, log.attributes), ylabel=label(y, log.attributes))
         ax.legend(loc="upper left", handlelength=1.2, borderaxespad=0.0)
         ax.label_outer()
-        style.letter(ax, title)
     bar = axes[0].figure.colorbar(colours, ax=axes, location="bottom", aspect=40, pad=0.02)
     bar.set_label("Frequency of the command in (a) [Hz]")
     bar.outline.set_visible(False)
@@ -144,7 +142,7 @@ def draw_training(fits: str, predictions: str, fig8: Sequence[str]) -> None:
             below.set(xlabel="Time [s]", ylabel=r"$P_\mathrm{ff} - P_\mathrm{exp}$")
             for ax in (above, below):
                 ax.set_xlim(time_s[0], time_s[-1])
-        style.letter(panels[0][0], title)
+        panels[0][0].set_title(title)
         panels[-1][0].set_title(f"RMSE {rmse:.1f} {escape.figure(unit)}", loc="right")
         of_log = {"model": log.attributes["model"], "rmse": rmse, "unit": unit}
         rows.append({"phase": phase, **of_log, "source": log.attributes["source"]})

@@ -75,11 +75,9 @@ _STYLE: dict[Any, Any] = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": TEXT_PT,
-    **dict.fromkeys(
-        ("axes.titlesize", "axes.labelsize", "xtick.labelsize", "ytick.labelsize",
-         "legend.fontsize", "figure.titlesize"), TEXT_PT,
-    ),
+    **dict.fromkeys(("axes.titlesize", "figure.titlesize"), TEXT_PT),
     "axes.titlepad": 4.0,
+    "axes.titlelocation": "left",
     **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
     **dict.fromkeys(("xtick.direction", "ytick.direction"), "in"),
     **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
@@ -96,13 +94,8 @@ def figure(
     """Return a figure with a grid of axes in the house style, whatever a matplotlibrc says."""
     matplotlib.rcdefaults()
     plt.rcParams.update(_STYLE)
-    size = width_in, height_in
-    return plt.subplots(rows, columns, figsize=size, layout="constrained", **options)
-
-
-def letter(ax: Axes, text: str) -> None:
-    """Put a panel's letter and title above its left edge."""
-    ax.set_title(text, loc="left")
+    options |= {"figsize": (width_in, height_in), "layout": "constrained"}
+    return plt.subplots(rows, columns, **options)
 
 
 def legend_above(ax: Axes) -> None:

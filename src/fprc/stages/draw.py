@@ -1,6 +1,7 @@
 """Figures 4 and 5; 9, the weights of FPRC; the closed loops, Table IV and Figs. 12 to 17."""
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,11 @@ from fprc.config.settings import Quality
 from fprc.errors import LogError
 from fprc.experiments.comparison import CrossValidation, weight_shares
 from fprc.experiments.data import read_data
-from fprc.figures import hysteresis, style
+from fprc.figures import style
+from fprc.figures.hysteresis import draw_actuator, draw_reservoir
 from fprc.given import read_yaml
 from fprc.logs import assess, read_columns, read_run
 from fprc.logs.columns import read_each
-from fprc.logs.quality import warnings
 from fprc.paper import DISTURBANCE, LOOPS, PUBLISHED, REFERENCE_NAMES, REFERENCES, SOURCES
 from fprc.signals import settled
 from fprc.tables import tracking
@@ -53,12 +54,9 @@ def draw_experiments(
 ) -> None:
     """Figures 4, 5 and 9, those that are asked for; Fig. 9 needs no log ``complex``."""
     of_loops = ("time_s", "p_target_kpa", "theta_deg")
-    for files, channels, draw in (
-        (fig4, of_loops, hysteresis.draw_actuator),
-        (fig5, (*of_loops, "p_o_kpa"), hysteresis.draw_reservoir),
-    ):
+    for files, more, draw in ((fig4, (), draw_actuator), (fig5, ("p_o_kpa",), draw_reservoir)):
         if files:
-            logs = [read_columns(path, channels) for path in (sweep, complex)]
+            logs = [read_columns(path, (*of_loops, *more)) for path in (sweep, complex)]
             style.save(draw(logs), logs[0].attributes, *files)
     if fig9:
         data = read_data(sweep)
@@ -162,29 +160,23 @@ def draw_loops(
         note = f"one run each{same}.\nData: {SOURCES[source]}. {feedback}"
         if left_out:
             note += f"\nNo log of {len(left_out)} of its runs: {', '.join(left_out)}."
-        records = [assess(run, limits, run.attributes["sample_rate_hz"]) for run in logs]
-        note += failed([line for record in records for line in warnings(record)])
+        note += failed([assess(run, limits, run.attributes["sample_rate_hz"]) for run in logs])
         columns = ["controller", "reference", "rmse_deg", "max_abs_error_deg", "source"]
         table = tracking.beside_print(tracking.errors(logs)[columns])
         write_table(table, tracking.page(table), note, *table4, title=tracking.TITLE)
     by_run = {(run.attributes["reference"], run.attributes["controller"]): run for run in logs}
-    pairs = {
-        f"fig{number}": [by_run[reference, "fprc"], by_run[reference, "fprc_pd"]]
-        for number, reference in enumerate(REFERENCES, start=12)
-        if f"fig{number}" in figures
-    }
-    shown = sum(pairs.values(), [])
-    for name, pair in pairs.items():
-        table = tracking.errors(pair)
-        fig = _draw_following(pair, shown, table["rmse_deg"])
-        style.save(fig, pair[1].attributes, *figures[name], table=table)
+    shown = [by_run[run] for run in product(REFERENCES, ("fprc", "fprc_pd")) if run in by_run]
+    for number, reference in enumerate(REFERENCES, start=12):
+        if f"fig{number}" in figures:
+            pair = by_run[reference, "fprc"], by_run[reference, "fprc_pd"]
+            _draw_following(pair, shown, figures[f"fig{number}"])
     if "fig16" in figures:
         _draw_against_reference(by_run, figures["fig16"])
     if "fig17" in figures:
         _draw_disturbance(by_run[DISTURBANCE, "fprc_pd"], quiet_s, figures["fig17"])
 
 
-def _draw_following(pair: Sequence[Any], shown: Sequence[Any], rmse_deg: pd.Series) -> Figure:
+def _draw_following(pair: Sequence[Any], shown: Sequence[Any], files: Sequence[str]) -> None:
     """Draw Figs. 12 to 15: open loop, closed loop, their errors, P_ff and P_fb.
 
     Narrow panels on the right show the end of the run, where lines that seem one are apart. The
@@ -196,6 +188,7 @@ def _draw_following(pair: Sequence[Any], shown: Sequence[Any], rmse_deg: pd.Seri
     )  # fmt: skip
     opened, closed = (log.channels for log in pair)
     time_s, settle_s = closed["time_s"], pair[1].attributes["settle_s"]
+    table = tracking.errors(pair)
     limit = 1.05 * tracking.errors(shown)["max_abs_error_deg"].max()
     for column in axes.T:
         _plot_following(opened, column[0])
@@ -209,20 +202,20 @@ def _draw_following(pair: Sequence[Any], shown: Sequence[Any], rmse_deg: pd.Seri
     style.legend_above(axes[2, 0])
     titles = "(a) FPRC", "(b) FPRC+PD", "(c) Errors", "(d) Outputs in (b)", ""
     for (ax, end), title in zip(axes, titles, strict=True):
-        style.letter(ax, title)
+        ax.set_title(title)
         ax.axvspan(time_s[0], settle_s, label="settling", linewidth=0, zorder=0,
                    **style.TIMES["settling"])  # fmt: skip
         ax.set_xlim(time_s[0], time_s[-1])
         end.set_xlim(time_s[-1] - _END_S, time_s[-1])
         end.set_ylabel("")
-    for ax, rmse in zip(axes[:, 0], rmse_deg, strict=False):
+    for ax, rmse in zip(axes[:, 0], table["rmse_deg"], strict=False):
         ax.set_title(f"RMSE {rmse:.2f} deg", loc="right")
     style.share_legend(fig, axes[0, 0], 3)
     fig.align_ylabels(axes[:, 0])
     axes[-1, 0].set_xlabel("Time [s]")
     axes[-1, 1].set_xlabel(f"Last {_END_S:g} s")
     axes[-1, 1].xaxis.set_major_locator(MaxNLocator(2, integer=True))
-    return fig
+    style.save(fig, pair[1].attributes, *files, table=table)
 
 
 def _plot_following(run: Run, ax: Axes) -> None:
@@ -258,7 +251,7 @@ def _draw_against_reference(by_run: Mapping[tuple[str, str], Any], files: Sequen
                   zorder=3, label=r"$\theta = \theta_d$")  # fmt: skip
         ax.set(xlabel=r"$\theta_d$ [deg]", ylabel=r"$\theta$ [deg]", xlim=(0, 65), ylim=(-3, 65))
         ax.label_outer()
-        style.letter(ax, f"({letter}) {REFERENCE_NAMES[reference]}")
+        ax.set_title(f"({letter}) {REFERENCE_NAMES[reference]}")
     style.share_legend(fig, axes[0], 3)
     style.save(fig, log.attributes, *files)
 
@@ -279,8 +272,8 @@ def _draw_disturbance(log: Any, quiet_s: float, files: Sequence[str]) -> None:
         for name, first, last in zip(style.TIMES, edges, edges[1:], strict=False):
             ax.axvspan(first, last, label=name, linewidth=0, zorder=0, **style.TIMES[name])
         ax.margins(x=0)
-    style.letter(axes[0], "(a) Actuator, FPRC+PD")
-    style.letter(axes[2], "(b) Reservoir")
+    axes[0].set_title("(a) Actuator, FPRC+PD")
+    axes[2].set_title("(b) Reservoir")
     style.share_legend(fig, axes[0], 5)
     fig.align_ylabels(axes)
     axes[-1].set_xlabel("Time [s]")

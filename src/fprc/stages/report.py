@@ -142,15 +142,14 @@ def _page(path: str, fitted_to: Sequence[str], folder: Path) -> dict[str, Any]:
 
 
 def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path) -> dict[str, Any]:
-    with Image.open(picture) as image:
-        width, height = image.size
     origin = _origin(picture, folder, ".csv", ".pdf")
+    with Image.open(picture) as image:
+        size = image.size
     return {
         "anchor": origin["target"],
         "short": title_of_result(origin["target"]),
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
-        "width": width,
-        "height": height,
+        "size": size,
         "caption": captions[origin["target"]],
         "data": SOURCES.get(source, "drawing, no data"),
         **origin,

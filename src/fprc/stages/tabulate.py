@@ -14,7 +14,6 @@ from fprc.claims.paper import write_ledger
 from fprc.figures import DRAWINGS
 from fprc.figures.grids import draw_grids
 from fprc.given import read_json, read_yaml
-from fprc.logs.quality import warnings
 from fprc.paper import ERRORS, MODELS, PRINTED, PUBLISHED, SOURCES
 from fprc.registry import title_of
 from fprc.tables import tracking
@@ -79,7 +78,6 @@ def tabulate_models(
     ``left_out``, with reasons.
     """
     records = [record for path in quality for record in read_json(path)["recordings"]]
-    checks = failed([line for record in records for line in warnings(record)])
     for errors, files in ((sweep, table2), (complex, table3)):
         reports = [read_json(path) for path in errors]
         first = reports[0]
@@ -87,7 +85,7 @@ def tabulate_models(
             "mean ± standard deviation over "
             f"{len(first['train_rmse_kpa'])} {first['split']} folds, seed {first['seed']}.\n"
             f"Data: {SOURCES[first['source']]}. Target: {first['target']} pressure."
-            f"{_without(left_out)}{checks}"
+            f"{_without(left_out)}{failed(records)}"
         )
         _write_errors(_comparison(reports), note, files, _TITLES[first["trained_on"]])
 

@@ -10,6 +10,7 @@ import pandas as pd
 from fprc import escape
 from fprc.artifacts import write_csv, write_json, write_text
 from fprc.intervals import half_interval
+from fprc.logs.quality import warnings
 
 
 def means_of(samples: pd.DataFrame, *keys: str, count: str = "seeds") -> pd.DataFrame:
@@ -71,9 +72,9 @@ def latex(page: pd.DataFrame, title: str, label: str) -> str:
     return escape.typeset(text, tex=True)
 
 
-def failed(lines: Sequence[str]) -> str:
-    """Return the lines of a note on failed quality checks."""
-    return "".join(f"\nFailed check: {line}." for line in lines)
+def failed(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the lines of a note on the failed checks of quality records."""
+    return "".join(f"\nFailed check: {line}." for record in records for line in warnings(record))
 
 
 def write_table(
