@@ -4,7 +4,7 @@ import logging
 from collections.abc import Sequence
 from pathlib import Path
 
-from joblib import parallel_config
+from joblib import Parallel, parallel_config
 from threadpoolctl import threadpool_limits
 
 from fprc.artifacts import refuse_output, write_json, write_text
@@ -12,7 +12,7 @@ from fprc.config import PUBLISHED, from_files
 from fprc.experiments.data import RigSettings
 from fprc.given import read_yaml
 from fprc.plan import on_rig, validation
-from fprc.studies.calibration.fit import ensemble_around, fit_rig
+from fprc.studies.calibration.fit import Fit
 
 log = logging.getLogger(__name__)
 
@@ -29,12 +29,14 @@ def calibrate_from_files(
     """Fit the simulated rig to what the paper prints and claims."""
     settings = from_files(files).model_dump(mode="json")
     refuse_output(ensemble or out, ".json" if ensemble else ".yaml")
-    given = read_yaml(PUBLISHED), RigSettings(**on_rig(settings)), settings["calibration"]
     how = {"validation": validation(settings), "tracking": settings["tracking"]}
-    with threadpool_limits(1), parallel_config("loky", n_jobs=-1, inner_max_num_threads=1):
+    given = read_yaml(PUBLISHED), RigSettings(**on_rig(settings)), settings["calibration"]
+    alone = parallel_config("loky", n_jobs=-1, inner_max_num_threads=1)
+    with threadpool_limits(1), alone, Parallel() as pool:
+        fit = Fit(*given, pool, **how)
         if ensemble:
-            found = ensemble_around(*given, count=MEMBERS, **how)
-            write_json(ensemble, {"note": "Written by `fprc calibrate` --ensemble", **found})
+            note = "Written by `fprc calibrate` --ensemble"
+            write_json(ensemble, {"note": note, **fit.ensemble(MEMBERS)})
         else:
-            write_text(out, fit_rig(*given, name=Path(out).stem, **how))
+            write_text(out, fit.rig_file(Path(out).stem))
     log.info("wrote %s", ensemble or out)

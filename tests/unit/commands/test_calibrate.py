@@ -15,16 +15,18 @@ FILES = [str(CONFIG / name) for name in ("config.yaml", "smoke.yaml")]
 def fit(monkeypatch):
     """Replace the fit by one that ends at once; ``fit.calls`` are its arguments."""
 
-    def fit_rig(printed, on_rig, calibration, **settings):
-        fit_rig.calls.append(
-            {"printed": printed, "on_rig": on_rig.model_dump(mode="json")}
-            | {"calibration": calibration, **settings}
-        )
-        return "rig: {drift: {time_s: 3.5}}"
+    class Fit:
+        calls: list = []
 
-    fit_rig.calls = []
-    monkeypatch.setattr(command, "fit_rig", fit_rig)
-    return fit_rig
+        def __init__(self, printed, on_rig, calibration, pool, **settings):
+            found = {"printed": printed, "on_rig": on_rig.model_dump(mode="json")}
+            self.calls.append(found | {"calibration": calibration, **settings})
+
+        def rig_file(self, name):
+            return f"rig: {{drift: {{time_s: 3.5}}, name: {name}}}"
+
+    monkeypatch.setattr(command, "Fit", Fit)
+    return Fit
 
 
 def test_fit_is_written_where_it_is_asked_for_with_settings_of_the_merged_files(
@@ -42,5 +44,5 @@ def test_fit_is_written_where_it_is_asked_for_with_settings_of_the_merged_files(
     assert call["validation"]["models"]["n_y"] == 4
     assert call["printed"] == read_yaml(PUBLISHED)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml", "out.yaml"]
-    assert (call["name"], read_yaml(out)) == ("out", {"rig": {"drift": {"time_s": 3.5}}})
+    assert read_yaml(out)["rig"] == {"drift": {"time_s": 3.5}, "name": "out"}
     assert "out.yaml" in capsys.readouterr().err

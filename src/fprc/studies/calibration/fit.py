@@ -5,19 +5,14 @@ and 5 and whose numbers miss print the least; after some rounds (``search``) the
 goes on, until one is left. A round uses cheap surrogates of the models, with the noise of one seed,
 so that differences between rigs are not noise; where it begins, the full models with several seeds
 correct them.
-
-The arguments of ``fit_rig`` and ``ensemble_around``: the published numbers; the rig whose free
-parameters change; the section ``calibration``; and in ``how``, ``validation`` and ``tracking`` as
-``surrogate.judge_fully`` takes them. EvaluationError: too few rigs can be simulated, or fit.
 """
 
 import logging
 import math
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import yaml
@@ -30,9 +25,9 @@ from fprc.config.rig import Rig, free_ranges
 from fprc.errors import EvaluationError, FprcError
 from fprc.experiments.data import RigSettings
 from fprc.paper import REFERENCES
-from fprc.studies.calibration.objective import Target, misses, numbers_of, printed_errors, targets
+from fprc.studies.calibration.objective import misses, numbers_of, printed_errors, targets
 from fprc.studies.calibration.search import search_round
-from fprc.studies.calibration.space import Ranges, decode, encode, value_at
+from fprc.studies.calibration.space import decode, encode, value_at
 from fprc.studies.calibration.surrogate import judge_by_surrogate, judge_fully, judge_loops
 
 log = logging.getLogger(__name__)
@@ -70,33 +65,41 @@ MEDIAN, LARGEST = 0.08, 0.25
 #: that a third of them fit; how many are drawn at most for each that is needed.
 _SPREAD, _DRAWN_AROUND = 0.25, 10
 
+Settings = Mapping[str, Any]
 Judged = Mapping[str, Any]
+Judge = Callable[..., Judged]
 
 
-class Bench(NamedTuple):
-    """What all rigs of a fit share."""
+class Fit:
+    """A fit of a rig's free parameters; EvaluationError: too few rigs can be simulated, or fit.
 
-    on_rig: RigSettings
-    ranges: Ranges
-    of: Sequence[Target]
-    how: Mapping[str, Any]
-    first: int  #: seed of the first draw
-    pool: Parallel
+    ``printed`` are the published numbers, ``on_rig`` has the rig, ``calibration`` is the section;
+    ``how`` has ``validation`` and ``tracking``, see ``surrogate.judge_fully``.
+    """
 
-    def rig_at(self, point: np.ndarray) -> RigSettings:
+    def __init__(
+        self, printed: Settings, on_rig: RigSettings, calibration: Settings, pool: Parallel,
+        **how: Settings,
+    ):  # fmt: skip
+        self.printed, self.on_rig, self.calibration = printed, on_rig, calibration
+        self.how, self.pool = how, pool
+        self.ranges = free_ranges(calibration["free"], calibration["ranges"])
+        self.targets = targets(printed, calibration["fit"])
+        #: seed of the first draw
+        self.first = FIRST_SEED + SEEDS_PER_FIT * calibration["seed"]
+
+    def rig_at(self, point: np.ndarray) -> dict[str, Any]:
         """Return the rig at a point of the unit cube."""
-        return self.on_rig.changed(rig=decode(point, self.on_rig.rig, self.ranges))
+        return decode(point, self.on_rig.rig, self.ranges)
 
     def judge(
-        self,
-        judge: Callable[..., Judged],
-        points: Sequence[np.ndarray],
-        seeds: Iterable[int],
-        *given: Any,
+        self, judge: Judge, points: Sequence[np.ndarray], seeds: Iterable[int], *given: Any
     ) -> list[Judged | None]:
         """Judge points, each with its seed; those that are impossible give None."""
         return self.pool(
-            delayed(_judged)(judge, self.rig_at(point), seed, *given, **self.how)
+            delayed(_judged)(
+                judge, self.on_rig.changed(rig=self.rig_at(point)), seed, *given, **self.how
+            )
             for point, seed in zip(points, seeds, strict=True)
         )
 
@@ -109,11 +112,12 @@ class Bench(NamedTuple):
 
     def loss(self, judged: Sequence[Judged], most: float = math.inf) -> float:
         """Return the sum of squares of the misses of a rig."""
-        off = misses(numbers_of(judged, self.of), self.of) ** 2
+        off = misses(numbers_of(judged, self.targets), self.targets) ** 2
         return float(np.sum(np.minimum(off, most)))
 
-    def starts(self, members: int, count: int) -> list[np.ndarray]:
+    def starts(self) -> list[np.ndarray]:
         """Draw rigs from the ranges; return the best of those whose loops miss the least."""
+        members, count = self.calibration["members"], self.calibration["starts"]
         rng = np.random.default_rng(self.first)
         points = list(rng.random((_DRAWN * members, len(self.ranges))))
         for judge, kept, *given in ((judge_loops, members), (judge_by_surrogate, count, {})):
@@ -130,24 +134,23 @@ class Bench(NamedTuple):
             points = [points[k] for k in order]
         return points
 
-    def knockout(
-        self, points: list[np.ndarray], rounds: int, last_rounds: int, full_seeds: int
-    ) -> np.ndarray:
+    def knockout(self, points: list[np.ndarray]) -> np.ndarray:
         """Search from all points, go on with the better half until one is left; return the best."""
         counts = [len(points)]
         while counts[-1] > 1:
             counts.append(counts[-1] // 2)
-        total, done = sum(counts[:-1]) * rounds + last_rounds, 0
+        plan = [(count, self.calibration["rounds"], _FEW) for count in counts[:-1]]
+        plan.append((1, self.calibration["last_rounds"], self.calibration["full_seeds"]))
+        total, done = sum(count * rounds for count, rounds, _ in plan), 0
         losses, running = [math.inf] * len(points), [*range(len(points))]
-        for count in counts:
+        for count, rounds, full_seeds in plan:
             running = sorted(running, key=lambda k: losses[k])[:count]
             for k in running:
                 known = []  # by the full models, of the last search
-                for _ in range(rounds if count > 1 else last_rounds):
+                for _ in range(rounds):
                     # noise of its own for each round: none fits the noise of one seed
-                    seed = self.first + _SEARCH + done
-                    seeds, begun_at = _FEW if count > 1 else full_seeds, points[k]
-                    before, losses[k], points[k] = self.round(begun_at, seed, seeds)
+                    begun_at, seed = points[k], self.first + _SEARCH + done
+                    before, losses[k], points[k] = self.round(begun_at, seed, full_seeds)
                     known.append((before, begun_at))
                     done += 1
                     log.info("round %d of %d, search %d: misfit %.0f, then %.0f",
@@ -167,75 +170,52 @@ class Bench(NamedTuple):
         full = self.full(point, full_seeds)
         if begin is None or full is None:
             return math.inf, math.inf, point
-        added = numbers_of(full, self.of) - numbers_of([begin], self.of)
+        added = numbers_of(full, self.targets) - numbers_of([begin], self.targets)
 
         def numbers_at(points: Sequence[np.ndarray]) -> list[np.ndarray | None]:
             # clusterings begin where that of the first point ended: numbers do not jump
             seeds = [seed] * len(points)
             found = self.judge(judge_by_surrogate, points, seeds, begin["centers"])
-            return [numbers_of([one], self.of) + added if one else None for one in found]
+            return [numbers_of([one], self.targets) + added if one else None for one in found]
 
         def misses_of(numbers: np.ndarray) -> np.ndarray:
-            return misses(numbers, self.of)
+            return misses(numbers, self.targets)
 
         return self.loss(full), *search_round(numbers_at, misses_of, point)
 
+    def rig_file(self, name: str) -> str:
+        """Fit the rig, whose own values play no part; return the text of its file."""
+        found = self.knockout(self.starts())
+        full = self.full(found, self.calibration["full_seeds"])
+        if full is None:
+            raise EvaluationError(
+                "the best rig cannot be simulated with other noise; choose another calibration.seed"
+            )
+        shares, brief = dict(zip(self.ranges, found, strict=True)), in_brief(full, self.printed)
+        return parameter_file(name, self.rig_at(found), self.calibration, shares, brief)
 
-def fit_rig(
-    printed: Mapping[str, Any],
-    on_rig: RigSettings,
-    calibration: Mapping[str, Any],
-    *,
-    name: str,
-    **how: Mapping[str, Any],
-) -> str:
-    """Fit the free parameters, whose own values play no part; return the text of the rig's file."""
-    count = calibration["full_seeds"]
-    with _bench(printed, on_rig, calibration, how) as bench:
-        starts = bench.starts(calibration["members"], calibration["starts"])
-        rounds, last_rounds = calibration["rounds"], calibration["last_rounds"]
-        found = bench.knockout(starts, rounds, last_rounds, count)
-        full = bench.full(found, count)
-    if full is None:
-        raise EvaluationError(
-            "the best rig cannot be simulated with other noise; choose another calibration.seed"
-        )
-    shares = dict(zip(bench.ranges, found.tolist(), strict=True))
-    return parameter_file(
-        name, bench.rig_at(found).rig, calibration, shares, in_brief(full, printed)
-    )
+    def ensemble(self, count: int) -> dict[str, Any]:
+        """Return ``count`` rigs that fit the tables and have a stable loop: what print leaves open.
 
-
-def ensemble_around(
-    printed: Mapping[str, Any],
-    on_rig: RigSettings,
-    calibration: Mapping[str, Any],
-    *,
-    count: int,
-    **how: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Return ``count`` rigs that fit the tables and have a stable loop: what print leaves open.
-
-    Rigs are drawn around that of ``on_rig``, each with noise of its own; those that the full models
-    find near print (``fits``) are kept. Returned are ``parameters``, paths of the free parameters,
-    and ``rigs``, their values rig by rig.
-    """
-    rigs: list[list[float]] = []
-    with _bench(printed, on_rig, calibration, how) as bench:
-        rng = np.random.default_rng(bench.first + _ENSEMBLE)
-        middle = ndtri(np.clip(encode(on_rig.rig, bench.ranges), 0.01, 0.99))
-        for turn in range(_DRAWN_AROUND):
+        Rigs are drawn around that of ``on_rig``, each with noise of its own; those that the full
+        models find near print (``fits``) are kept. Returned are ``parameters``, paths of the free
+        parameters, and ``rigs``, their values rig by rig.
+        """
+        rigs: list[list[float]] = []
+        rng, first = np.random.default_rng(self.first + _ENSEMBLE), self.first + _ENSEMBLE
+        middle = ndtri(np.clip(encode(self.on_rig.rig, self.ranges), 0.01, 0.99))
+        for turn in range(1, _DRAWN_AROUND + 1):
             points = ndtr(middle + _SPREAD * rng.standard_normal((count, len(middle))))
-            first = bench.first + _ENSEMBLE + turn * count
-            found = bench.judge(judge_fully, points, range(first, first + count))
+            found = self.judge(judge_fully, points, range(first, first + count))
+            first += count
             for point, judged in zip(points, found, strict=True):
-                if judged and fits(judged, printed):
-                    rig = bench.rig_at(point).rig
-                    rigs.append([value_at(rig, path) for path in bench.ranges])
-            log.info("%d of %d rigs fit, %d are needed", len(rigs), (turn + 1) * count, count)
+                if judged and fits(judged, self.printed):
+                    rig = self.rig_at(point)
+                    rigs.append([value_at(rig, path) for path in self.ranges])
+            log.info("%d of %d rigs fit, %d are needed", len(rigs), turn * count, count)
             if len(rigs) >= count:
-                return {"source": "sim", "parameters": [*bench.ranges], "rigs": rigs[:count]}
-    raise EvaluationError(f"only {len(rigs)} of {_DRAWN_AROUND * count} rigs fit the tables")
+                return {"source": "sim", "parameters": [*self.ranges], "rigs": rigs[:count]}
+        raise EvaluationError(f"only {len(rigs)} of {_DRAWN_AROUND * count} rigs fit the tables")
 
 
 def fits(judged: Judged, printed: Mapping[str, Any]) -> bool:
@@ -276,11 +256,7 @@ seeds of the fit are from print, errors of Tables II and III, open and closed lo
 
 
 def parameter_file(
-    name: str,
-    rig: Mapping[str, Any],
-    calibration: Mapping[str, Any],
-    shares: Mapping[str, float],
-    brief: Mapping[str, float],
+    name: str, rig: Settings, calibration: Settings, shares: Settings, brief: Mapping[str, float]
 ) -> str:
     """Return the text of a rig's file: what was fitted, and what differs from the defaults."""
     near = [path for path, share in shares.items() if not 0.02 <= share <= 0.98]
@@ -300,22 +276,7 @@ def parameter_file(
     )
 
 
-@contextmanager
-def _bench(
-    printed: Mapping[str, Any],
-    on_rig: RigSettings,
-    calibration: Mapping[str, Any],
-    how: Mapping[str, Any],
-) -> Iterator[Bench]:
-    ranges = free_ranges(calibration["free"], calibration["ranges"])
-    first = FIRST_SEED + SEEDS_PER_FIT * calibration["seed"]
-    with Parallel() as pool:
-        yield Bench(on_rig, ranges, targets(printed, calibration["fit"]), how, first, pool)
-
-
-def _judged(
-    judge: Callable[..., Judged], on_rig: RigSettings, *given: Any, **how: Any
-) -> Judged | None:
+def _judged(judge: Judge, on_rig: RigSettings, *given: Any, **how: Any) -> Judged | None:
     try:
         Rig.model_validate(on_rig.rig)
         return judge(on_rig, *given, **how)

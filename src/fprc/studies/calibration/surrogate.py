@@ -28,6 +28,8 @@ from fprc.paper import DIRECTIONS, MODELS
 from fprc.registry import build
 from fprc.studies.calibration.objective import EPSILONS, properties
 
+Settings = Mapping[str, Any]
+
 #: Share of the rows that trains a readout in the full models' cross-validation.
 _TRAINED = 0.8
 
@@ -49,12 +51,7 @@ def judge_loops(on_rig: RigSettings, seed: int, **_: Any) -> dict[str, Any]:
 
 
 def judge_by_surrogate(
-    on_rig: RigSettings,
-    seed: int,
-    centers: Mapping[str, np.ndarray],
-    *,
-    validation: Mapping[str, Any],
-    tracking: Mapping[str, Any],
+    on_rig: RigSettings, seed: int, centers: Settings, *, validation: Settings, tracking: Settings
 ) -> dict[str, Any]:
     """Return what the objective needs of a rig, for one seed.
 
@@ -109,11 +106,7 @@ def judge_by_surrogate(
 
 
 def judge_fully(
-    on_rig: RigSettings,
-    seed: int,
-    *,
-    validation: Mapping[str, Any],
-    tracking: Mapping[str, Any],
+    on_rig: RigSettings, seed: int, *, validation: Settings, tracking: Settings
 ) -> dict[str, Any]:
     """Return what ``judge_by_surrogate`` does, errors, shares and loops of the full models."""
     how = CrossValidation(**{**validation, "seed": seed})
@@ -135,7 +128,7 @@ def judge_fully(
 
 
 def _tracked(
-    on_rig: RigSettings, seed: int, model: SequenceModel, tracking: Mapping[str, Any]
+    on_rig: RigSettings, seed: int, model: SequenceModel, tracking: Settings
 ) -> dict[str, dict[str, float]]:
     bench = Track(Tracking(**tracking), on_rig.control, on_rig.rig, seed)
     return tracking_errors(bench, model, LOOPS)

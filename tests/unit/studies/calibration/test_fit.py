@@ -4,6 +4,7 @@ import re
 import numpy as np
 import pytest
 import yaml
+from joblib import Parallel
 
 from fprc.config import PUBLISHED, Settings, check
 from fprc.config.rig import LONGEST_LAG_S, Rig, squeeze_lag
@@ -11,7 +12,7 @@ from fprc.errors import EvaluationError
 from fprc.experiments.comparison import CrossValidation, compare_models
 from fprc.experiments.data import simulate
 from fprc.studies.calibration import fit, surrogate
-from fprc.studies.calibration.fit import ensemble_around, fit_rig, fits, parameter_file
+from fprc.studies.calibration.fit import Fit, fits, parameter_file
 from fprc.studies.calibration.objective import printed_errors
 
 PRINTED = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
@@ -43,12 +44,13 @@ def settings(on_rig, tracking):
         "validation": {"models": models, "folds": 2, "split": "shuffled"},
         "calibration": found["calibration"] | few | {"full_seeds": 2},
         "tracking": tracking,
+        "pool": Parallel(),
     }
 
 
 @pytest.fixture(scope="module")
 def fitted(settings):
-    return fit_rig(PRINTED, name="mine", **settings)
+    return Fit(PRINTED, **settings).rig_file("mine")
 
 
 @pytest.mark.slow
@@ -56,7 +58,7 @@ def test_fit_does_not_depend_on_the_rig_that_it_is_given(settings, fitted):
     other = copy.deepcopy(settings["on_rig"].rig)
     other["bending"] |= {"friction_kpa": 14.0, "friction_per_kpa": 0.2}
     on_rig = settings["on_rig"].changed(rig=other)
-    assert fit_rig(PRINTED, name="mine", **settings | {"on_rig": on_rig}) == fitted
+    assert Fit(PRINTED, **settings | {"on_rig": on_rig}).rig_file("mine") == fitted
 
 
 @pytest.mark.slow
@@ -85,7 +87,7 @@ def test_outcome_is_that_of_the_full_models_on_the_rig_of_the_file(settings, fit
 def test_ranges_that_no_rig_can_have_are_refused(settings, monkeypatch):
     monkeypatch.setattr(fit, "_judged", lambda *_, **__: None)
     with pytest.raises(EvaluationError, match=r"calibration\.ranges"):
-        fit_rig(PRINTED, name="mine", **settings)
+        Fit(PRINTED, **settings).rig_file("mine")
 
 
 def test_file_holds_what_differs_from_the_defaults_and_what_was_fitted(tmp_path, monkeypatch):
@@ -145,9 +147,9 @@ def test_ensemble_has_the_rigs_that_fit(settings, monkeypatch):
         return judged()
 
     monkeypatch.setattr(fit, "judge_fully", full)
-    found = ensemble_around(PRINTED, count=4, **settings)
+    found = Fit(PRINTED, **settings).ensemble(4)
     assert (found["parameters"], found["rigs"]) == (FREE, kept)
     assert len(kept) == 4
     monkeypatch.setattr(fit, "fits", lambda *_: False)
     with pytest.raises(EvaluationError, match="0 of 40"):
-        ensemble_around(PRINTED, count=4, **settings)
+        Fit(PRINTED, **settings).ensemble(4)
