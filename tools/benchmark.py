@@ -136,14 +136,10 @@ def clusterings(rows, clusters):
         ours = fuzzy_c_means(rows, clusters, random_state=start).objective
         between = process_time()
         theirs = scikit_fuzzy(rows, centers)
-        table.append({
-            "Start": str(start),
-            "fprc: objective": f"{ours:.8g}",
-            "fprc [s]": three_digits(between - begin),
-            "scikit-fuzzy: objective": f"{theirs:.8g}",
-            "scikit-fuzzy [s]": three_digits(process_time() - between),
-        })  # fmt: skip
-    return pd.DataFrame(table)
+        times = three_digits(between - begin), three_digits(process_time() - between)
+        table.append([str(start), f"{ours:.8g}", times[0], f"{theirs:.8g}", times[1]])
+    columns = "Start", "fprc: objective", "fprc [s]", "scikit-fuzzy: objective", "scikit-fuzzy [s]"
+    return pd.DataFrame(table, columns=columns)
 
 
 if __name__ == "__main__":

@@ -21,10 +21,7 @@ MEMBERS = 40
 
 
 def calibrate_from_files(
-    files: Sequence[str] = (),
-    *,
-    out: str = "config/rigs/fitted.yaml",
-    ensemble: str | None = None,
+    files: Sequence[str] = (), *, out: str = "config/rigs/fitted.yaml", ensemble: str | None = None
 ) -> None:
     """Fit the simulated rig to what the paper prints and claims."""
     settings = from_files(files).model_dump(mode="json")

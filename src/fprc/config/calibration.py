@@ -19,7 +19,6 @@ SearchedFor = Literal[Term, "C9b", "C11", "C12"]
 #: Seeds from here on belong to fits, so many to each ``calibration.seed``.
 FIRST_SEED, SEEDS_PER_FIT = 1_000_000, 10_000
 
-
 #: Free parameters of each part of the rig; those in lists end in their place.
 _FREE = {
     "valve": "dead_zone sonic_conductance_ml_per_s_kpa",
@@ -47,8 +46,7 @@ class Fitted(Section):
         (), description="what it was fitted to; all else is predicted"
     )
     seeds: tuple[int, ...] = Field(
-        (),
-        description="noise seeds that the fits saw; no further seed may be one of them",
+        (), description="noise seeds that the fits saw; no further seed may be one of them"
     )
 
 

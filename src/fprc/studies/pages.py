@@ -70,19 +70,15 @@ def with_blocks(path: str, blocks: Mapping[str, str]) -> str:
     """Return the text of a page with what its blocks should hold; in README.md it is typeset."""
     text = _read(path)
     for name, block in blocks.items():
+        begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
         if f"<!-- {name}: " in text:
+            before, *rest = re.split(f"{begin}.*?{end}", text, flags=re.DOTALL)
+            if len(rest) != 1:
+                raise FprcError(
+                    f"{path}: needs the lines {begin} and {end} once each; put them back"
+                )
             new = typeset(block) if Path(path).name == "README.md" else block
-            text = replace_block(text, name, new, path)
-    return text
-
-
-def replace_block(text: str, name: str, block: str, path: str) -> str:
-    """Return ``text`` with the lines between the one pair of markers of ``name`` replaced."""
-    begin, end = f"<!-- {name}: generated -->", f"<!-- {name}: end -->"
-    new = f"{begin}\n{block.strip()}\n{end}"
-    text, count = re.subn(f"{begin}.*?{end}", lambda _: new, text, flags=re.DOTALL)
-    if count != 1:
-        raise FprcError(f"{path}: needs the lines {begin} and {end} once each; put them back")
+            text = f"{before}{begin}\n{new.strip()}\n{end}{rest[0]}"
     return text
 
 

@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from fprc.errors import FprcError
-from fprc.studies.pages import check_results, different_lines, replace_block, update_pages
+from fprc.studies.pages import check_results, different_lines, update_pages, with_blocks
 
 NUMBER = {"text": "errors", "mean": 0.5, "first": 0.4, "last": 0.6, "limits": "below 1"}
 LEDGER = json.dumps({"note": "On the rig dry.", "claims": [
@@ -105,12 +105,13 @@ def test_missing_marker_leaves_both_pages_as_they_were(project):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "<!-- a: generated -->\nno end", "<!-- a: end -->\nswapped\n<!-- a: generated -->",
+    ["<!-- a: generated -->\nno end", "<!-- a: end -->\nswapped\n<!-- a: generated -->",
      block("a", "x") + "\n" + block("a", "x")],
 )  # fmt: skip
-def test_markers_that_are_not_there_exactly_once_are_refused(text):
+def test_markers_that_are_not_there_exactly_once_are_refused(tmp_path, text):
+    (tmp_path / "page.md").write_text(text)
     with pytest.raises(FprcError):
-        replace_block(text, "a", "new", "page.md")
+        with_blocks(str(tmp_path / "page.md"), {"a": "new"})
 
 
 @pytest.mark.parametrize(

@@ -36,13 +36,7 @@ log = logging.getLogger(__name__)
 #: of print in the median and 15 % at most, open-loop Table IV within 15 %, closed-loop Table IV
 #: within 20 % in the median and 35 % at most, and feedback helps with gains half again as large. Of
 #: several, the one of the least misfit does. A fit says how its rig does on seeds of its own.
-LIMITS = {
-    "median": 0.05,
-    "largest": 0.15,
-    "open_loop": 0.15,
-    "closed_median": 0.2,
-    "closed": 0.35,
-}
+LIMITS = {"median": 0.05, "largest": 0.15, "open_loop": 0.15, "closed_median": 0.2, "closed": 0.35}
 
 #: Rigs that are drawn for each one that is judged.
 _DRAWN = 15
