@@ -47,12 +47,9 @@ def model_title(name: str) -> str:
     return _BEST[name][0] if name in _BEST else title_of(name)
 
 
-def _pairs(ours: str, other: str, *measures: str, shift: str = "", note: str = "") -> list[Pair]:
+def _pairs(ours: str, other: str, *measures: str) -> list[Pair]:
     names = f"{model_title(ours)} / {model_title(other)}"
-    return [
-        Pair((ours, m + shift), (other, m), f"{names} ({m.replace('_', ' ')}{note})")
-        for m in measures
-    ]
+    return [Pair((ours, m), (other, m), f"{names} ({m.replace('_', ' ')})") for m in measures]
 
 
 _LOOPS = ("open_loop", "closed_loop")
@@ -73,8 +70,9 @@ CLAIMS = {
                 _pairs("fprc", "ridge_p_o", "forward"), _FPRC),
     "B7": Claim("FPRC whose P_o is 2 kPa low still beats Fuzzy-linear, forward and in tracking, "
                 "open and closed loop",
-                _pairs("fprc", "fuzzy_linear", "forward", *_LOOPS, shift="/-2",
-                       note=", P_o 2 kPa low"),
+                [Pair(("fprc", f"{measure}/-2"), ("fuzzy_linear", measure),
+                      f"FPRC / Fuzzy-linear ({measure.replace('_', ' ')}, P_o 2 kPa low)")
+                 for measure in ("forward", *_LOOPS)],
                 _FPRC | dict.fromkeys((*_LOOPS, "closed_sweep"), "FPRC")),
     "B8": Claim("P_o has a nonlinear capacity of 0.1 or more, and its low-passes more memory than "
                 "those of theta",

@@ -64,16 +64,6 @@ CLAIMS = {
 }
 
 _RUN = ["model", "condition", "learns", "loop"]
-_VERDICTS_NOTE = (
-    "Learning while it runs: verdicts on D1 to D3, with the means of the ratios. D1: at -5 and +5 "
-    "kPa, in open and in closed loop; D2: open and closed loop; D3: at 0.5 Hz and in the sweep.\n"
-    f"Data: {SOURCES['sim']}."
-)
-_ERRORS_NOTE = (
-    "Tracking error on the rig {title}, root mean square over the four references of Table IV, "
-    "mean over {units} seeds [deg]. Re-zeroed, an FPRC with a constant offset of P_o is one "
-    f"without.\nData: {SOURCES['sim']}."
-)
 
 
 def tabulate_online(
@@ -85,7 +75,12 @@ def tabulate_online(
     """
     found = [read_json(path) for path in families]
     judged = pd.concat(map(decided, found), ignore_index=True)
-    write_table(judged, claims_page(judged), _VERDICTS_NOTE, *verdicts)
+    note = (
+        "Learning while it runs: verdicts on D1 to D3, with the means of the ratios. D1: at -5 and "
+        "+5 kPa, in open and in closed loop; D2: open and closed loop; D3: at 0.5 Hz and in the "
+        f"sweep.\nData: {SOURCES['sim']}."
+    )
+    write_table(judged, claims_page(judged), note, *verdicts)
     rmse = pd.concat(rmse_of(family).assign(family=family["name"]) for family in found)
     overall = rmse[rmse["reference"] == "all"].groupby(["family", *_RUN], sort=False)["rmse_deg"]
     table = overall.agg(mean_deg="mean", low_deg="min", high_deg="max", units="count")
@@ -97,18 +92,17 @@ def tabulate_online(
         model=first["model"].map(lambda name: "PD alone" if name == "pd" else title_of(name)),
     )
     rows = {"model": "Model", "condition": "Changed since the training"}
-    title, units = family_title(found[0]["name"]), int(first["units"].max())
-    note = _ERRORS_NOTE.format(title=title, units=units)
+    note = (
+        f"Tracking error on the rig {family_title(found[0]['name'])}, root mean square over the "
+        f"four references of Table IV, mean over {first['units'].max()} seeds [deg]. Re-zeroed, an "
+        f"FPRC with a constant offset of P_o is one without.\nData: {SOURCES['sim']}."
+    )
     write_table(table, wide(named, rows, ["loop", "learns"], _HEADINGS), note, *errors)
     draw_errors(table, figure)
 
 
 def rmse_of(family: Mapping[str, Any]) -> pd.DataFrame:
-    """Return errors in deg, tidy.
-
-    Columns ``model``, ``condition``, ``learns``, ``loop``, ``reference``, ``unit`` and
-    ``rmse_deg``; of the reference ``all`` it is the root mean square over those of Table IV.
-    """
+    """Return errors by run and ``unit``, deg; ``all`` has the RMS over Table IV's references."""
     rows = pd.DataFrame(
         ({**row, "unit": cell["unit"]} for cell in family["cells"] for row in cell.get("rows", ())),
         columns=[*_RUN, "reference", "rmse_deg", "unit"],

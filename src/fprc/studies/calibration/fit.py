@@ -38,14 +38,9 @@ log = logging.getLogger(__name__)
 #: several, the one of the least misfit does. A fit says how its rig does on seeds of its own.
 LIMITS = {"median": 0.05, "largest": 0.15, "open_loop": 0.15, "closed_median": 0.2, "closed": 0.35}
 
-#: Rigs that are drawn for each one that is judged.
-_DRAWN = 15
-
-#: Most that the square of a miss counts where rigs are drawn.
-_MOST = 100.0
-
-#: Seeds of the full models while several searches go on.
-_FEW = 2
+#: Rigs that are drawn for each one that is judged, and most that the square of a miss counts there;
+#: seeds of the full models while several searches go on.
+_DRAWN, _MOST, _FEW = 15, 100.0, 2
 
 #: Offsets of the seeds of an ensemble, of the searches, and of the full models, from that of the
 #: first draw.

@@ -30,14 +30,9 @@ from fprc.studies.calibration.objective import EPSILONS, properties
 
 Settings = Mapping[str, Any]
 
-#: Share of the rows that trains a readout in the full models' cross-validation.
-_TRAINED = 0.8
-
-#: The readouts are fitted to every n-th row.
-STRIDE = 5
-
-#: Nodes of the smaller ESN.
-ESN_NODES = 100
+#: Share of the rows that trains a readout in the full models' cross-validation; the readouts here
+#: are fitted to every n-th row; nodes of the smaller ESN.
+_TRAINED, STRIDE, ESN_NODES = 0.8, 5, 100
 
 #: Gains of the feedback over the printed ones.
 LOOPS = {"open_loop": 0.0, "closed_loop": 1.0, "firm_loop": 1.5}
