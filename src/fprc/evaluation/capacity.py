@@ -93,7 +93,13 @@ def capacity(
     reach = max((lags - 1) * spacing, taps - 1)
     past = np.lib.stride_tricks.sliding_window_view(inputs, reach + 1)[:, ::-1]
     own, spaced = past[:, :taps], past[:, : (lags - 1) * spacing + 1 : spacing]
-    basis = _basis(states[reach:])
+    # an orthonormal basis of what the states span without their means
+    states = states[reach:]
+    spread = states.std(axis=0)
+    moving = spread > _RANK * np.abs(states).max(axis=0)
+    scaled = (states[:, moving] - states[:, moving].mean(axis=0)) / spread[moving]
+    basis, sizes, _ = np.linalg.svd(scaled, full_matrices=False)
+    basis = basis[:, sizes > _RANK * sizes.max(initial=0.0)]
     # of the states at other times, which span what their rolled basis spans
     moved = [
         np.roll(basis, round(share * len(basis)), axis=0)
@@ -133,15 +139,6 @@ def _products(lags: int, degree: int, most: int) -> Iterator[tuple[int, ...]]:
         while factors > 1 and reach > 1 and comb(reach + factors - 1, factors) > most:
             reach -= 1
         yield from sorted(combinations_with_replacement(range(reach), factors), key=lambda x: x[-1])
-
-
-def _basis(states: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of what the states span without their means."""
-    spread = states.std(axis=0)
-    moving = spread > _RANK * np.abs(states).max(axis=0)
-    scaled = (states[:, moving] - states[:, moving].mean(axis=0)) / spread[moving]
-    directions, sizes, _ = np.linalg.svd(scaled, full_matrices=False)
-    return directions[:, sizes > _RANK * sizes.max(initial=0.0)]
 
 
 def _memory(basis: np.ndarray, own: np.ndarray, past: np.ndarray) -> np.ndarray:

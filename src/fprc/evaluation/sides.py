@@ -11,9 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import gmean
 
+from fprc.evaluation.crossval import refusals_of
 from fprc.evaluation.folds import Fold, split_blocks
-from fprc.evaluation.readouts import BlockReadouts
-from fprc.registry import SIDES, build, entry_of
+from fprc.models import TakagiSugenoReadout
+from fprc.models.fcm import fuzzy_c_means
+from fprc.models.fprc import gaussian_memberships
+from fprc.registry import SIDES, Settings, build, entry_of
 
 #: Sample rate for which the settings of the paper and of the competitors were chosen, Hz.
 PAPER_HZ = 200.0
@@ -49,6 +52,11 @@ MEMORY_S, MEMORY_SHARE = 10.0, 0.25
 #: distance over twice the variance), after it went away by at least the other share. P_o repeats
 #: with it if it comes back within the other share: then it can only tell where in the motion it is.
 REPEATS, AWAY = 0.05, 0.5
+
+#: An error below this share of the target's standard deviation counts as this share.
+FLOOR = 1e-6
+#: Keeps the equations of collinear features solvable; a share of the weight of all samples.
+_TINY = 1e-11
 
 
 def seconds_of(blocks: int) -> float:
@@ -92,6 +100,79 @@ class Recordings(NamedTuple):
         return [(rows[train], rows[block]) for train, block in folds]
 
 
+class BlockReadouts:
+    """Ridge or Takagi-Sugeno readouts of a model, each fitted without some blocks of a log.
+
+    The blocks and their purged neighbours cut the log into cells. The moments of each cell are
+    computed once, so a fit without any blocks costs one sum and one solution. The rules of a
+    Takagi-Sugeno readout are placed once, by the inputs of the whole log; no target takes part in
+    that. Predictions are clipped to the range of the training targets.
+
+    ``models`` are settings for ``PAPER_HZ``. A model of ``SIDES`` has standardised inputs and
+    features, ``ALPHAS``, and no penalty on the bias; ``as_is`` leaves it as it fits.
+    """
+
+    def __init__(
+        self, recordings: Recordings, name: str, models: Settings, seed: int, as_is: bool = False
+    ):
+        inputs = {"theta_deg": recordings.theta, "p_o_kpa": recordings.p_o}
+        columns = [inputs[channel] for channel in entry_of(name).inputs]
+        if not as_is:
+            columns = [_MEAN + _SPREAD * (x - x.mean()) / (x.std() or 1.0) for x in columns]
+        X, ratio = np.column_stack(columns), recordings.rate_hz / PAPER_HZ
+        changed = scaled(entry_of(name).fixed, ratio)
+        if name in ("echo", "echo_p_o"):  # one network on both sides
+            changed["random_state"] = seed
+        model = build(name, models_at(models, ratio), seed, **changed)
+        readout: Any = model.make_readout()
+        y, folds = recordings.target, recordings.folds()
+        fit = self._blend = np.ones((len(y), 1))
+        with refusals_of(model):
+            features = model.make_features().fit(X).map_log(X, recordings.lengths)
+            if isinstance(readout, TakagiSugenoReadout):
+                how: Any = {"random_state": readout.random_state, "restarts": readout.restarts}
+                clusters = fuzzy_c_means(features, readout.n_c, **how)
+                fit = clusters.memberships**2
+                self._blend = gaussian_memberships(features, clusters.centers, readout.sigma)
+        eye, self._as_is = np.eye(1 + features.shape[1]), as_is
+        self._penalties = [readout.alpha * eye]
+        if not as_is:
+            slopes = np.diag(np.arange(len(eye)) > 0).astype(float)
+            self._penalties = [alpha * slopes + _TINY * eye for alpha in ALPHAS]
+            spread = features.std(axis=0)
+            moving = spread > 1e-9 * np.maximum(np.abs(features).max(axis=0), 1e-30)
+            features = (features - features.mean(axis=0)) / np.where(moving, spread, 1.0)
+        self._rows = np.column_stack([np.ones(len(y)), features])
+        self._y, self.blocks = y, [block for _, block in folds]
+        self._least = FLOOR * (float(y.std()) or 1.0)
+        out = np.array([~np.isin(np.arange(len(y)), train) for train, _ in folds])
+        begins = np.flatnonzero(np.any(out[:, 1:] != out[:, :-1], axis=0)) + 1
+        cells = np.split(np.arange(len(y)), begins)
+        self._without = out[:, [cell[0] for cell in cells]]
+        self._ends = np.array([[y[cell].min(), y[cell].max()] for cell in cells])
+        both = np.column_stack([self._rows, y])
+        self._moments = np.array(
+            [[(self._rows[k] * u[k, None]).T @ both[k] for u in fit.T] for k in cells]
+        )
+        self._all = self._moments.sum(axis=0)
+
+    def errors(self, block: int, without: Sequence[int] = ()) -> np.ndarray:
+        """Return the RMSE on a block for each alpha, fitted without it and further blocks.
+
+        The samples that are purged around all these blocks do not train either.
+        """
+        gone = self._without[[block, *without]].any(axis=0)
+        moments = self._all - self._moments[gone].sum(axis=0)
+        gram, target = moments[..., :-1], moments[..., -1:]
+        weight = 1.0 if self._as_is else gram[:, :1, :1]
+        own, ends, outputs = self.blocks[block], self._ends[~gone], []
+        for penalty in self._penalties:
+            weights = np.linalg.solve(gram + weight * penalty, target)[..., 0]
+            outputs.append((self._blend[own] * (self._rows[own] @ weights.T)).sum(axis=1))
+        misses = np.clip(outputs, ends[:, 0].min(), ends[:, 1].max()) - self._y[own]
+        return np.maximum(np.sqrt(np.mean(misses**2, axis=1)), self._least)
+
+
 class Side(NamedTuple):
     """The best of one side, chosen inside the training part of each block."""
 
@@ -99,26 +180,18 @@ class Side(NamedTuple):
     chosen: Sequence[tuple[str, int]]  #: family and number of the setting, of each block
     each: Mapping[str, np.ndarray]  #: RMSE on each block of every family, its setting chosen inside
 
-    @property
-    def family(self) -> str:
-        """Family that is chosen most often."""
-        names = [name for name, _ in self.chosen]
-        return max(SIDES, key=names.count)
 
-
-def best_of_side(
-    recordings: Recordings, with_p_o: bool, models: Mapping[str, Any], seed: int
-) -> Side:
+def best_of_side(recordings: Recordings, with_p_o: bool, models: Settings, seed: int) -> Side:
     """Choose the best family inside, and test it on every block.
 
-    For each block, every family and setting is tried on the other blocks, each predicted without
-    itself and without the block, by the mean logarithm of the errors. Of those within ``EQUAL`` of
-    the lowest, the plainest family with its largest ridge is chosen: what hardly differs should not
-    differ between the sides by chance.
+    For each block, every family and setting is tried on the others, each predicted without itself
+    and without the block, by the mean logarithm of the errors. Of those within ``EQUAL`` of the
+    lowest, the plainest with its largest ridge is chosen: what hardly differs should not differ
+    between the sides by chance.
     """
     settings, inside, each = {}, {}, {}
     for family, names in SIDES.items():
-        fits = readouts_of(recordings, names[with_p_o], models, seed)
+        fits = BlockReadouts(recordings, names[with_p_o], models, seed)
         blocks = range(len(fits.blocks))
         tried = np.array([[np.log(fits.errors(i, [out])) for i in blocks if i != out]
                           for out in blocks]).mean(axis=1)  # fmt: skip
@@ -133,44 +206,25 @@ def best_of_side(
 
 
 def error_when_shifted(
-    recordings: Recordings, share: float, chosen: Side, models: Mapping[str, Any], seed: int
+    recordings: Recordings, share: float, chosen: Side, models: Settings, seed: int
 ) -> float:
-    """Return the geometric mean of the errors of what was chosen, refitted to a rotated P_o.
-
-    It is rotated by a share of the length of the one recording.
-    """
+    """Return the mean error of what was chosen, refitted with P_o rotated by a share."""
     p_o = np.roll(recordings.p_o, round(share * len(recordings.p_o)))
     moved, families = recordings._replace(p_o=p_o), sorted({name for name, _ in chosen.chosen})
-    fits = {name: readouts_of(moved, SIDES[name][True], models, seed) for name in families}
+    fits = {name: BlockReadouts(moved, SIDES[name][True], models, seed) for name in families}
     return float(gmean([fits[name].errors(i)[k] for i, (name, k) in enumerate(chosen.chosen)]))
 
 
-def block_errors(recordings: Recordings, models: Mapping[str, Any], seed: int) -> dict[str, float]:
+def block_errors(recordings: Recordings, models: Settings, seed: int) -> dict[str, float]:
     """Return the error of each model of ``SIDES`` on all blocks, geometric mean, best ridge."""
     errors = {}
     for name in chain(*SIDES.values()):
-        fits = readouts_of(recordings, name, models, seed)
+        fits = BlockReadouts(recordings, name, models, seed)
         errors[name] = float(gmean([fits.errors(k) for k in range(len(fits.blocks))]).min())
     return errors
 
 
-def readouts_of(
-    recordings: Recordings, name: str, models: Mapping[str, Any], seed: int
-) -> BlockReadouts:
-    """Return the readouts of a model of ``SIDES`` on the blocks of recordings."""
-    inputs = {"theta_deg": recordings.theta, "p_o_kpa": recordings.p_o}
-    columns = [inputs[channel] for channel in entry_of(name).inputs]
-    X = np.column_stack([_MEAN + _SPREAD * (x - x.mean()) / (x.std() or 1.0) for x in columns])
-    ratio = recordings.rate_hz / PAPER_HZ
-    changed = scaled(entry_of(name).fixed, ratio)
-    if name in ("echo", "echo_p_o"):  # one network on both sides
-        changed["random_state"] = seed
-    model = build(name, models_at(models, ratio), seed, **changed)
-    lengths = recordings.lengths
-    return BlockReadouts(model, X, recordings.target, lengths, recordings.folds(), ALPHAS)
-
-
-def models_at(models: Mapping[str, Any], ratio: float) -> dict[str, Any]:
+def models_at(models: Settings, ratio: float) -> dict[str, Any]:
     """Return the section ``models`` for another sample rate, see ``scaled``."""
     return {
         **models,
@@ -178,7 +232,7 @@ def models_at(models: Mapping[str, Any], ratio: float) -> dict[str, Any]:
     }
 
 
-def scaled(parameters: Mapping[str, Any], ratio: float) -> dict[str, Any]:
+def scaled(parameters: Settings, ratio: float) -> dict[str, Any]:
     """Return those of a model's parameters that count samples, for another sample rate.
 
     Low-pass factors, leak rates, the washout and the spacing of taps then mean the same time. The

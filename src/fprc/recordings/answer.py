@@ -5,6 +5,7 @@ The limits below were written down before they were run on any recording.
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -13,25 +14,20 @@ from scipy.stats import gmean
 from fprc.errors import EvaluationError
 from fprc.evaluation import sides
 from fprc.evaluation.capacity import TAPS, filtered_capacity
-from fprc.evaluation.paired import EQUIVALENT_WITHIN, LEAST_UNITS, Part, decide_together
-from fprc.evaluation.readouts import BlockReadouts
-from fprc.evaluation.sides import ALPHAS, Recordings
+from fprc.evaluation.paired import ALPHA, EQUIVALENT_WITHIN, LEAST_UNITS, Part, decide_together
+from fprc.evaluation.sides import ALPHAS, BlockReadouts, Recordings
 from fprc.figures import style
-from fprc.registry import build, entry_of, title_of
+from fprc.registry import Settings, title_of
 from fprc.tables.text import three_digits
 
 YES, NO, UNDECIDED = "Yes", "No", "Not decided"
 #: P_o is worth a second sensor if it lowers the error by more than this factor.
 MARGIN = EQUIVALENT_WITHIN
-#: Chance that the interval of the ratio errs.
-LEVEL = 0.05
 #: The theta side explains little if it leaves more than this share of the target's variance.
 LITTLE = 0.5
 #: A recording is called too short if one of at most this many times its length would decide;
 #: beyond that its parts disagree.
 MOST_TIMES = 10.0
-#: Share of the blocks at either end that show how far the parts disagree.
-_ENDS = 0.25
 #: The paper's models, and those that the claims compare FPRC with.
 MODELS = ("fprc", "fuzzy_linear", "esn", "fprc_lowpass", "ridge_p_o")
 #: FPRC against one model each: text and model by id, as in ``fprc.studies.beyond``; R marks
@@ -47,15 +43,14 @@ LEFT_OUT = 2
 MOST_OF_ESN = 150_000
 
 
-def answer_recordings(
-    recordings: Recordings, models: Mapping[str, Any], seed: int, unit: str = "kPa"
-) -> dict[str, Any]:
+def answer_recordings(recordings: Recordings, models: Settings, seed: int) -> dict[str, Any]:
     """Compare the best models with and without P_o, and P_o with itself at other times.
 
     Of one recording. ``models`` is the configuration's section, for 200 samples a second; ``seed``
-    is of rules and networks; ``unit`` is that of the target and of the errors, which are geometric
-    means over blocks. ``shifts`` are errors with P_o of other times, ``needed_s`` is the length
-    that would decide, ``explained`` the share of the variance that models without P_o explain.
+    is of rules and networks. Errors are geometric means over blocks, in the unit of the target;
+    ``shifts``, those with P_o of other times. ``new`` is the share of P_o that does not come back
+    when the motion repeats, ``needed_s`` the length that would decide, ``explained`` the share of
+    the variance that models without P_o explain.
     """
     thin = recordings.thinned()
     period, duration_s = sides.period_of(thin.theta), len(thin.theta) / thin.rate_hz
@@ -64,15 +59,16 @@ def answer_recordings(
     found: dict[str, Any] = {}
     for name in ("without", "with"):
         side = best[name] = sides.best_of_side(thin, name == "with", models, seed)
+        chosen = [family for family, _ in side.chosen]
         found[name] = {
             "error": float(gmean(side.errors)),
-            "family": side.family,
+            "family": max(side.each, key=chosen.count),
             "families": {family: float(gmean(errors)) for family, errors in side.each.items()},
             "blocks": side.errors.tolist(),
-            "chosen": [family for family, _ in side.chosen],
+            "chosen": chosen,
         }
     ratios = np.log(best["with"].errors / best["without"].errors)
-    interval = Part("", dict(enumerate(ratios)), overlap=overlap_of(thin)).interval(LEVEL)
+    interval = Part("", dict(enumerate(ratios)), overlap=overlap_of(thin)).interval(ALPHA)
     left = float(np.mean(best["without"].errors ** 2)) / float(np.var(thin.target))
     found |= dict(zip(("ratio", "low", "high"), map(math.exp, interval), strict=True)) | {
         "shifts": [
@@ -80,13 +76,12 @@ def answer_recordings(
             for share in sides.shifts_of(duration_s, period_s)
         ],
         "period_s": period_s,
-        "p_o_repeats": bool(period and sides.distances(thin.p_o)[period] < sides.AWAY),
+        "new": float(sides.distances(thin.p_o)[period]) if period else None,
         "explained": max(0.0, 1.0 - left),
         "block_s": [len(block) / thin.rate_hz for _, block in thin.folds()],
         "duration_s": duration_s,
     }
-    found |= dict(zip(("verdict", "reason", "needed_s"), decide(found, ratios), strict=True))
-    return found | {"words": first_line(found, unit)}
+    return found | dict(zip(("verdict", "reason", "needed_s"), decide(found, ratios), strict=True))
 
 
 def overlap_of(recordings: Recordings) -> float:
@@ -109,7 +104,8 @@ def decide(found: Mapping[str, Any], ratios: Sequence[float]) -> tuple[str, str,
         return UNDECIDED, f"The recording is too short: it takes {needed_s:g} s.", needed_s
     if math.log(found["low"]) > -margin:
         return NO, "", None
-    if high < -margin and not found["p_o_repeats"] and shifts and beaten == len(shifts):
+    repeats = found["new"] is not None and found["new"] < sides.AWAY
+    if high < -margin and not repeats and shifts and beaten == len(shifts):
         return YES, "", None
     if found["period_s"]:
         reason = (
@@ -132,7 +128,7 @@ def decide(found: Mapping[str, Any], ratios: Sequence[float]) -> tuple[str, str,
             f"{math.ceil(needed_s / 60.0)} minutes of this motion."
         )
         if needed_s > MOST_TIMES * found["duration_s"]:
-            best, worst = np.exp(np.quantile(ratios, (_ENDS, 1.0 - _ENDS)))
+            best, worst = np.exp(np.quantile(ratios, (0.25, 0.75)))
             reason = (
                 f"Its parts disagree: the ratio is below {best:.2f} in a quarter of them and above "
                 f"{worst:.2f} in another."
@@ -149,44 +145,33 @@ def first_line(found: Mapping[str, Any], unit: str) -> str:
     more = found["reason"]
     if found["verdict"] == NO and found["period_s"]:
         more = f"The motion repeats every {found['period_s']:.3g} s; on another one it may differ."
-    line = (
-        f"{found['verdict']}: with P_o {errors[0]} {unit} ({best}), without {errors[1]} ({rival})."
-    )
-    return f"{line} {more}".rstrip()
+    both = f"with P_o {errors[0]} {unit} ({best}), without {errors[1]} ({rival})"
+    return f"{found['verdict']}: {both}. {more}".rstrip()
 
 
-def judge_memory(
-    recordings: Recordings, models: Mapping[str, Any], seed: int, period_s: float | None
-) -> dict[str, Any]:
-    """Measure memory, capacity and parts of P_o, on one recording, thinned.
+def judge_memory(recordings: Recordings, models: Settings, seed: int) -> dict[str, Any]:
+    """Measure memory and capacity of P_o and of theta, each with its low-passes.
 
-    Of ``p_o`` and ``theta``, each with its low-passes: ``memory``, ``memory_s``, ``degrees`` and
-    ``rank``, see ``fprc.capacity``; ``lags_s``; ``parts``, shares of the variance of P_o on unseen
-    blocks: ``linear``, a filter of theta; ``hysteresis``, what plays add; and ``new``, what does
-    not come back when the motion repeats (None if it does not repeat).
+    On one recording, thinned. ``linear`` and ``hysteresis`` are shares of P_o's variance on unseen
+    blocks that a filter of theta explains, and that plays add.
     """
-    _, p_o, _, _, rate_hz = recordings
-    found: dict[str, Any] = {}
+    found, explained, p_o = {}, [], recordings.p_o
     for name, signal in {"p_o": p_o, "theta": recordings.theta}.items():
-        of = filtered_capacity(signal, recordings.theta, rate_hz)
-        curves = {"memory": of.memory.tolist(), "degrees": of.degrees.tolist()}
-        found[name] = curves | {"memory_s": of.memory_s, "rank": of.rank}
-        found["lags_s"] = of.lags_s.tolist()
-    explained = []
+        of = filtered_capacity(signal, recordings.theta, recordings.rate_hz)
+        curves = {"lags_s": of.lags_s, "memory": of.memory, "degrees": of.degrees}
+        found[name] = {key: values.tolist() for key, values in curves.items()}
+        found[name] |= {"memory_s": of.memory_s, "rank": of.rank}
     for name in ("bank", "plays"):
-        fits = sides.readouts_of(recordings._replace(target=p_o), name, models, seed)
+        fits = BlockReadouts(recordings._replace(target=p_o), name, models, seed)
         errors = [fits.errors(block)[len(ALPHAS) // 2] for block in range(len(fits.blocks))]
         explained.append(max(0.0, 1.0 - float(np.mean(np.square(errors)) / np.var(p_o))))
-    new = float(sides.distances(p_o)[round(period_s * rate_hz)]) if period_s else None
-    hysteresis = max(0.0, explained[1] - explained[0])
-    return found | {"parts": {"linear": explained[0], "hysteresis": hysteresis, "new": new}}
+    return found | {"linear": explained[0], "hysteresis": max(0.0, explained[1] - explained[0])}
 
 
-def memory_in_words(found: Mapping[str, Any]) -> list[str]:
+def memory_in_words(found: Mapping[str, Any], new: float | None) -> list[str]:
     """Return what was measured as sentences."""
-    parts, p_o, theta = found["parts"], found["p_o"], found["theta"]
-    new = "" if parts["new"] is None else f", and {parts['new']:.0%} is new at each repetition"
-    rest = max(0.0, 1.0 - parts["linear"] - parts["hysteresis"])
+    p_o, theta, linear, plays = (found[key] for key in ("p_o", "theta", "linear", "hysteresis"))
+    again = "" if new is None else f", and {new:.0%} is new at each repetition"
     degrees = [
         ", ".join(f"{share:.2g} of degree {number}" for number, share in enumerate(each, 1))
         for each in (p_o["degrees"], theta["degrees"])
@@ -197,8 +182,8 @@ def memory_in_words(found: Mapping[str, Any]) -> list[str]:
         f"Capacity: {degrees[0]} of {p_o['rank']} states with P_o; {degrees[1]} of "
         f"{theta['rank']} with theta. The input is correlated, so these compare states on this "
         "recording only.",
-        f"Of P_o's variance, a linear filter of theta explains {parts['linear']:.0%}, plays of "
-        f"theta {parts['hysteresis']:.0%} more, and neither {rest:.0%}{new}.",
+        f"Of P_o's variance, a linear filter of theta explains {linear:.0%}, plays of theta "
+        f"{plays:.0%} more, and neither {max(0.0, 1.0 - linear - plays):.0%}{again}.",
     ]
 
 
@@ -206,8 +191,8 @@ def draw_memory(found: Mapping[str, Any], png: str) -> None:
     """Draw the memory curves of P_o and of theta."""
     fig, ax = style.figure(1, 1, style.COLUMN_IN, 2.4)
     for name, colour, symbol in (("p_o", "0.15", "P$_o$"), ("theta", "0.65", "θ")):
-        label = f"{symbol} and its low-passes"
-        ax.plot(found["lags_s"], found[name]["memory"], color=colour, label=label)
+        curve, label = found[name], f"{symbol} and its low-passes"
+        ax.plot(curve["lags_s"], curve["memory"], color=colour, label=label)
     highest = max(found["p_o"]["memory"] + found["theta"]["memory"])
     ax.set(xlabel="Lag [s]", ylabel="Share of past θ added", xlim=(0, None))
     ax.set_ylim(0.0, max(0.1, 1.1 * highest))
@@ -215,33 +200,24 @@ def draw_memory(found: Mapping[str, Any], png: str) -> None:
     style.save(fig, {"source": "import"}, png)
 
 
-def judge_models(
-    recordings: Recordings, models: Mapping[str, Any], seed: int
-) -> list[dict[str, Any]]:
-    """Return of each of the paper's models the RMSE on ``blocks``, or a ``reason`` for none."""
-    cells: list[dict[str, Any]] = []
-    inputs, folds = recordings._asdict(), recordings.folds()
-    names = [name for name in MODELS if name != "esn" or len(recordings.theta) <= MOST_OF_ESN]
-    for name in names:
-        columns = [inputs[channel.rpartition("_")[0]] for channel in entry_of(name).inputs]
-        try:
-            X, model = np.column_stack(columns), build(name, models, seed)
-            fits = BlockReadouts(model, X, recordings.target, recordings.lengths, folds)
-            errors = [float(fits.errors(block)[0]) for block in range(len(folds))]
-            cells.append({"model": name, "blocks": errors})
-        except EvaluationError as error:
-            cells.append({"model": name, "reason": str(error)})
-    return cells
+def judge_models(recordings: Recordings, models: Settings, seed: int) -> dict[str, list[float]]:
+    """Return the RMSE on blocks of each of the paper's models that suits the recording."""
+    errors = {}
+    for name in MODELS:
+        if name != "esn" or len(recordings.theta) <= MOST_OF_ESN:
+            with suppress(EvaluationError):
+                fits = BlockReadouts(recordings, name, models, seed, as_is=True)
+                errors[name] = [float(fits.errors(k)[0]) for k in range(len(fits.blocks))]
+    return errors
 
 
-def judge_claims(cells: Sequence[Mapping[str, Any]], overlap: float) -> list[dict[str, Any]]:
+def judge_claims(errors: Mapping[str, Sequence[float]], overlap: float) -> list[dict[str, Any]]:
     """Judge B1, B4 and R1 by the ratios of errors on blocks, see ``decide_together``."""
-    errors = {cell["model"]: np.log(cell["blocks"]) for cell in cells if "blocks" in cell}
     claims = {}
     for name, (text, other) in CLAIMS.items():
         ratios = {}
         if "fprc" in errors and other in errors:
-            ratios = dict(enumerate(errors["fprc"] - errors[other]))
+            ratios = dict(enumerate(np.log(errors["fprc"]) - np.log(errors[other])))
         claims[name] = text, [Part(text, ratios, overlap=overlap)]
     return decide_together(claims, LEFT_OUT)
 

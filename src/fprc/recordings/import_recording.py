@@ -1,35 +1,56 @@
-"""`fprc import`: draft a map of a recording of another program, or make it a raw log."""
+"""`fprc import`: draft a map of a recording of another program, or judge it, and make it a raw log.
+
+The limits below were written down before they were run on any recording.
+"""
 
 import json
-from collections.abc import Mapping
-from pathlib import Path
-from textwrap import shorten
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from fprc import escape
-from fprc.artifacts import refuse_output, replacing, sha256
+from fprc.artifacts import refuse_output
 from fprc.channels import CHANNELS, TARGETS, unit_of
 from fprc.config import Settings
-from fprc.errors import ConfigError, LogError
+from fprc.config.settings import Quality
+from fprc.errors import ConfigError
 from fprc.escape import in_words, visible
-from fprc.logs import read_columns, write_raw
-from fprc.recordings.clock import Clock, clocks_of, own_clock
-from fprc.recordings.importing import Draft, ImportMap, Recording, gather, read_map, resample
-from fprc.recordings.judge import judge, other_units
+from fprc.logs import assess
+from fprc.logs.columns import Columns
+from fprc.logs.quality import runs
+from fprc.recordings import importing
+from fprc.recordings.clock import Clock, clocks_of, own_clock, rate_of
+from fprc.recordings.importing import USUAL, Draft, ImportMap, Recording, read_map
 from fprc.recordings.names import factor_of, has, is_time, likely_channel, reference_of, stated_unit
 from fprc.recordings.table import Column, Table, read_table
 
 #: Rate of a raw log unless its map gives one, Hz.
 RATE_HZ = 200.0
-#: Channels of a draft even if no column's name identifies them: what training FPRC needs.
-_DRAFTED = ("theta_deg", TARGETS["measured"], "p_o_kpa")
 #: Largest share of missing values of a column whose samples are left out, not interpolated.
 _MISSING = 0.1
 #: Pressure of the air, kPa.
 AIR_KPA = 101.325
+#: Range of plausible sample rates, Hz.
+LIKELY_HZ = (1.0, 50000.0)
+#: Plausible largest magnitude of a channel, by its unit: outside, another unit may be meant.
+PLAUSIBLE = {"kPa": (5.0, 1500.0), "deg": (3.3, 400.0)}
+#: Smallest span that is possible in the unit of the channel: less is another unit.
+LEAST_SPAN = {"kPa": 5.0, "deg": 2.0}
+#: Largest share of samples outside the possible range of their channel.
+MOST_OUTSIDE = 0.01
+#: A channel that does not change for this share of the recording is stuck.
+STUCK = 0.5
+#: A channel is a copy of another one if a straight line of it, up to half a second late or early,
+#: explains more than this share of the variance. A sealed chamber explains less of P_exp; the
+#: actuator's own pressure follows its command to 0.999.
+COPIES = {("theta", "P_exp"): 0.9999, ("theta", "P_o"): 0.9999, ("P_o", "P_exp"): 0.99}
+COPY_LAG_S = 0.5
+#: theta explains next to nothing of P_exp: less than this share, with the best of a constant,
+#: theta, its square, low-passes and plays.
+NEXT_TO_NOTHING = 0.05
+#: Rate at which copies and what theta explains are looked for, Hz, at most that of the recording.
+_RATE_HZ = 50.0
 
 
 def import_or_draft(
@@ -45,69 +66,18 @@ def import_or_draft(
     mapping = read_map(map_)
     if mapping.experiment is None:
         raise ConfigError(f"{map_}: experiment is missing; give sweep or complex")
-    picture = str(Path(out).with_suffix(".png"))
-    refuse_output(out, ".h5", ours=is_imported)
-    refuse_output(picture, ".png", ours=lambda old: is_imported(out))
+    refuse_output(out, ".h5", ours=importing.is_imported)
     table = read_table(source, **mapping.csv.model_dump())
-    recording = gather(table, mapping)
-    found = judge(recording, mapping, table, Settings().quality, mapping.target("measured"))
+    recording = importing.gather(table, mapping)
+    quality, target = Settings().quality, mapping.target("measured")
+    words, doubts, stops = judge(recording, mapping, table, quality, target)
     mapping = mapping.changed(sample_rate_hz=mapping.sample_rate_hz or RATE_HZ)
-    samples = resample(recording.time_s, recording.channels, mapping.sample_rate_hz, source)
-    write_log(out, recording, samples, mapping, source)
-    draw_recording(recording, mapping, picture)
-    doubts = [f"doubtful: {line}" for line in (*found.doubts, *found.stops)]
-    lines = [*found.words, *doubts, *table.notes, *recording.notes]
-    print("\n".join([f"{source}:", *(f"  {line}" for line in lines)]))
-    rate_hz, count = mapping.sample_rate_hz, len(samples[0])
-    print(f"{out}: {count} samples at {rate_hz:g} Hz; beside it its picture, .png")
-
-
-def write_log(
-    raw: Path | str, recording: Recording, samples: tuple[np.ndarray, dict[str, np.ndarray]],
-    mapping: ImportMap, source: str,
-) -> None:  # fmt: skip
-    """Write what was resampled of a recording, times and channels, as a raw log."""
-    (time_s, channels), notes = samples, mapping.notes
-    if recording.notes:
-        notes["time_s"] = "; ".join(recording.notes)
-    with replacing(raw) as log:
-        write_raw(
-            log,
-            {"time_s": time_s - time_s[0], **channels},
-            experiment=mapping.experiment,
-            source="import",
-            sample_rate_hz=mapping.sample_rate_hz,
-            seed=0,
-            rig={},
-            imported_from=visible(Path(source).name),
-            imported_sha256=sha256(source),
-            imported_start_s=recording.start_s + float(time_s[0]),
-            map=json.dumps(mapping.model_dump(exclude_none=True)),
-            notes=json.dumps(notes),
-        )
-
-
-def is_imported(old: Path | str) -> bool:
-    """Return whether a file is a raw log that an import wrote."""
-    try:
-        return bool(read_columns(old, ()).attributes.get("source") == "import")
-    except LogError:
-        return False
-
-
-def draw_recording(recording: Recording, mapping: ImportMap, png: str) -> None:
-    """Draw every channel over time, as it was recorded."""
-    from fprc.figures import style  # slow to import, and a draft needs none
-
-    titles = []
-    for name, spec in mapping.columns.items():
-        text = f"{name} from {spec['column']}: {spec['note']}".removesuffix(": ")
-        titles.append(escape.figure(shorten(text, 100, placeholder=" ...")))
-    count, frame = len(titles), pd.DataFrame(recording.channels, recording.time_s)
-    fig, axes = style.figure(count, 1, style.PAGE_IN, 0.4 + 0.85 * count, sharex=True)
-    frame.plot(subplots=True, ax=axes, title=titles, legend=False, color="0.3", linewidth=0.6)
-    axes[-1].set(xlabel="Time [s]", xlim=recording.time_s[[0, -1]])
-    style.save(fig, {"source": "import"}, png)
+    samples = importing.resample(recording, mapping.sample_rate_hz)
+    importing.write_log(out, recording, *samples, mapping)
+    doubts = [f"doubtful: {line}" for line in (*doubts, *stops)]
+    lines = [*words, *doubts, *table.notes, *recording.notes]
+    print("\n  ".join([f"{source}:", *lines]))
+    print(f"{out}: {len(samples[0])} samples at {mapping.sample_rate_hz:g} Hz")
 
 
 def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
@@ -129,15 +99,17 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
     ]
     missing = {name: ~np.isfinite(column.values) for name, column in columns.items()}
     used, apart = {clock}, set()
-    drafted = {name for name in _DRAFTED if name != "p_exp_kpa" or TARGETS["command"] not in best}
+    # what training FPRC needs, even if no column's name identifies it
+    drafted = {"theta_deg", "p_o_kpa"}
+    if TARGETS["command"] not in best:
+        drafted.add(TARGETS["measured"])
     for channel in CHANNELS:
         if channel.name in best:
             name, *others = best[channel.name]
             used.add(name)
             spec, words = _spec(channel.name, name, columns[name])
             own = own_clock(name, table, clocks)
-            twin = own and clock and np.array_equal(columns[own].values, columns[clock].values)
-            if own and own != clock and not twin:
+            if own and own != clock:
                 spec["time"] = own
             elif clock and name != main and missing[name].mean() > _MISSING:
                 spec["time"] = clock
@@ -148,7 +120,7 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
             others = best.get("p_exp_kpa", [])[1:] if channel.name == "p_o_kpa" else []
         else:
             continue
-        lines.append(_line(f"  {channel.name}", spec, words + _or(others[:3])))
+        lines.append(_line(f"  {channel.name}", spec, words, others[:3]))
     if layout:
         lines.append(_line("csv", layout, ["as given"]))
     words = []
@@ -156,8 +128,7 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
         words.append(f"lines that are no samples: {count}: {'; '.join(table.unusable[:3])}")
     for name, gone in missing.items():
         if name in used - apart and gone.sum() > count:
-            first = table.sample(int(gone.argmax()))
-            words.append(f"{gone.sum()} values of {_quoted(name)}, the first at {first}")
+            words.append(f"{gone.sum()} values of {_quoted(name)}")
     if words:
         lines.append(f"skip_unusable: true  # leaves out {'; '.join(words)}")
     lines += [f"# {_quoted(n)}: {_in_words(c)}" for n, c in columns.items() if n not in used]
@@ -200,12 +171,12 @@ def _spec(channel: str, name: str, column: Column) -> tuple[dict[str, Any], list
         spec["scale"] = multiple
         words.append(f"the name has a factor; delete scale if the numbers are in {spec['unit']}")
     reference = reference_of(f"{name} {column.label} {column.unit}")
-    if target == "kPa" and reference != "gauge":
-        air = float(f"{-AIR_KPA / (factor_of(spec['unit'], target) or 1.0):.6g}")
+    air = float(f"{-AIR_KPA / (factor_of(spec['unit'], target) or 1.0):.6g}")
+    if target == "kPa" and reference == "absolute":
+        spec |= {"offset": air, "note": "read as absolute"}
+        words.append("absolute: better the air's pressure of that day as offset")
+    elif target == "kPa" and reference is None:
         words.append(f"gauge? if absolute, add offset: {air:g}")
-        if reference == "absolute":
-            spec |= {"offset": air, "note": "read as absolute"}
-            words[-1] = "absolute: better the air's pressure of that day as offset"
     return spec, words
 
 
@@ -220,21 +191,20 @@ def _time_line(name: str | None, clocks: Mapping[str, Clock], table: Table) -> s
     if clock.repeated:
         spec["repeated"] = "mean" if clock.repeated > 0.1 * samples else "first"
         words.append(f"{clock.repeated} samples repeat a time stamp; first or mean")
-    if not has(f"{name} {table.columns[name].label}", "time"):
-        words += _or([other for other in clocks if other != name])
-    return _line("time", spec, words)
-
-
-def _or(names: list[str]) -> list[str]:
-    return [f"or {in_words(map(_quoted, names), 'or')}?"] if names else []
+    others = [other for other in clocks if other != name]
+    if has(f"{name} {table.columns[name].label}", "time"):
+        others = []
+    return _line("time", spec, words, others)
 
 
 def _quoted(name: str) -> str:
     return json.dumps(name, ensure_ascii=False)
 
 
-def _line(key: str, value: Mapping[str, Any], comments: list[str]) -> str:
-    return f"{key}: {json.dumps(value, ensure_ascii=False)}  # {'; '.join(comments)}"
+def _line(key: str, value: Mapping[str, Any], words: list[str], others: Sequence[str] = ()) -> str:
+    if others:
+        words = [*words, f"or {in_words(map(_quoted, others), 'or')}?"]
+    return f"{key}: {json.dumps(value, ensure_ascii=False)}  # {'; '.join(words)}"
 
 
 def _in_words(column: Column) -> str:
@@ -248,3 +218,89 @@ def _in_words(column: Column) -> str:
     if missing := len(column.values) - len(finite):
         words.append(f"{missing} not finite")
     return ", ".join(words)
+
+
+def judge(
+    recording: Recording, mapping: ImportMap, table: Table, limits: Quality, target: str
+) -> tuple[list[str], list[str], list[str]]:
+    """Return rate and ranges, what is doubtful, and why no answer can be right, in words.
+
+    ``target`` is the P_exp that models would learn.
+    """
+    time_s, channels = recording.time_s, recording.channels
+    rate_hz = rate_of(time_s)
+    words = [f"{len(time_s)} samples over {time_s[-1]:.6g} s at {rate_hz:.6g} Hz"]
+    about = {"experiment": mapping.experiment, "source": "import", "notes": mapping.notes}
+    limits = limits.changed(stuck_s=max(limits.stuck_s, 20.0 / rate_hz))  # slow logs repeat values
+    log = Columns(table.path, {"time_s": time_s, **channels}, about)
+    checks = assess(log, limits, rate_hz)["checks"]
+    del checks["gaps"]  # they are in the notes of the recording
+    doubts = [f"{n}: {check['finding']}" for n, check in checks.items() if not check["passed"]]
+    stops = []
+    needed = {"theta_deg": "theta", TARGETS[target]: "P_exp", "p_o_kpa": "P_o"}
+    for name, spec in mapping.columns.items():
+        column, quantity, unit = spec["column"], unit_of(name), spec["unit"]
+        given, factor, values = table.pick(column), factor_of(unit, quantity) or 1.0, channels[name]
+        ends = f"{values.min():.4g} to {values.max():.4g}"
+        words.append(f"{name} from {column}: {ends} {'' if unit == '1' else quantity}".rstrip())
+        stated = stated_unit(column, given.label, given.unit)
+        # a scale, or a note, says that the map is meant as it is
+        meant = spec["scale"] != 1.0 or spec["note"] or unit == "1"
+        others = other_units(name, unit, values / factor)
+        if stated and not meant and (stated.quantity, stated.factor) != (quantity, factor):
+            both = f"the file says {stated.text} of {column}, the map {unit}"
+            stops.append(f"channels.{name}: {both}: correct unit, or say in note why it is right")
+        elif others and spec["scale"] == 1.0:
+            doubts.append(f"{name}: its size is unusual; is {column} in {in_words(others, 'or')}?")
+        if (outside := checks["range"]["samples"].get(name, 0)) > MOST_OUTSIDE * len(values):
+            stops.append(f"{name}: {outside} samples are out of range: correct unit or offset")
+        if name not in needed:
+            continue
+        word, span, least = needed[name], float(np.ptp(values)), LEAST_SPAN[quantity]
+        if runs(values)[1].max() >= STUCK * len(values):
+            stops.append(f"{word} stands still for half of the recording: check the sensor")
+        # P_o may span little
+        elif word != "P_o" and unit != "1" and span < least:
+            less = f"{word} spans {span:.3g} {quantity}, less than {least:g}"
+            stops.append(f"{less}: correct its unit or scale, or give unit: 1 and a note")
+    if mapping.sample_rate_hz is None and not LIKELY_HZ[0] <= rate_hz <= LIKELY_HZ[1]:
+        stops.append(
+            f"time: {rate_hz:.4g} Hz are unusual: correct its unit, or give sample_rate_hz"
+        )
+    return words, doubts, stops
+
+
+def other_units(channel: str, unit: str, values: np.ndarray) -> list[str]:
+    """Return units in which the values are plausible; none if they are in the one given."""
+    target = unit_of(channel)
+    factor, top = factor_of(unit, target), float(np.nanmax(np.abs(values), initial=0.0))
+    if target not in PLAUSIBLE or unit == "1" or factor is None or not 0.0 < top < np.inf:
+        return []
+    low, high = PLAUSIBLE[target]
+    fit = [name for name in USUAL[target] if low <= top * (factor_of(name, target) or 1.0) <= high]
+    return [] if low <= top * factor <= high else fit
+
+
+def unfit(recording: Recording, target: str) -> list[str]:
+    """Return why no answer can be right: a channel is a copy, or theta explains next to nothing."""
+    from fprc.models import LowpassBank, PlayOperators  # slow to import, and an import needs none
+
+    time_s, stops = recording.time_s, []
+    hz = min(rate_of(time_s), _RATE_HZ)
+    grid_s, even = np.arange(0.0, time_s[-1], 1.0 / hz), pd.DataFrame()
+    lag = int(min(COPY_LAG_S * hz, 0.1 * len(grid_s)))
+    for word, name in {"theta": "theta_deg", "P_exp": TARGETS[target], "P_o": "p_o_kpa"}.items():
+        even[word] = np.interp(grid_s, time_s, recording.channels[name])
+    for (one, other), most in COPIES.items():
+        late = pd.DataFrame({k: even[other].shift(k) for k in range(-lag, lag + 1)})
+        if (late.corrwith(even[one]) ** 2).max() > most:
+            stops.append(f"{one} and {other} are one signal, by a straight line: check the columns")
+    X, p_exp = even[["theta"]].to_numpy(), even["P_exp"].to_numpy()
+    epsilons = [1.0 - np.exp(-1.0 / (s * hz)) for s in (0.15, 0.5, 1.7)]
+    past = [part.fit(X).map_log(X) for part in (LowpassBank(epsilons), PlayOperators())]
+    rows = np.hstack([np.ones_like(X), X, X**2, *past])
+    left, spread = np.var(p_exp - rows @ np.linalg.lstsq(rows, p_exp)[0]), np.var(p_exp)
+    share = 1.0 - left / spread if spread else 0.0
+    if share < NEXT_TO_NOTHING:
+        stops.append(f"theta explains {100.0 * share:.1f} % of P_exp, next to nothing: check them")
+    return stops

@@ -1,5 +1,6 @@
-"""The map of an import, and what it takes from a table: channels on a uniform time grid."""
+"""The map of an import, and from a table to raw logs: channels, a uniform time grid, a picture."""
 
+import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,12 +9,15 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
+from fprc import escape
+from fprc.artifacts import replacing, sha256
 from fprc.channels import TARGETS, unit_of
 from fprc.config.load import explained
 from fprc.config.section import Section
 from fprc.errors import ConfigError, LogError
 from fprc.given import read_yaml
 from fprc.limits import LARGEST
+from fprc.logs import read_columns, write_raw
 from fprc.logs.quality import other_quantity
 from fprc.recordings.clock import pauses_of, rate_of
 from fprc.recordings.names import SECONDS, factor_of
@@ -170,6 +174,7 @@ class Recording(NamedTuple):
     start_s: float = 0.0  #: time stamp of the first sample kept, on the file's clock
     since_s: float = 0.0  #: of the first sample kept, since the first one of the file
     notes: tuple[str, ...] = ()  #: samples that were left out, and gaps that will be filled
+    path: Path = Path()
 
 
 @np.errstate(all="ignore")  # numbers that overflow are refused
@@ -245,60 +250,87 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
         if bad.size:
             first = f"{table.sample(numbers[bad[0]])} is {given[bad[0]]:g}"
             raise LogError(
-                f"{path}: {name}: {spec['column']}: {first}; not finite or beyond {LARGEST:g} in "
-                f"all: {bad.size}; cut them off by start_s and end_s, or give `skip_unusable: true`"
+                f"{path}: {name}: {spec['column']}: {first}; not finite or above {LARGEST:g}: "
+                f"{bad.size}; cut them off by start_s and end_s, or give `skip_unusable: true`"
             )
     first_s = float(since_s[0])
     time_s, start_s = since_s - first_s, float(stamps[0] * SECONDS[time.unit]) + first_s
     gaps, steps = pauses_of(time_s), np.diff(time_s)
     if gaps.size:
-        missing = np.maximum(np.round(steps[gaps] * rate_of(time_s)) - 1.0, 1.0).sum()
-        k = gaps[steps[gaps].argmax()]
-        notes.append(
-            f"gaps in the clock, filled by linear interpolation: {gaps.size}, about {missing:.0f} "
-            f"samples missing, the longest from {time_s[k]:.4g} to {time_s[k + 1]:.4g} s"
-        )
-    return Recording(time_s, channels, start_s, first_s, tuple(notes))
+        longest = "from {:.4g} to {:.4g} s".format(*time_s[gaps[steps[gaps].argmax()] + [0, 1]])
+        notes.append(f"gaps in the clock, filled by interpolation: {gaps.size}, longest {longest}")
+    return Recording(time_s, channels, start_s, first_s, tuple(notes), path)
 
 
 @np.errstate(all="ignore")  # too many points are refused
-def resample(
-    time_s: np.ndarray, channels: Mapping[str, np.ndarray], rate_hz: float, path: object = ""
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def resample(recording: Recording, rate_hz: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return times and channels on a uniform grid that begins at the first sample.
 
-    Where the grid coincides with the time stamps, values are copied; elsewhere they are
-    interpolated linearly, which does not overshoot at held values and gaps (a sine of f Hz at s Hz
-    loses at most (pi f / s)^2 / 2 of its amplitude). To a lower rate, this is done at a multiple of
-    it; then a linear-phase low-pass without delay removes aliases, and every n-th sample is kept.
+    Where the grid coincides with the time stamps, values are copied. Elsewhere they are
+    interpolated linearly, which does not overshoot at held values and gaps; to a lower rate at a
+    multiple of it, and then a low-pass without delay removes aliases.
     LogError: it is shorter than a sample, or takes more than ``MOST_POINTS``.
     """
     from scipy.signal import fftconvolve, firwin, kaiser_beta  # slow to import
 
-    span_s, ratio = float(time_s[-1] - time_s[0]), rate_of(time_s) / rate_hz
+    time_s = recording.time_s
+    span_s, ratio = float(time_s[-1]), rate_of(time_s) / rate_hz
     points = max(1.0, 2.0 * ratio) * (span_s * rate_hz + 2.0 * _HALF_TAPS)
     if not (span_s * rate_hz >= 1.0 and points <= MOST_POINTS):
         k = int(np.argmax(np.diff(time_s)))
         raise LogError(
-            f"{path}: {span_s:.4g} s at sample_rate_hz {rate_hz:g} take {points:.2g} numbers, not "
-            f"1 to {MOST_POINTS:.0e}: check the clock; its longest step is at {time_s[k]:.10g} s"
+            f"{recording.path}: {span_s:.4g} s at {rate_hz:g} Hz take {points:.2g} numbers, not 1 "
+            f"to {MOST_POINTS:.0e}: check the clock, whose longest step is at {time_s[k]:.10g} s"
         )
     factor = max(round(ratio), 1)  # how much finer the grid of the low-pass is; 1: there is none
-    even_s = time_s[0] + np.arange(len(time_s)) / (factor * rate_hz)
+    even_s = np.arange(len(time_s)) / (factor * rate_hz)
     aligned = bool(np.abs(time_s - even_s).max() <= 1e-3 / (factor * rate_hz))
     if not aligned:
         # up to 1.01 it is the same rate, with clock error; above, where values are
         # interpolated, the grid is twice as fine, so that less is lost
         factor = 1 if ratio <= 1.01 else math.ceil(2.0 * ratio)
     samples = math.floor(span_s * rate_hz + 1e-6) + 1
-    fine_s = time_s[0] + np.arange((samples - 1) * factor + 1) / (factor * rate_hz)
+    fine_s = np.arange((samples - 1) * factor + 1) / (factor * rate_hz)
     half, edge = math.ceil(_HALF_TAPS * factor) + 1, 0.5 * (PASS + STOP) / factor
     resampled = {}
-    for name, values in channels.items():
+    for name, values in recording.channels.items():
         fine = values[: len(fine_s)] if aligned else np.interp(fine_s, time_s, values)
         if factor > 1:
             taps = firwin(2 * half + 1, edge, window=("kaiser", kaiser_beta(STOP_DB)))
             padded = np.pad(fine, half, mode="reflect", reflect_type="odd")
             fine = fftconvolve(padded, taps, mode="valid")[::factor]
         resampled[name] = np.array(fine)
-    return time_s[0] + np.arange(samples) / rate_hz, resampled
+    return np.arange(samples) / rate_hz, resampled
+
+
+def write_log(
+    raw: Path | str, recording: Recording, time_s: np.ndarray, channels: Mapping[str, np.ndarray],
+    mapping: ImportMap,
+) -> None:  # fmt: skip
+    """Write what was resampled of a recording as a raw log."""
+    notes, source = mapping.notes, recording.path
+    if recording.notes:
+        notes["time_s"] = "; ".join(recording.notes)
+    with replacing(raw) as log:
+        write_raw(
+            log,
+            {"time_s": time_s - time_s[0], **channels},
+            experiment=mapping.experiment,
+            source="import",
+            sample_rate_hz=mapping.sample_rate_hz,
+            seed=0,
+            rig={},
+            imported_from=escape.visible(source.name),
+            imported_sha256=sha256(str(source)),
+            imported_start_s=recording.start_s + float(time_s[0]),
+            map=json.dumps(mapping.model_dump(exclude_none=True)),
+            notes=json.dumps(notes),
+        )
+
+
+def is_imported(old: Path | str) -> bool:
+    """Return whether a file is a raw log that an import wrote."""
+    try:
+        return bool(read_columns(old, ()).attributes.get("source") == "import")
+    except LogError:
+        return False

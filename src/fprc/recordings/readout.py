@@ -9,20 +9,21 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from fprc import escape
 from fprc.artifacts import refuse_output, sha256, write_json, write_text
 from fprc.channels import TARGETS
 from fprc.config import check, from_files
 from fprc.errors import ConfigError, LogError
 from fprc.evaluation import sides
+from fprc.figures import style
 from fprc.given import read_json
 from fprc.logs.quality import noted_unit
 from fprc.paper import SOURCES
 from fprc.plan import paper_models
 from fprc.recordings import answer
 from fprc.recordings.clock import rate_of
-from fprc.recordings.import_recording import draw_recording, is_imported, write_log
-from fprc.recordings.importing import gather, read_map, resample
-from fprc.recordings.judge import judge, unexplained
+from fprc.recordings.import_recording import judge, unfit
+from fprc.recordings.importing import Recording, gather, is_imported, read_map, resample, write_log
 from fprc.recordings.table import read_table
 from fprc.tables.text import markdown, three_digits
 
@@ -49,68 +50,60 @@ def report_readout(
     folder = Path(out or Path("results", Path(source).stem))
     page, answered = folder / "report.md", folder / "readout/answer.json"
     table, digest = read_table(source, **mapping.csv.model_dump()), sha256(source)
-
-    def is_ours(old: Path) -> bool:
-        return answered.exists() and read_json(answered).get("sha256") == digest
-
-    refuse_output(page, ".md", ours=is_ours)
+    again = answered.exists() and read_json(answered).get("sha256") == digest
+    refuse_output(page, ".md", ours=lambda old: again)
     raw = {name: folder / f"raw/{name}.h5" for name in ("sweep", "complex")}
     for log in raw.values():
         refuse_output(log, ".h5", ours=is_imported)
     recording, target = gather(table, mapping), mapping.target(settings["evaluation"]["target"])
-    judged = judge(recording, mapping, table, given.quality, target)
-    if stops := judged.stops or unexplained(recording, target):
+    words, doubts, stops = judge(recording, mapping, table, given.quality, target)
+    if stops := stops or unfit(recording, target):
         raise LogError("\n".join(f"{source}: {line}" for line in stops))
     # its own, at least 1 Hz as in a map, at most the configuration's
     control_hz, own_hz = settings["control"]["sample_rate_hz"], max(1.0, rate_of(recording.time_s))
     rate_hz = mapping.sample_rate_hz or min(control_hz, own_hz)
-    time_s, channels = resample(recording.time_s, recording.channels, rate_hz, source)
+    time_s, channels = resample(recording, rate_hz)
     theta, p_o, p_exp = (channels[name] for name in ("theta_deg", "p_o_kpa", TARGETS[target]))
     recordings = sides.Recordings(theta, p_o, p_exp, [len(time_s)], rate_hz)
     thin = recordings.thinned()
     given_s, needed_s = len(theta) / rate_hz, sides.seconds_of(LEAST_BLOCKS)
     if given_s < 0.9 * needed_s or len(thin.folds()) < LEAST_BLOCKS:
-        raise LogError(
-            f"{source}: {given_s:.3g} s are too short, at least {needed_s:g} s are needed"
-        )
-    since_s = time_s + recording.since_s
-    border_s = mapping.test_from_s or recording.since_s + float(f"{_TRAINED * time_s[-1]:.4g}")
-    border = int(np.searchsorted(since_s, border_s - 1e-9))  # it belongs to the test
+        raise LogError(f"{source}: {given_s:.3g} s are too short; it takes {needed_s:g} s")
+    border_s = float(f"{_TRAINED * time_s[-1]:.4g}")
+    if mapping.test_from_s is not None:
+        border_s = mapping.test_from_s - recording.since_s
+    border = int(np.searchsorted(time_s, border_s - 1e-9))  # it belongs to the test
     if not 2 <= border <= len(time_s) - 2:
         raise ConfigError(f"{map_}: test_from_s lies outside of the recording; correct it")
     with threadpool_limits(1):
         for name, rows in {"sweep": slice(border), "complex": slice(border, None)}.items():
-            first_s, last_s = since_s[rows][[0, -1]].tolist()
-            part = mapping.changed(
-                experiment=name, sample_rate_hz=rate_hz, start_s=first_s, end_s=last_s
-            )
-            samples = time_s[rows], {name: values[rows] for name, values in channels.items()}
-            write_log(raw[name], recording, samples, part, source)
-        draw_recording(recording, mapping, str(folder / "raw/recording.png"))
+            part = mapping.changed(experiment=name, sample_rate_hz=rate_hz)
+            rest = {channel: values[rows] for channel, values in channels.items()}
+            write_log(raw[name], recording, time_s[rows], rest, part)
+        _draw(recording, mapping.notes, str(folder / "raw/recording.png"))
         unit = noted_unit(TARGETS[target], {"notes": mapping.notes})
-        models, seed = paper_models(settings), settings["seed"]
-        own = sides.models_at(models, rate_hz / control_hz)
-        models = sides.models_at(models, sides.PAPER_HZ / control_hz)
-        found = answer.answer_recordings(recordings, models, seed, unit)
-        cells = answer.judge_models(recordings, own, seed)
+        models = sides.models_at(paper_models(settings), sides.PAPER_HZ / control_hz)
+        seed = settings["seed"]
+        found = answer.answer_recordings(recordings, models, seed)
+        found["words"] = answer.first_line(found, unit)
+        errors = answer.judge_models(recordings, models, seed)
         report: dict[str, Any] = {
             "sha256": digest, "map": map_, "unit": unit, "source": "import", "target": target,
-            "rate_hz": rate_hz, "recording": [*judged.words, *recording.notes],
-            "doubts": judged.doubts, "answer": found,
-            "memory": answer.judge_memory(thin, models, seed, found["period_s"]),
-            "cells": cells, "claims": answer.judge_claims(cells, answer.overlap_of(recordings)),
+            "rate_hz": rate_hz, "recording": [*words, *recording.notes],
+            "doubts": doubts, "answer": found, "models": errors,
+            "memory": answer.judge_memory(thin, models, seed),
+            "claims": answer.judge_claims(errors, answer.overlap_of(recordings)),
         }  # fmt: skip
         write_json(answered, report)
         answer.draw_memory(report["memory"], str(folder / "readout/memory.png"))
         write_text(page, _page(source, report))
-    doubts = [f"Doubtful: {line}" for line in judged.doubts]
+    doubts = [f"Doubtful: {line}" for line in doubts]
     print("\n".join([found["words"], *doubts, *answer.sentences(report["claims"]), str(page)]))
 
 
 def _page(source: str, report: Mapping[str, Any]) -> str:
     """Return the report as Markdown."""
     found, unit = report["answer"], report["unit"]
-    verdict, _, rest = found["words"].partition(":")
     blocks, shifts, period = len(found["block_s"]), found["shifts"], found["period_s"]
     beaten = sum(found["with"]["error"] < error for error in shifts)
     table = pd.DataFrame(
@@ -127,13 +120,9 @@ def _page(source: str, report: Mapping[str, Any]) -> str:
         f"Geometric mean of the RMSE over {blocks} blocks of {np.mean(found['block_s']):.3g} s, "
         "each predicted by models that the others trained and chose, without 2 s on each side."
     )
-    others = f"so often that fewer than {sides.SHIFTS} shifts are controls"
-    if shifts:
-        errors = f"{three_digits(min(shifts))} to {three_digits(max(shifts))}"
-        others = f"the error is {errors}; P_o beats {beaten} of {len(shifts)}"
     lines = [
         f"# Is P_o worth a second sensor in `{Path(source).name}`?",
-        f"**{verdict}**:{rest}",
+        f"**{found['words']}**",
         *(f"- Doubtful: {line}" for line in report["doubts"]),
         f"Map: `{report['map']}`. Data: {SOURCES[report['source']]}. Predicted is P_exp "
         f"({report['target']}).",
@@ -142,11 +131,11 @@ def _page(source: str, report: Mapping[str, Any]) -> str:
         f"({found['low']:.3f} to {found['high']:.3f}, 95 %). Worth a second sensor is what lies "
         f"below {1.0 / answer.MARGIN:.3f}.",
         f"- The motion {f'repeats every {period:.3g} s' if period else 'does not repeat'}.",
-        f"- P_o of another time: {others}.",
+        f"- P_o beats P_o of another time in {beaten} of {len(shifts)} trials.",
         f"- Without P_o, {100.0 * found['explained']:.3g} % of P_exp's variance are explained.",
         markdown(table, note),
         "## What P_o remembers",
-        *(f"- {line}" for line in answer.memory_in_words(report["memory"])),
+        *(f"- {line}" for line in answer.memory_in_words(report["memory"], found["new"])),
         "![memory of P_o](readout/memory.png)",
         "## The paper's models",
         "Settings are the paper's, unless `--config` gave others; those that count samples are "
@@ -161,3 +150,14 @@ def _page(source: str, report: Mapping[str, Any]) -> str:
         "![it](raw/recording.png)",
     ]
     return "\n\n".join(lines) + "\n"
+
+
+def _draw(recording: Recording, notes: Mapping[str, str], png: str) -> None:
+    """Draw every channel over time, as it was recorded."""
+    frame = pd.DataFrame(recording.channels, recording.time_s)
+    titles = [escape.figure(f"{name} {notes.get(name, '')}"[:100]) for name in frame]
+    count = len(titles)
+    fig, axes = style.figure(count, 1, style.PAGE_IN, 0.4 + 0.85 * count, sharex=True)
+    frame.plot(subplots=True, ax=axes, title=titles, legend=False, color="0.3", linewidth=0.6)
+    axes[-1].set(xlabel="Time [s]", xlim=recording.time_s[[0, -1]])
+    style.save(fig, {"source": "import"}, png)

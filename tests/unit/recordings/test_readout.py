@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 CHANNELS = {
     "theta_deg": {"column": "angle", "unit": "deg"},
-    "p_exp_kpa": {"column": "force", "unit": 1, "note": "motor force F [N]"},
+    "p_exp_kpa": {"column": "force", "unit": 1, "note": "force $F [N]"},
     "p_o_kpa": {"column": "memory", "unit": "kPa"},
 }
 FEW = {"models": {"fprc": {"n_c": 2}, "esn": {"r": 20}, "n_y": 2}}
@@ -78,7 +78,7 @@ def test_one_command_goes_from_a_recording_to_an_answer_and_does_so_again(tmp_pa
     assert all(errors[0][family] < errors[1][family] for family in errors[1])
     # 60 s but the first 5, in blocks of 6 s at least, of both parts
     assert found["block_s"] == pytest.approx([55.0 / 9] * 9, rel=1e-2)
-    assert all(len(cell["blocks"]) == 9 for cell in report["cells"])
+    assert all(len(blocks) == 9 for blocks in report["models"].values())
     assert [claim["id"] for claim in report["claims"]] == ["B1", "B4", "R1"]
     assert report["unit"] == "N"
     page = (out / "report.md").read_text(encoding="utf-8")
