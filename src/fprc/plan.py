@@ -159,7 +159,7 @@ class Plan:
 
     def source_of(self, target: str) -> str:
         """Return the source of the data that a figure shows; ``none`` if it shows none."""
-        logs = NEEDS[target][0] if target in NEEDS else ()
+        logs, _ = NEEDS.get(target, ((), ()))
         if logs and logs[0] in self.existing and not self.on_simulated_rig:
             return str(self.existing[logs[0]].attributes.get("source", "none"))
         return self.settings.source if logs else "none"

@@ -15,11 +15,11 @@ if PLAN.on_simulated_rig:
         log:
             f"{RESULTS}/logs/record.log",
         params:
-            **pick(SETTINGS, "rig", "seed"),
+            **plan.pick(SETTINGS, "rig", "seed"),
             stage="stages.record.record",
             code=computes(),
             signals=SETTINGS["experiments"],
-            control=of_pressures(SETTINGS),
+            control=plan.of_pressures(SETTINGS),
         message:
             "Hysteresis experiments on the simulated rig"
         script:
@@ -37,7 +37,7 @@ if PLAN.on_simulated_rig:
         log:
             f"{RESULTS}/logs/track.log",
         params:
-            **pick(SETTINGS, "tracking", "control", "rig", "seed"),
+            **plan.pick(SETTINGS, "tracking", "control", "rig", "seed"),
             stage="stages.record.track",
             code=computes(*PLAN.feedforward),
             others=SETTINGS["models"]["others"],

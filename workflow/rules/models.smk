@@ -16,7 +16,7 @@ rule judge:
         f"{RESULTS}/logs/judge_{{model}}.log",
     params:
         name="{model}",
-        validation=lambda wildcards: validation(SETTINGS, wildcards.model),
+        validation=lambda wildcards: plan.validation(SETTINGS, wildcards.model),
         stage="stages.models.judge",
         code=lambda wildcards: computes(wildcards.model),
     message:
@@ -36,8 +36,8 @@ rule replicate:
     params:
         stage="stages.models.replicate",
         code=computes(*PLAN.models),
-        on_rig=on_rig(SETTINGS),
-        validation=lambda wildcards: validation(SETTINGS, seed=int(wildcards.seed)),
+        on_rig=plan.on_rig(SETTINGS),
+        validation=lambda wildcards: plan.validation(SETTINGS, seed=int(wildcards.seed)),
         values=SETTINGS["grids"],
         tracking=SETTINGS["tracking"],
     message:
@@ -81,7 +81,7 @@ rule grid:  # of logs that have no further seeds
         stage="stages.models.grid",
         code=computes("fprc", "fuzzy_linear"),
         values=SETTINGS["grids"],
-        validation=validation(SETTINGS, "fprc"),
+        validation=plan.validation(SETTINGS, "fprc"),
     message:
         "Grids of epsilon, n_c and taps"
     script:

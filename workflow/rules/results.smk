@@ -64,7 +64,7 @@ rule draw_loops:
         code=SHOWS,
         left_out=[run for run in PLAN.every_run if run not in PLAN.contents],
         limits=SETTINGS["quality"],
-        feedback=feedback_in_words(SETTINGS),
+        feedback=plan.feedback_in_words(SETTINGS),
         quiet_s=SETTINGS["tracking"]["pushes"]["quiet_s"],
     message:
         "Closed loops: Table IV and Figs. 12 to 17"
@@ -111,7 +111,7 @@ rule show_seeds:
     params:
         stage="stages.tabulate.show_seeds",
         code=SHOWS,
-        feedback=feedback_in_words(SETTINGS),
+        feedback=plan.feedback_in_words(SETTINGS),
         fitted=SETTINGS["fitted"],
     message:
         "Figs. 10 and 11; Tables II to IV over further seeds, and claims C1 to C22"
@@ -134,7 +134,7 @@ rule draw_experiments:
     params:
         stage="stages.draw.draw_experiments",
         code=[computes("fprc"), SHOWS],
-        validation=validation(SETTINGS, "fprc"),
+        validation=plan.validation(SETTINGS, "fprc"),
     message:
         "Figs. 4 and 5: hysteresis of actuator and reservoir; Fig. 9: weights of FPRC"
     script:
@@ -143,7 +143,7 @@ rule draw_experiments:
 
 rule draw_training:
     input:
-        **pick(PLAN.judged("sweep", "fprc"), "fits", "predictions"),
+        **plan.pick(PLAN.judged("sweep", "fprc"), "fits", "predictions"),
         made_from=PLAN.data,
     output:
         **PLAN.possible(fig8=figure("fig08_training", "csv")),
@@ -192,7 +192,7 @@ rule report_page:
         code=SHOWS,
         sources=list(DRAWN.values()),
         captions=CAPTIONS,
-        missing={title_of_result(name): why for name, why in PLAN.unavailable.items()},
+        missing={plan.title_of_result(name): why for name, why in PLAN.unavailable.items()},
         settings=SETTINGS,
     message:
         "Report: claims, tables, figures and settings on one page"
@@ -224,7 +224,7 @@ for target, why in PLAN.unavailable.items():
             f"{RESULTS}/logs/{target}.log",
         localrule: True
         message:
-            f"{target}: not available for this data: {title_of_result(target)} {why}"
+            f"{target}: not available for this data: {plan.title_of_result(target)} {why}"
         shell:
             "exit 1"
 

@@ -208,15 +208,13 @@ class Rig(Section):
         share = self.step_s * stiffest_squeeze(rig) / self.reservoir.squeeze_damping_kpa_s_per_ml
         if share > 0.5:
             yield (
-                f"the reservoir's squeeze covers {share:.2g} of the distance to equilibrium in one "
-                "integration step, must be at most 0.5; reduce step_s, or raise "
-                "slip_distance_ml or squeeze_damping_kpa_s_per_ml"
+                f"step_s covers {share:.2g} of the squeeze's way to equilibrium, must be at most "
+                "0.5; reduce it, or raise slip_distance_ml or squeeze_damping_kpa_s_per_ml"
             )
         if (lag := squeeze_lag(rig)) > LONGEST_LAG_S:
             yield (
-                f"the reservoir's squeeze lags by {lag:.2g} s, must be at most {LONGEST_LAG_S} s, "
-                "since its loops do not depend on frequency; reduce squeeze_damping_kpa_s_per_ml "
-                "or raise squeeze_stiffness_kpa_per_ml"
+                f"the squeeze lags by {lag:.2g} s, must be at most {LONGEST_LAG_S} s; reduce "
+                "squeeze_damping_kpa_s_per_ml or raise squeeze_stiffness_kpa_per_ml"
             )
 
 

@@ -4,14 +4,7 @@ from collections.abc import Iterable, Iterator
 from types import UnionType
 from typing import Annotated, Any, Self, TypeVar, get_args, get_origin
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    Field,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import AfterValidator, BaseModel, Field, field_validator, model_validator
 from pydantic.fields import FieldInfo
 
 from fprc.limits import Limit
@@ -28,9 +21,9 @@ class Section(BaseModel, extra="forbid", frozen=True, allow_inf_nan=False, valid
 
     @field_validator("*", mode="before")
     @classmethod
-    def _no_truth_values_as_numbers(cls, value: Any, info: ValidationInfo) -> Any:
+    def _no_truth_values_as_numbers(cls, value: Any, info: Any) -> Any:
         parts = value if isinstance(value, (list, tuple)) else [value]
-        field = cls.model_fields[str(info.field_name)]
+        field = cls.model_fields[info.field_name]
         if field.annotation is not bool and any(isinstance(part, bool) for part in parts):
             raise ValueError("must not be true or false")
         return value
