@@ -22,7 +22,7 @@ from fprc.logs.quality import runs
 from fprc.recordings import importing
 from fprc.recordings.clock import Clock, clocks_of, own_clock, rate_of
 from fprc.recordings.importing import USUAL, Draft, ImportMap, Recording, read_map
-from fprc.recordings.names import factor_of, has, is_time, likely_channel, reference_of, stated_unit
+from fprc.recordings.names import factor_of, has, is_time, likely_channel, stated_unit
 from fprc.recordings.table import Column, Table, read_table
 
 #: Rate of a raw log unless its map gives one, Hz.
@@ -170,12 +170,12 @@ def _spec(channel: str, name: str, column: Column) -> tuple[dict[str, Any], list
     if multiple != 1.0:
         spec["scale"] = multiple
         words.append(f"the name has a factor; delete scale if the numbers are in {spec['unit']}")
-    reference = reference_of(f"{name} {column.label} {column.unit}")
+    about = f"{name} {column.label} {column.unit}"
     air = float(f"{-AIR_KPA / (factor_of(spec['unit'], target) or 1.0):.6g}")
-    if target == "kPa" and reference == "absolute":
+    if target == "kPa" and has(about, "absolute"):
         spec |= {"offset": air, "note": "read as absolute"}
         words.append("absolute: better the air's pressure of that day as offset")
-    elif target == "kPa" and reference is None:
+    elif target == "kPa" and not has(about, "gauge"):
         words.append(f"gauge? if absolute, add offset: {air:g}")
     return spec, words
 

@@ -152,29 +152,21 @@ def factor_of(unit: str, quantity: str) -> float | None:
     return found.factor * found.multiple if found and found.quantity == quantity else None
 
 
-def reference_of(name: str) -> str | None:
-    """Return ``absolute`` or ``gauge`` if a pressure's name says which it is."""
-    return next((reference for reference in ("absolute", "gauge") if has(name, reference)), None)
-
-
 def is_time(name: str) -> bool:
     """Return whether a name says that the column holds times."""
     inside = unit_in(name)
     return inside.quantity == "s" if inside else has(name, "time")
 
 
-def _plain(text: str) -> str:
-    """Return a text in lower case without accents."""
-    text = unicodedata.normalize("NFKD", text.lower().replace("ß", "ss"))
-    return "".join(c for c in text if not unicodedata.combining(c))
-
-
 @cache
 def has(name: str, what: str) -> bool:
     """Return whether a name has one of the words for something; bendAngle are two words."""
-    separate = re.sub(r"[\W_]+", "_", _plain(re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name)))
-    pattern = _plain(_WORDS[what]).replace("~", r"[^\W_]*")
-    return bool(re.search(rf"(?<![^\W_])(?:{pattern})(?![^\W_])", separate))
+    separate = re.sub(r"[\W_]+", "_", re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", "_", name))
+    plain, words = (
+        "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
+        for text in (separate.lower(), _WORDS[what].replace("~", r"[^\W_]*"))
+    )
+    return bool(re.search(rf"(?<![^\W_])(?:{words})(?![^\W_])", plain))
 
 
 def likely_channel(name: str, label: str = "", unit: str = "") -> tuple[str, int] | None:

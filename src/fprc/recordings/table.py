@@ -18,11 +18,9 @@ from fprc.given import open_given
 from fprc.logs.columns import open_hdf5, refuse_absent
 from fprc.recordings.names import is_time
 
-#: Attributes of HDF5 and fields of a struct that hold a unit, and a label, as Simulink writes them;
-#: attributes that name the columns of a matrix.
+#: Attributes of HDF5 and fields of a struct that hold a unit, and a label, as Simulink writes them.
 _UNITS = ("units", "unit", "Units", "Unit")
 _LABELS = ("long_name", "label", "Label", "Name", "name", "title", "description")
-_NAMES = ("columns", "names", "column_names", "labels", "fields")
 #: Most numbers taken of one message of ROS; a longer one is an image or a cloud of points.
 _MOST_NUMBERS = 200
 
@@ -33,7 +31,6 @@ class Column(NamedTuple):
     values: np.ndarray  #: shape (n_samples,)
     unit: str = ""  #: as the file states it, outside of the column's name
     label: str = ""  #: what the file calls it besides its name
-    parts: Sequence[str] = ()  #: names of the columns of a matrix
 
 
 #: Names of parts, each with its array, or with the reason why it cannot be a channel.
@@ -60,13 +57,13 @@ class Table(NamedTuple):
         """Return the column that a map names; LogError, with a similar name, if there is none."""
         if name in self.columns:
             return self.columns[name]
-        if name in self.others:
-            raise LogError(f"{self.path}: {name}: cannot be a channel: {self.others[name]}")
         of_matrix = [column for column in self.columns if column.startswith(f"{name}[")]
         similar = [*of_matrix, *difflib.get_close_matches(name, self.columns)]
         near = f"did you mean {similar[0]}? " if similar else ""
-        shows = f"`fprc import {self.path} --draft` shows all"
-        raise LogError(f"{self.path}: {name}: no such column; {near}{shows}")
+        why = f"no such column; {near}`fprc import {self.path} --draft` shows all"
+        if name in self.others:
+            why = f"cannot be a channel: {self.others[name]}"
+        raise LogError(f"{self.path}: {name}: {why}")
 
 
 def read_table(path: Path | str, **layout: Any) -> Table:
@@ -94,7 +91,7 @@ def read_table(path: Path | str, **layout: Any) -> Table:
             others = {name: part for name, part in found.items() if isinstance(part, str)}
             columns = {name: part for name, part in found.items() if isinstance(part, Column)}
             table = Table(path, kind, columns, others)
-    except (LogError, MemoryError):
+    except LogError:
         raise
     except ImportError as error:
         raise LogError(
@@ -115,7 +112,7 @@ def _split(name: str, part: Column | str) -> Parts:
     """Yield the columns in a part of a file, or why it cannot be a channel.
 
     Dates become seconds since 1970. Dimensions of length 1 are dropped. The longer dimension of a
-    matrix is time; its columns are ``name[:, 0]``, its rows ``name[0, :]``, or ``name.part``.
+    matrix is time; its columns are ``name[:, 0]``, its rows ``name[0, :]``.
     """
     if isinstance(part, str):
         yield name, part
@@ -134,8 +131,6 @@ def _split(name: str, part: Column | str) -> Parts:
         array = array.astype(np.float64, copy=False)
         for k, values in enumerate(np.atleast_2d(array.T if upright else array)):
             place = f"[:, {k}]" if upright else f"[{k}, :]"
-            if len(part.parts) == min(array.shape):
-                place = f".{part.parts[k]}"
             yield f"{name}{place}" if array.ndim == 2 else name, part._replace(values=values)
 
 
@@ -169,7 +164,7 @@ def read_matlab(path: Path) -> Parts:
             yield from _of_matlab(name, value)
 
 
-def _of_matlab(name: str, thing: Any) -> Parts:
+def _of_matlab(name: str, thing: Any, unit: str = "", label: str = "") -> Parts:
     from pandas import DataFrame
 
     if isinstance(thing, DataFrame):  # a table, or a timetable, whose times are the index
@@ -187,29 +182,23 @@ def _of_matlab(name: str, thing: Any) -> Parts:
         for index, element in enumerate(thing.ravel("F"), 1):
             place = name if thing.size == 1 else f"{name}({index})"
             fields = {field: element[field] for field in thing.dtype.names}
-            unit, label = _text(fields, _UNITS), _text(fields, _LABELS)
+            about = _text(fields, _UNITS) or unit, _text(fields, _LABELS) or label
             for field, value in fields.items():
-                for part, found in _of_matlab(f"{place}.{field}", value):
-                    if isinstance(found, Column):
-                        found = Column(found.values, found.unit or unit, found.label or label)
-                    yield part, found
+                yield from _of_matlab(f"{place}.{field}", value, *about)
     elif thing.dtype == object and thing.size:
         for index, element in enumerate(thing.ravel("F"), 1):
-            yield from _of_matlab(f"{name}{{{index}}}" if thing.ndim else name, element)
+            place = f"{name}{{{index}}}" if thing.ndim else name
+            yield from _of_matlab(place, element, unit, label)
     elif thing.dtype.kind != "U":
-        yield name, Column(thing)
-
-
-def _texts(value: Any) -> list[str]:
-    """Return the texts in an array of texts."""
-    items = [item for item in np.ravel(value).tolist() if isinstance(item, str | bytes)]
-    return [item if isinstance(item, str) else item.decode(errors="replace") for item in items]
+        yield name, Column(thing, unit, label)
 
 
 def _text(fields: Any, names: Sequence[str]) -> str:
     """Return the text of the first of these fields or attributes; empty without one."""
-    found = [_texts(fields[name]) for name in names if name in fields]
-    return next((texts[0] for texts in found if len(texts) == 1), "")
+    for found in (np.ravel(fields[name]) for name in names if name in fields):
+        if found.size == 1 and isinstance(found[0], str | bytes):
+            return found[0].decode(errors="replace") if isinstance(found[0], bytes) else found[0]
+    return ""
 
 
 def read_hdf5(path: Path) -> Parts:
@@ -226,22 +215,17 @@ def read_hdf5(path: Path) -> Parts:
             except (LogError, OSError, RuntimeError) as error:  # other datasets may be readable
                 yield name, f"cannot be read ({error})"
                 continue
-            fields = dict(dataset.attrs)
-            if name.endswith("_values") and f"{name[:-6]}items" in file:  # of pandas
-                fields["columns"] = file[f"{name[:-6]}items"][()]
-            parts = next((_texts(fields[key]) for key in _NAMES if key in fields), ())
-            yield name, Column(values, _text(fields, _UNITS), _text(fields, _LABELS), parts)
+            about = _text(dataset.attrs, _UNITS), _text(dataset.attrs, _LABELS)
+            yield name, Column(values, *about)
 
 
 def read_numpy(path: Path) -> Parts:
-    """Read an .npz or .npy file; an array of texts names the columns of a matrix."""
+    """Read an .npz or .npy file."""
     content: Any = np.load(path)
     if isinstance(content, np.ndarray):
         fields = content.dtype.names
         content = {field: content[field] for field in fields} if fields else {"data": content}
-    texts = [found for array in content.values() if len(found := _texts(array)) > 1]
-    for name, array in content.items():
-        yield name, Column(array, parts=texts[0] if texts else ())
+    return ((name, Column(array)) for name, array in content.items())
 
 
 def read_tdms(path: Path) -> Parts:

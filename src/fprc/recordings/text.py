@@ -69,7 +69,15 @@ def read_text(path: Path, **layout: Any) -> Table:
     detected. LogError: it is no text, has no samples, or many lines of another width.
     """
     raw = read_given(path, error=LogError, most_bytes=LARGEST_TEXT_BYTES)
-    numbered = enumerate(io.StringIO(_decoded(raw), newline=""), 1)
+    text = raw.decode("latin-1")
+    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+        text = raw.decode("utf-16", errors="replace")
+    for code in ("gb18030", "cp932", "utf-8-sig"):  # spreadsheets in China and Japan
+        with suppress(UnicodeDecodeError):
+            other = raw.decode(code)
+            if code == "utf-8-sig" or any(word in other[:4000] for word in KANJI):
+                text = other
+    numbered = enumerate(io.StringIO(text, newline=""), 1)
     lines = {number: line for number, line in numbered if line.strip()}
     last, notes = max(lines, default=0), []
     if any("\0" in line for line in lines.values()):
@@ -78,17 +86,6 @@ def read_text(path: Path, **layout: Any) -> Table:
         notes = [f"line {last}, the last, has no line end and may be cut short; it was left out"]
         del lines[last]
     return _table_of(path, lines, notes, **layout)
-
-
-def _decoded(raw: bytes) -> str:
-    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return raw.decode("utf-16", errors="replace")
-    for code in ("utf-8-sig", "cp932", "gb18030"):  # spreadsheets in Japan and China
-        with suppress(UnicodeDecodeError):
-            text = raw.decode(code)
-            if code == "utf-8-sig" or any(word in text[:4000] for word in KANJI):
-                return text
-    return raw.decode("latin-1")
 
 
 def read_xlsx(path: Path) -> Table:
@@ -102,16 +99,10 @@ def read_xlsx(path: Path) -> Table:
     return found._replace(kind="Excel")
 
 
-def _table_of(
-    path: Path,
-    lines: dict[int, str],
-    notes: list[str],
-    separator: str | None = None,
-    decimal: str | None = None,
-    header_line: int | None = None,
-    data_line: int | None = None,
-) -> Table:
+def _table_of(path: Path, lines: dict[int, str], notes: list[str], **layout: Any) -> Table:
     """Return the table in the lines of a text that are not blank."""
+    keys = ("separator", "decimal", "header_line", "data_line")
+    separator, decimal, header_line, data_line = map(layout.get, keys)
     stamps = {n: found for n, line in lines.items() if (found := _PREFIX.match(line))}
     if 2 * len(stamps) <= len(lines):
         stamps = {}
@@ -152,11 +143,11 @@ def _table_of(
     if footer := [n for n in odd if n > last]:
         notes.append(f"lines {footer[0]} to {footer[-1]}, below the last sample, were left out")
     above = [(n, line) for n, line in lines.items() if n < begin]
-    names, units, keys = _header(above[-_ABOVE:][::-1], mark, width, header_line)
-    decimal = decimal or keys.get("Decimal_Separator", [None])[0]
-    if "Delta_X" in keys:  # LabVIEW
+    names, units, about = _header(above[-_ABOVE:][::-1], mark, width, header_line)
+    decimal = decimal or about.get("Decimal_Separator", [None])[0]
+    if "Delta_X" in about:  # LabVIEW
         units[0] = "s"
-        zero, step = (float(keys[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
+        zero, step = (float(about[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
         for k, fields in enumerate(rows.values()):
             fields[0] = fields[0] or repr(zero + k * step).replace(".", decimal or ".")
     frame = pd.DataFrame([*rows.values()], index=[*rows], columns=names)

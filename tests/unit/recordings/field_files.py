@@ -100,11 +100,6 @@ def _compound(file):
     file.create_dataset("run/table", data=table)
 
 
-def _named_matrix(file):
-    file["run"] = np.column_stack([T, ANGLE, PRESSURE, P_O])
-    file["run"].attrs["columns"] = NAMES
-
-
 def _groups(file):
     for name, values in zip(BARE[1:], (ANGLE, PRESSURE, P_O), strict=True):
         file[f"{name}/time"], file[f"{name}/value"] = T, values
@@ -216,7 +211,7 @@ def _npy(path):
 
 
 def _npz(path):
-    np.savez(path, data=np.column_stack([T, ANGLE, PRESSURE, P_O]), names=NAMES)
+    np.savez(path, **dict(zip(NAMES, [T, ANGLE, PRESSURE, P_O], strict=True)))
 
 
 RNG = np.random.default_rng(1)
@@ -335,7 +330,6 @@ CASES = {
     # units beside the numbers
     "attributes": Case("a.h5", hdf5(_with_units)),
     "compound": Case("a.h5", hdf5(_compound)),
-    "matrix with names": Case("a.h5", hdf5(_named_matrix)),
     "groups with clocks": Case("a.h5", hdf5(_groups)),
     # lines between
     "blank line": Case("a.csv", lines_with(30, "\n")),
