@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import pytest
 
 from fprc.apparatus import hardware, session
-from fprc.apparatus.hardware import HardwareRig
 from fprc.config import Settings
 
 # libraries and thousands of tests stay: to look through them for garbage takes a tenth of the time
@@ -131,13 +130,10 @@ def live_by(monkeypatch):
             else:
                 waited_s[0] += seconds
 
-        def open_rig(described, elapsed, sleep, locks):
-            return HardwareRig(described, elapsed, wait, locks)
-
         now = SimpleNamespace(monotonic=lambda: waited_s[0] + bench.elapsed())
         monkeypatch.setattr(hardware, "time", now)
         monkeypatch.setattr(session, "Metronome", begin)
-        monkeypatch.setattr(session, "HardwareRig", open_rig)
+        monkeypatch.setattr(session, "time", SimpleNamespace(sleep=wait))
         return sessions, StandIn(stop, guarded)
 
     return live_by

@@ -19,7 +19,8 @@ from fprc.signals import pressure_command
 
 def check(*, armed: bool = False, config: Sequence[str] = ()) -> None:
     """Check valves and sensors one by one."""
-    guard({"what": "check", "settings": _settings(config), "armed": armed})
+    settings = from_files(config).model_dump(mode="json")
+    guard({"what": "check", "settings": settings, "armed": armed})
 
 
 def run(
@@ -31,7 +32,7 @@ def run(
     config: Sequence[str] = (),
 ) -> str:
     """Run one experiment and write its raw log."""
-    settings = _settings(config)
+    settings = from_files(config).model_dump(mode="json")
     references, laws = settings["tracking"]["references"], registry.controllers(settings["models"])
     names = [*EXPERIMENTS, *(run_log(reference, law) for reference in references for law in laws)]
     if name == "list":
@@ -66,10 +67,6 @@ def record(
         )
     run = {"name": name, "raw": raw, "model": model}
     guard({"what": "run", "settings": dict(settings), "run": run})
-
-
-def _settings(files: Sequence[str]) -> dict[str, Any]:
-    return from_files(files).model_dump(mode="json")
 
 
 class Experiment(NamedTuple):

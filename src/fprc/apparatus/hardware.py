@@ -96,15 +96,15 @@ class Pneumatics:
         seen: list[list[float]] = []
         in_a_row = 0
         while True:
-            failed = ""
+            failed, known = "", "the valves took the voltage to vent, but no reading shows it yet"
             try:
                 self.exhaust()
                 written_s = time.monotonic() if written_s is None else written_s
             except DeviceError as error:
-                failed = f"{error}; "
+                failed, known = f"{error}; ", str(error)
                 if written_s is None and time.monotonic() - began_s > longest_s:
                     raise
-            yield failed or "the valves took the voltage to vent, but no reading shows it yet"
+            yield known
             try:
                 seen.append(self.pressures()[:2])
                 # abs: a disconnected sensor reads far below 0

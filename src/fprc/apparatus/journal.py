@@ -45,7 +45,7 @@ class Journal:
 
     def __init__(self, path: Path, names: Sequence[str], attributes: Mapping[str, Any]):
         self.path, self._samples, self._problem = path, 0, ""
-        content = _line({**attributes, "names": list(names)})
+        content = json.dumps({**attributes, "names": list(names)}).encode("ascii") + b"\n"
         header, self._seed = _part(content, 0), zlib.crc32(content)
         self._bytes = len(header)
         self._record = struct.Struct(f"<Q{len(names)}d")
@@ -87,7 +87,8 @@ class Journal:
         self._syncing.join()
         self._problem = self._problem or self._loss()
         content = {"reason": self._problem or reason, "statistics": statistics}
-        self._done(_write, _part(_line(content | {"samples": self._samples}), self._seed))
+        mark = json.dumps(content | {"samples": self._samples}).encode("ascii") + b"\n"
+        self._done(_write, _part(mark, self._seed))
         self._done(os.fsync)
         os.close(self._file)
         problem, self._problem = self._problem, self._problem or f"{self.path}: is closed"
@@ -132,10 +133,6 @@ def _write(file: int, data: bytes) -> None:
     # on a disk that fills up, a write can end early without an error
     while data:
         data = data[os.write(file, data) :]
-
-
-def _line(content: Mapping[str, Any]) -> bytes:
-    return json.dumps(content).encode("ascii") + b"\n"
 
 
 def _part(content: bytes, seed: int) -> bytes:

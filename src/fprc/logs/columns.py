@@ -80,10 +80,9 @@ def write_columns(
 
 
 def _as_written(value: Any) -> Any:
-    """Return the form in which HDF5 stores an attribute: a number, or text of fixed length.
+    """Return a number or text as HDF5 stores it; all else as JSON, with null for NaN and infinity.
 
-    Anything but a number or text becomes JSON, in which NaN and infinity become null. Text of
-    variable length would lie outside the checksums of HDF5.
+    Text has a fixed length: one of variable length would lie outside the checksums of HDF5.
     """
     if not isinstance(value, str | bool | int | float | np.generic):
         value = json.dumps(json.loads(json.dumps(value), parse_constant=lambda text: None))

@@ -61,10 +61,7 @@ def other_quantity(name: str) -> str:
 
 
 def substitute(name: str, attributes: Mapping[str, Any]) -> str | None:
-    """Return the quantity that a channel holds instead of the one in its name, or None.
-
-    An import's attributes have ``notes``, by channel.
-    """
+    """Return the quantity that a channel of an import holds instead of the one in its name."""
     begins, note = other_quantity(name), attributes.get("notes", {}).get(name, "")
     return note.removeprefix(begins) if note.startswith(begins) else None
 

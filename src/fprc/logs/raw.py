@@ -33,8 +33,7 @@ def write_raw(path: Path | str, channels: Mapping[str, np.ndarray], /, **attribu
     if missing := [name for name in RAW_ATTRIBUTES if name not in described]:
         raise LogError(f"{path}: a raw log needs {in_words(missing)}; give each as an argument")
     described = {name: described[name] for name in RAW_ATTRIBUTES} | described
-    lacking = {name for name, values in channels.items() if len(values) and np.isnan(values).all()}
-    measured = {name: values for name, values in channels.items() if name not in lacking}
+    measured = {k: v for k, v in channels.items() if not (len(v) and np.isnan(v).all())}
     write_columns(path, measured, described)
 
 

@@ -1,3 +1,5 @@
+import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -126,3 +128,20 @@ def test_wrong_request_is_refused_and_leaves_no_file(
     assert problem in capsys.readouterr().err
     assert [path.name for path in inside.iterdir()] == ["precious.h5"]
     assert (inside / "precious.h5").read_text() == "precious"
+
+
+def test_commands_of_the_page_print_what_it_says(tmp_path, monkeypatch, capsys):
+    page = Path(__file__).parents[3] / "docs/commands.md"
+    (console,) = re.findall(r"```console\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    commands = [command.partition("\n") for command in console.split("$ ")[1:]]
+    assert [line.split()[1] for line, _, _ in commands] == [
+        "simulate", "simulate", "log", "train", "predict", "export"
+    ]  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    for line, _, output in commands:
+        program, *words = shlex.split(line)
+        assert program == "fprc"
+        assert main(words) == 0
+        assert capsys.readouterr().out == output
+    made = {path.name for path in tmp_path.iterdir()}
+    assert made == {"sweep.h5", "complex.h5", "model.h5", "predicted.csv", "fprc_model.h"}
