@@ -86,7 +86,8 @@ def check(config: Mapping[str, Any]) -> Settings:
         )
     except ValidationError as error:
         page = "docs/configuration.md"
-        problems += dict.fromkeys(explained(item, Settings, page) for item in error.errors())
+        found = (explained(item, Settings, page) for item in error.errors())
+        problems += dict.fromkeys("\n  ".join(found).split("\n  "))
     if problems:
         raise ConfigError.listing(problems, "configuration")
     return settings
@@ -102,7 +103,7 @@ def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any
 
 
 def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> str:
-    """Return in a line what is wrong, an error of pydantic on a section that ``page`` describes."""
+    """Return what is wrong, an error of pydantic on a section that ``page`` describes."""
     key = ".".join(map(str, item["loc"]))
     known = {name: default for name, default, *_ in fields(section)}
     kind = item["type"]
@@ -119,7 +120,8 @@ def explained(item: Mapping[str, Any], section: type[BaseModel], page: str) -> s
     # a default that is no value says nothing, and of the rig it is not what the chosen one has
     default = None if key.startswith("rig.") else known.get(key)
     remedy = "" if default in (None, {}, PydanticUndefined) else f" (default: {default!r})"
-    return f"{key}{shown}: {message}{remedy}" if key else message
+    place = f"{key}{shown}: " if key else ""
+    return "\n  ".join(f"{place}{line.strip()}{remedy}" for line in message.splitlines())
 
 
 def _nearest(key: str, known: Iterable[str], page: str) -> str:

@@ -236,13 +236,13 @@ def free_ranges(
     ranges, problems = {}, []
     for path in paths:
         if path not in physical:
-            problems.append(f"calibration.free: {path} is no number of the rig that can be free")
+            problems.append(f"free: {path} is no number of the rig that can be free")
             continue
         lowest, highest = physical[path]
         low, high = map(float, narrower.get(path, (lowest, highest)))
         if not lowest <= low < high <= highest:
             within = f"must rise and lie within {lowest:g} to {highest:g}"
-            problems.append(f"calibration.ranges: {path} {within}")
+            problems.append(f"ranges: {path} {within}")
         ranges[path] = low, high
     if problems:
         raise ValueError("\n  ".join(problems))

@@ -39,7 +39,7 @@ def test_every_error_is_reported_at_once_with_place_value_limit_and_remedy():
             "modles": {},
             "models": {"fprc": {"n_c": 0, "epsilom": 0.1}},
             "experiments": {"sweep": {"duration_s": float("nan")}},
-            "rig": {"name": "papr", "valve": {"leak": 3}, "bending": {"slip_weight": [1.0]}},
+            "rig": {"name": "papr", "valve": {"leak": 3}, "bending": {"slip_weight": [0.5]}},
             "calibration": {"free": ["step_s", "friction_law"]},
             "fitted": {"name": "mine"},
         }

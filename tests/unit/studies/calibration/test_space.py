@@ -100,4 +100,4 @@ def test_all_paths_and_ranges_that_are_wrong_are_reported_at_once(paths, ranges,
     with pytest.raises(ConfigError) as caught:
         check({"calibration": {"free": paths, "ranges": ranges}})
     for key in refused:
-        assert f"calibration.{key} " in str(caught.value)
+        assert f"calibration: {key} " in str(caught.value)
