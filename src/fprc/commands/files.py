@@ -14,9 +14,6 @@ from fprc.logs import assess, read_raw, write_raw
 from fprc.logs.quality import warnings
 from fprc.paper import SOURCES
 
-#: Exit code of `log repair` if samples are, or may be, lost.
-SOME_LOST = 3
-
 
 def check_config(files: Sequence[str]) -> str:
     """Check configuration files, merged in this order."""
@@ -49,9 +46,10 @@ def check_logs(paths: Sequence[str]) -> int:
         for name, check in checks.items():
             result = "ok" if check["passed"] else "FAILED"
             print(f"  {name:21} {result:6} {check['finding']}".rstrip())
-        loop = record.get("loop", {}).items()
-        shown = [f"{key} {f'{v:.3g}' if isinstance(v, float) else v}" for key, v in loop]
-        more = record.get("notes", {}) | ({"loop": ", ".join(shown)} if shown else {})
+        more = dict(record.get("notes", {}))
+        if loop := record.get("loop"):
+            shown = [f"{k} {f'{v:.3g}' if isinstance(v, float) else v}" for k, v in loop.items()]
+            more["loop"] = ", ".join(shown)
         for name, text in more.items():
             print(f"  {name:28} {text}")
         if failed:
@@ -60,7 +58,7 @@ def check_logs(paths: Sequence[str]) -> int:
 
 
 def repair(source: str, *, out: str) -> int:
-    """Recover a raw log from the journal of a run, which is not changed."""
+    """Recover a raw log from the journal of a run, which is not changed; 3: samples may be lost."""
     refuse_output(out, ".h5")
     channels, attributes, closed = read_journal(source)
     samples = len(next(iter(channels.values())))
@@ -72,4 +70,5 @@ def repair(source: str, *, out: str) -> int:
         raise LogError(f"{source}: what it says of the run fits no log ({error})") from error
     reason = attributes.get("incomplete_reason", "nothing is lost")
     print(f"{out}: {samples} samples from {source}; {reason}")
-    return 0 if closed and not attributes["lost_samples"] else SOME_LOST
+    whole = closed and not attributes["lost_samples"]
+    return 0 if whole else 3
