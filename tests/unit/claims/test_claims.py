@@ -6,6 +6,7 @@ from typing import get_args
 from unittest.mock import ANY
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 from hypothesis import given
@@ -21,10 +22,11 @@ from fprc.claims.ledger import (
     members_of,
     terms_in_words,
 )
-from fprc.claims.paper import CLAIMS
+from fprc.claims.paper import CLAIMS, write_ledger
 from fprc.config.calibration import SearchedFor
 from fprc.config.rig import squeeze_lag
 from fprc.experiments.data import RigSettings, simulate
+from fprc.given import read_json
 from fprc.paper import LOOPS, REFERENCES
 from fprc.plan import on_rig
 from fprc.signals import measure_hysteresis
@@ -515,6 +517,19 @@ def test_claim_that_no_fit_decides_and_that_holds_on_every_member_is_not_informa
     ]  # fmt: skip
     assert [rows[name]["rigs"] for name in ("C8c", "C19", "C22")] == ["40 of 40", "39 of 40", "-"]
     assert rows["C8c"]["statements"][0]["over_rigs"] == [0.1, 0.4]
+
+
+def test_csv_of_the_ledger_has_a_row_for_each_number_of_each_claim(ideal, tmp_path):
+    files = [str(tmp_path / f"claims.{kind}") for kind in ("json", "csv")]
+    ideal = deepcopy(ideal)
+    ideal.controls[0]["source"] = "sim"
+    write_ledger(Results(**vars(ideal)), files, {"name": "one", "to": ["tables"]})
+    kept, table = read_json(files[0]), pd.read_csv(files[1])
+    pairs = [(row["id"], of["text"]) for row in kept["claims"] for of in row["statements"]]
+    assert [*zip(table["id"], table["number_text"], strict=True)] == pairs
+    means = [of["mean"] for row in kept["claims"] for of in row["statements"]]
+    assert table["number_mean"].tolist() == pytest.approx(means, rel=1e-5)
+    assert "one was fitted to Tables II and III;" in kept["note"]
 
 
 def test_members_are_judged_one_by_one(ideal):
