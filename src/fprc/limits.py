@@ -26,7 +26,8 @@ class Limit(NamedTuple):
 
     def __str__(self) -> str:  # noqa: D105
         number = "a whole number" if self.kind is Integral else "a number"
-        return f"{number} in [{self.low:.10g}, {self.high:.10g}]{' or None' * self.or_none}"
+        text = f"{number} in [{self.low:.10g}, {self.high:.10g}]"
+        return f"{text} or None" if self.or_none else text
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Set the ends in pydantic's schema of the numbers."""

@@ -23,9 +23,13 @@ def on_taps(alpha: float, **taps: Any) -> FeatureModel:
 
 
 def on_bank(
-    n_y: int, epsilons: Sequence[float], *, n_plays: int = 0, epsilons_p_o: Sequence[float] = (),
+    n_y: int,
+    epsilons: Sequence[float],
+    *,
+    n_plays: int = 0,
+    epsilons_p_o: Sequence[float] = (),
     **readout: Any,
-) -> FeatureModel:  # fmt: skip
+) -> FeatureModel:
     """Return a ridge, or with rules a fuzzy readout, on taps and low-passes of theta_d.
 
     Further features are plays of theta_d, and low-passes of P_o, column 1.

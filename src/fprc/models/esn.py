@@ -24,18 +24,35 @@ Network = tuple[np.ndarray, np.ndarray, float]
 
 @dataclass(eq=False, repr=False)
 class EchoStates(FeatureMap):
-    """Taps of the input beside the state of an echo state network; parameters are as in ``ESN``.
+    """Taps of the input beside the state of an echo state network.
 
     x(k+1) = gamma x(k) + (1 - gamma) tanh(w_in theta(k) + W_r x(k))     (3)
     features(k) = [theta(k), ..., theta(k-n_y+1), x(k)]
 
     The leak rate of other libraries is 1 - gamma.
 
+    Parameters
+    ----------
+    r : int, default=800
+        Reservoir size, at most 4,000: W_r then takes 128 MB.
+    f_input : float, default=0.02
+        Factor on the N(0, 1) input weights.
+    gamma : float, default=0.8
+        Leaky rate, in [0, 0.999999].
+    rho : float, default=0.4
+        Spectral radius: largest absolute eigenvalue of W_r before its rounding to float32.
+    n_y : int, default=5
+        Taps of every input, >= 1.
+    washout : int, default=100
+        Steps with the first sample as constant input, in which x settles before the log begins.
+    random_state : int or None, default=None
+        Source of the random weights.
+
     Attributes
     ----------
     w_in_ : ndarray of shape (r, n_inputs)
     W_r_ : ndarray of shape (r, r)
-        Rounded to float32, of which a step reads half the bytes.
+        Numbers of float32, of which a step reads half the bytes; others are rounded to them.
     """
 
     r: int = MODEL["r"].default

@@ -39,10 +39,16 @@ class Clusters(NamedTuple):
 
 
 def fuzzy_c_means(
-    X: np.ndarray, n_clusters: int, *, random_state: int | np.random.RandomState | None = None,
-    restarts: int = 1, init: np.ndarray | None = None, tolerance: float = 1e-5,
-    max_iterations: int = 1000, coarse: int = 10,
-) -> Clusters:  # fmt: skip
+    X: np.ndarray,
+    n_clusters: int,
+    *,
+    random_state: int | np.random.RandomState | None = None,
+    restarts: int = 1,
+    init: np.ndarray | None = None,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    coarse: int = 10,
+) -> Clusters:
     """Cluster the rows of ``X``, finite numbers, by alternating memberships and centres.
 
     The centres start at k-means++ samples and first converge on every ``coarse``-th row, so that
@@ -55,7 +61,10 @@ def fuzzy_c_means(
     (n_clusters, n_features), is the only start instead, and converges on all rows at once.
     """
     if not 1 <= n_clusters <= len(X):
-        raise ValueError(f"n_clusters = {n_clusters}, but n_samples = {len(X)}; use fewer clusters")
+        raise ValueError(
+            f"n_clusters = {n_clusters}, but n_samples = {len(X)}; use fewer clusters, or a longer "
+            "log"
+        )
     if (largest := np.abs(X).max()) > LARGEST:
         raise ValueError(f"X has numbers up to {largest:g}; scale it to within {LARGEST:g}")
     if init is not None:

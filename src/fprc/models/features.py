@@ -77,7 +77,9 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
         samples = self._samples(X, first=False)
         lengths = [len(samples)] if lengths is None else lengths
         if min(lengths, default=0) < 1 or sum(lengths) != len(samples):
-            raise ValueError(f"lengths must be above 0, in sum {len(samples)} samples")
+            raise ValueError(
+                f"lengths = {list(lengths)!r:.60}; must be above 0, in sum {len(samples)} samples"
+            )
         for part in np.split(samples, np.cumsum(lengths)[:-1]):
             yield from self._blocks(part, most or len(part))
 
@@ -114,6 +116,8 @@ class FeatureMap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimato
     def _checked(self, x: ArrayLike) -> np.ndarray:
         # a copy: numba would compile again for a view or a read-only array
         x = np.array(x, dtype=np.float64)
+        if not hasattr(self, "n_features_in_"):
+            check_is_fitted(self)
         listed = x.tolist()
         # NaN is not within the limits
         if x.shape != (self.n_features_in_,) or not all(-LARGEST <= v <= LARGEST for v in listed):

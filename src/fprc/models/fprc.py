@@ -20,12 +20,25 @@ from fprc.models.sequence import SequenceModel
 
 @dataclass(eq=False, repr=False)
 class TakagiSugenoReadout(RegressorMixin, BaseEstimator):
-    """Local linear models blended by Gaussian memberships; parameters are as in ``FPRC``.
+    """Local linear models blended by Gaussian memberships.
 
     P_ff(k) = beta_bar(k) W_out [1, x(k)]        (12, with the leading 1)
 
     The second form of Eq. (12) lacks the 1; its first form and Eq. (7) have it. Paper, Sec. III-B,
     Eqs. (7)-(12).
+
+    Parameters
+    ----------
+    n_c : int, default=8
+        Fuzzy rules, >= 1.
+    sigma : float, default=2.0
+        Gaussian membership scaling, in the unit of the features.
+    alpha : float, default=1e-3
+        Ridge parameter of every rule, >= 0.
+    random_state : int or None, default=None
+        Start of the clustering.
+    restarts : int, default=1
+        Starts of the clustering, >= 1; the one with the lowest objective is kept.
 
     Attributes
     ----------
@@ -162,8 +175,22 @@ class FuzzyLinear(SequenceModel):
     The paper replaces [1, x] by [1, theta] in Eqs. (7) and (12), but does not say whether the
     clusters still use P_o. Here they do not, so that the model needs no reservoir. ``X`` has one
     column; of a second, P_o too, it takes taps as of another reference, and is not the paper's
-    model any more. The rows of ``X`` are samples in time, see ``SequenceModel``. Parameters are as
-    in ``FPRC``.
+    model any more. The rows of ``X`` are samples in time, see ``SequenceModel``.
+
+    Parameters
+    ----------
+    n_c : int, default=8
+        Fuzzy rules, >= 1.
+    n_y : int, default=5
+        Taps of theta_d.
+    sigma : float, default=2.0
+        Gaussian membership scaling, in deg.
+    alpha : float, default=1e-3
+        Ridge parameter of every rule, >= 0.
+    random_state : int or None, default=None
+        Start of the clustering.
+    restarts : int, default=1
+        Starts of the clustering, >= 1; the one with the lowest objective is kept.
     """
 
     n_c: int = MODEL["n_c"].default

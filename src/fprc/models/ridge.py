@@ -43,7 +43,9 @@ def solve_ridge(gram: np.ndarray, moments: np.ndarray, alpha: float) -> np.ndarr
             warnings.simplefilter("error", LinAlgWarning)
             return solve(gram + alpha * np.eye(len(gram)), moments, assume_a="pos")
     except (LinAlgError, LinAlgWarning) as error:
-        raise ValueError(f"singular with alpha = {alpha}; use a larger alpha") from error
+        raise ValueError(
+            f"the ridge regression is singular with alpha = {alpha}; use a larger alpha"
+        ) from error
 
 
 @dataclass(eq=False, repr=False)

@@ -178,6 +178,8 @@ def _made(found: dict[str, Any], arrays: dict[str, Any], known: Mapping[str, Any
             f"class {name!r:.60} is unknown; give a class of your own by --config or in classes"
         )
     model = cls(**parameters)
+    if missing := model.get_params(deep=False).keys() - parameters.keys():
+        raise ValueError(f"{name}: {', '.join(sorted(missing))} is missing")
     for key, value in learned.items():
         if not _is_learned(key):
             raise ValueError(f"{key!r:.60} is no name of something learned")

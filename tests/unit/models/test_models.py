@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from sklearn.base import BaseEstimator, clone
+from sklearn.exceptions import NotFittedError
 
 import fprc.models
 from fprc.models import (
@@ -61,6 +62,13 @@ def test_steps_after_a_reset_to_x0_continue_a_log_that_held_x0(fitted):
     fitted.reset(x0)
     held = np.vstack([np.tile(x0, (50, 1)), X])
     assert_allclose(steps(fitted, X), fitted.predict(held)[50:], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("unfitted", [*MODELS.values(), *(part for part, _ in MAPS)], ids=str)
+def test_stream_of_an_unfitted_estimator_is_refused(unfitted):
+    for call in (clone(unfitted).step, clone(unfitted).reset):
+        with pytest.raises(NotFittedError):
+            call([30.0])
 
 
 @pytest.mark.parametrize("cls", [ESN, FPRC, FuzzyLinear])
@@ -139,7 +147,7 @@ def test_stream_recovers_from_the_largest_sample(spike, fitted):
     assert_allclose(got[-80:], expected[-80:], rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("estimator", [cls for cls in ESTIMATORS if "Parameters\n" in cls.__doc__])
+@pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_documented_defaults_are_the_actual_ones(estimator):
     lines = inspect.cleandoc(estimator.__doc__)
     documented = dict(re.findall(r"^(\w+) : .*, default=(.+)$", lines, re.MULTILINE))

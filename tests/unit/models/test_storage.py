@@ -189,6 +189,7 @@ TEXTS = {
     "unknown class": (FUZZY, put("class", value="FPCR"), "class 'FPCR' is unknown"),
     "other class": (FUZZY, put("class", value="FuzzyLinear"), "epsilon"),
     "parameter": (FUZZY, put("parameters", "n_layers", value=3), "n_layers"),
+    "no sigma": (FUZZY, lambda text: text["parameters"].pop("sigma") and None, "sigma is missing"),
     "sigma of no part": (FUZZY, put("parameters", "sigma", value=-1.0), "sigma = -1"),
     "seed": (FUZZY, put("parameters", "random_state", value="a"), "random_state = 'a'"),
     "parts of an ESN": (ESN(r=4, random_state=1), fprc_of_other_parts, "FPRC: its parts"),
