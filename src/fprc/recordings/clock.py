@@ -20,8 +20,7 @@ _EPOCHS = (
 _LIKELY_HZ = (0.05, 50000.0)
 #: A time step longer than this many median steps is a pause.
 PAUSE_PERIODS = 1.5
-#: A sample rate this near to a whole number of Hz, as a share of it, is that number: quartz clocks
-#: are better. Rates such as 142.857 Hz, a sample each 7 ms, stay as they are.
+#: A rate this near to a whole number of Hz, as a share, is that number: quartz clocks are better.
 _INTEGER_TOLERANCE = 5e-4
 
 
@@ -56,9 +55,8 @@ def clocks_of(table: Table) -> dict[str, Clock]:
     parts = {part for name in found if " + " in name for part in name.split(" + ")}
 
     def rank(name: str) -> tuple[bool, bool]:
-        column = table.columns[name]
-        named = " + " in name or is_time(f"{name} {column.label}")
-        return not named, found[name].repeated > 0.5 * len(column.values)
+        named = " + " in name or is_time(f"{name} {table.columns[name].label}")
+        return not named, found[name].repeated > 0.5 * len(table.columns[name].values)
 
     return {name: found[name] for name in sorted(found, key=rank) if name not in parts}
 
@@ -67,8 +65,7 @@ def clocks_of(table: Table) -> dict[str, Clock]:
 def guess_clock(name: str, column: Column) -> Clock | None:
     """Guess unit and rate of a column that increases as a clock does; None for another.
 
-    Nine of ten steps are about equal, or its stamps are near a straight line, or its name says
-    that it is a clock. What counts the samples is no clock.
+    Its steps are even, or it is near a straight line, or its name says so; it counts no samples.
     """
     stamps, words = column.values[np.isfinite(column.values)], f"{name} {column.label}"
     named, stated = (
@@ -92,9 +89,7 @@ def guess_clock(name: str, column: Column) -> Clock | None:
     if whole and not stated and (has(name, "count") or (step == 1.0 and not epoch)):
         return None  # the number of the sample
     step = np.median(steps[steps > 0.0])
-    usual = "s" if step < 2.0 else "ms"
-    if whole:  # whole numbers above 1 are no seconds
-        usual = "s" if step <= 1.0 else "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
+    usual = "s" if step < 2.0 else "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
     unit = stated.text if stated else epoch or usual
     doubts: tuple[str, ...] = () if stated or epoch else ("unit?",)
     rate_hz = rate_of(np.unique(stamps - stamps[0]) * SECONDS[unit])

@@ -20,8 +20,7 @@ _SPELLINGS = {
         "d": "d day days tag tage jour jours 日数",
         "h": "h hr hrs hour hours std stunde stunden heure heures horas ore uren",
         "min": "min mins minute minutes minuten minutos minuti 分",
-        "s": "s sec secs second seconds sek sekunde sekunden seconde secondes segundo segundos "
-             "secondi seconden 秒",
+        "s": "s sec secs second seconds sek sekunden secondes segundos secondi seconden 秒",
         "ms": "ms msec millis millisecond milliseconds millisekunde millisekunden ミリ秒 毫秒",
         "us": "us usec micros microsecond microseconds mikrosekunde mikrosekunden マイクロ秒 微秒",
         "ns": "ns nsec nsecs nanosec nanosecond nanoseconds nanos 纳秒",
@@ -33,15 +32,10 @@ _SPELLINGS = {
     for word in words.split()
 }  # fmt: skip
 #: Of these, what is a unit without brackets too.
-_BARE = frozenset(_SPELLINGS) - set(
-    "n grad 度 pa s h d min std ore tag second seconde segundo".split()
-)
+_BARE = frozenset(_SPELLINGS) - set("n grad pa s h d min std ore tag second".split())
 #: Words for units of time, which the name of a clock may have.
 TIMES = frozenset(word for word, unit in _SPELLINGS.items() if unit in SECONDS)
-_LETTERS = set("shdVANm°%K")
-_REFERENCE = (
-    r"(?i)\b(?:abs|absolute|absolut|rel|relative|relativ|gauge|gage)\b\.?|\((?:g|a|abs|rel)\)"
-)
+_REFERENCE = r"(?i)\b(?:abs(?:olute?)?|rel(?:ative?)?|gau?ge)\b\.?|\((?:g|a|abs|rel)\)"
 #: Units of pressure that say in their last letter whether they are gauge or absolute.
 _GAUGE = r"(bar|psi|kpa|mbar)[ag]$"
 #: Words in names of columns, in English, German, French, Spanish, Italian, Dutch, Japanese and
@@ -91,8 +85,7 @@ def parse_unit(text: str) -> Unit | None:
     """Return the unit that a text is, perhaps with a factor; None if it is none."""
     import pint  # slow
 
-    text = unicodedata.normalize("NFKC", text).replace("μ", "u")
-    text = re.sub(_REFERENCE, "", text).strip()
+    text = re.sub(_REFERENCE, "", unicodedata.normalize("NFKC", text).replace("μ", "u")).strip()
     plain = re.sub(_GAUGE, r"\1", text.lower())
     multiple = re.match(r"[x×*]?\s*(\d[\d.]*(?:e[+-]?\d+|\^[+-]?\d+)?)\s*[x×*]?\s*(\D.*)", text)
     if multiple and (inner := parse_unit(multiple[2])):
@@ -117,7 +110,7 @@ def parse_unit(text: str) -> Unit | None:
 def is_unit(text: str) -> bool:
     """Return whether a text is a unit, in brackets or not; of single letters only usual ones."""
     plain = text.strip("[](){} ")
-    usual = len(plain) > 1 or plain in _LETTERS or plain != text
+    usual = len(plain) > 1 or plain in "shdVANm°%K" or plain != text
     return plain == "-" or (usual and parse_unit(plain) is not None)
 
 
@@ -170,10 +163,9 @@ def has(name: str, what: str) -> bool:
 
 
 def likely_channel(name: str, label: str = "", unit: str = "") -> tuple[str, int] | None:
-    """Guess the channel of a column from its name, its label and its unit; None if none fits.
+    """Guess the channel of a column; None if none fits, as with a unit of another quantity.
 
-    The number says how sure it is: 4, it is the channel's name; 3, word and unit; 2, a word; 1, the
-    unit. A column whose unit is of another quantity fits none.
+    How sure it is: 4, it is the channel's name; 3, word and unit; 2, a word; 1, the unit.
     """
     if name in RAW_CHANNELS[1:]:
         return name, 4
@@ -182,6 +174,7 @@ def likely_channel(name: str, label: str = "", unit: str = "") -> tuple[str, int
     if quantity not in ("", "kPa", "deg") or (not stated and has(words, "other")):
         return None
     command, wanted = has(words, "command"), has(words, "wanted")
+    pressure = bool(quantity) or has(words, "pressure")
     named = True  # whether a word names it, and not the unit alone
     if quantity != "kPa" and has(words, "phi"):
         channel = "phi_deg"
@@ -191,15 +184,11 @@ def likely_channel(name: str, label: str = "", unit: str = "") -> tuple[str, int
             return None
     elif has(words, "inner"):
         channel = "p_i_command_kpa" if command else "p_i_kpa"
-    elif has(words, "sealed"):
+    elif has(words, "sealed") or (pressure and has(words, "chamber") and not command):
         channel = "p_o_kpa"
     elif command:
         channel = "p_exp_command_kpa"
-    elif not quantity and not has(words, "pressure"):
-        return None
-    elif has(words, "chamber"):
-        channel = "p_o_kpa"
-    elif wanted:
+    elif wanted or not pressure:
         return None
     else:
         channel, named = "p_exp_kpa", has(words, "pressure")

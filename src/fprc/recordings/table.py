@@ -1,6 +1,5 @@
 """What another program's file holds: the one door to all formats."""
 
-import difflib
 import json
 import re
 import warnings
@@ -12,6 +11,7 @@ from zipfile import ZipFile
 
 import h5py
 import numpy as np
+import pandas as pd
 
 from fprc.errors import LogError
 from fprc.given import open_given
@@ -54,23 +54,19 @@ class Table(NamedTuple):
         return f"sample {number}{line}"
 
     def pick(self, name: str) -> Column:
-        """Return the column that a map names; LogError, with a similar name, if there is none."""
-        if name in self.columns:
-            return self.columns[name]
-        of_matrix = [column for column in self.columns if column.startswith(f"{name}[")]
-        similar = [*of_matrix, *difflib.get_close_matches(name, self.columns)]
-        near = f"did you mean {similar[0]}? " if similar else ""
-        why = f"no such column; {near}`fprc import {self.path} --draft` shows all"
-        if name in self.others:
-            why = f"cannot be a channel: {self.others[name]}"
-        raise LogError(f"{self.path}: {name}: {why}")
+        """Return the column that a map names; LogError if there is none."""
+        if name not in self.columns:
+            why = self.others.get(name, "no such column")
+            raise LogError(
+                f"{self.path}: {name}: {why}; `fprc import {self.path} --draft` shows all"
+            )
+        return self.columns[name]
 
 
 def read_table(path: Path | str, **layout: Any) -> Table:
     """Read every column of a file that can be a channel; its content tells its format.
 
-    ``layout`` is of a text, see ``fprc.recordings.text.read_text``. LogError: the file cannot be
-    opened, is damaged, empty or of another format, or the library that reads it is not installed.
+    ``layout`` is that of a text, as ``importing.Csv``. LogError: the file cannot be read.
     """
     from fprc.recordings.text import read_text, read_xlsx
 
@@ -160,14 +156,11 @@ def read_matlab(path: Path) -> Parts:
         warnings.simplefilter("ignore")  # of objects that are not numbers
         content = load_from_mat(str(path))
     for name, value in content.items():
-        if not name.startswith("__"):
-            yield from _of_matlab(name, value)
+        yield from _of_matlab(name, value)
 
 
 def _of_matlab(name: str, thing: Any, unit: str = "", label: str = "") -> Parts:
-    from pandas import DataFrame
-
-    if isinstance(thing, DataFrame):  # a table, or a timetable, whose times are the index
+    if isinstance(thing, pd.DataFrame):  # a table, or a timetable, whose times are the index
         table = thing.reset_index() if thing.index.name else thing
         yield from ((f"{name}.{column}", Column(table[column].to_numpy())) for column in table)
     elif isinstance(thing, str) or not isinstance(thing, np.ndarray):
@@ -215,8 +208,7 @@ def read_hdf5(path: Path) -> Parts:
             except (LogError, OSError, RuntimeError) as error:  # other datasets may be readable
                 yield name, f"cannot be read ({error})"
                 continue
-            about = _text(dataset.attrs, _UNITS), _text(dataset.attrs, _LABELS)
-            yield name, Column(values, *about)
+            yield name, Column(values, _text(dataset.attrs, _UNITS), _text(dataset.attrs, _LABELS))
 
 
 def read_numpy(path: Path) -> Parts:
@@ -285,9 +277,8 @@ def _of_messages(messages: Iterable[tuple[str, int, Any]]) -> Parts:
         if len(found) <= _MOST_NUMBERS:
             topics.setdefault(topic.strip("/"), []).append({"time": 1e-9 * stamp, **found})
     for topic, rows in topics.items():
-        for name in dict.fromkeys(name for row in rows for name in row):
-            values = np.array([row.get(name, np.nan) for row in rows])
-            yield f"{topic}/{name}", Column(values, "s" * (name == "time"))
+        for name, values in pd.DataFrame(rows).items():
+            yield f"{topic}/{name}", Column(values.to_numpy(), "s" if name == "time" else "")
 
 
 def _numbers(name: str, thing: Any) -> Iterator[tuple[str, float]]:

@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice
-from operator import ge, itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +18,6 @@ from fprc.given import read_given
 from fprc.recordings.names import KANJI, is_time, is_unit
 from fprc.recordings.table import Column, Table
 
-#: Largest text file; reading it takes about ten times as much memory.
-LARGEST_TEXT_BYTES = 256 << 20
 #: Separators that are looked for; a blank stands for any run of blanks and tabs.
 _SEPARATORS = ",;\t| "
 #: Lines that are looked at to find the separator and the first sample, and lines above it.
@@ -68,7 +65,8 @@ def read_text(path: Path, **layout: Any) -> Table:
     line end may be cut short and is left out. What ``layout`` has, as ``importing.Csv``, is not
     detected. LogError: it is no text, has no samples, or many lines of another width.
     """
-    raw = read_given(path, error=LogError, most_bytes=LARGEST_TEXT_BYTES)
+    # reading takes about ten times as much memory
+    raw = read_given(path, error=LogError, most_bytes=256 << 20)
     text = raw.decode("latin-1")
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = raw.decode("utf-16", errors="replace")
@@ -77,8 +75,7 @@ def read_text(path: Path, **layout: Any) -> Table:
             other = raw.decode(code)
             if code == "utf-8-sig" or any(word in other[:4000] for word in KANJI):
                 text = other
-    numbered = enumerate(io.StringIO(text, newline=""), 1)
-    lines = {number: line for number, line in numbered if line.strip()}
+    lines = {n: line for n, line in enumerate(io.StringIO(text, newline=""), 1) if line.strip()}
     last, notes = max(lines, default=0), []
     if any("\0" in line for line in lines.values()):
         raise LogError(f"{path}: not text, and of no known format; save it as .csv, .mat or .h5")
@@ -95,8 +92,7 @@ def read_xlsx(path: Path) -> Table:
     rows = sheet.fillna("").astype(str).replace(r'[\s"]+', " ", regex=True).to_numpy().tolist()
     lines = {n: "\t".join(row) for n, row in enumerate(rows, 1) if any(row)}
     notes = [f"sheet {title} of {len(sheets)} was read"] if len(sheets) > 1 else []
-    found = _table_of(path, lines, notes, separator="\t", decimal=".")
-    return found._replace(kind="Excel")
+    return _table_of(path, lines, notes, separator="\t", decimal=".")._replace(kind="Excel")
 
 
 def _table_of(path: Path, lines: dict[int, str], notes: list[str], **layout: Any) -> Table:
@@ -111,10 +107,9 @@ def _table_of(path: Path, lines: dict[int, str], notes: list[str], **layout: Any
     below = {n: line for n, line in lines.items() if n >= start and not _COMMENT.match(line)}
     marks = [separator] if separator else [mark for mark in _SEPARATORS if mark != decimal]
     fit, mark, width, begin = _locate(below, marks)
-    kind = f"text separated by {mark!r}"
     if fit < 0.6 and (worded := _without_words(below)):
         lines, below, header_line = worded, worded, None
-        kind, (_, mark, width, begin) = "text with a name before each number", _locate(below, "\t")
+        _, mark, width, begin = _locate(below, "\t")
     if not width:
         raise LogError(f"{path}: no samples: no plain numbers below csv.header_line")
     begin = data_line or begin
@@ -156,7 +151,7 @@ def _table_of(path: Path, lines: dict[int, str], notes: list[str], **layout: Any
         units.insert(0, "")
     columns, others, more = _columns_of(frame, units, decimal, mark)
     unusable = tuple(f"line {n}: {line!r}" for n, line in odd.items() if n < last)
-    return Table(path, kind, columns, others, (*notes, *more), np.array([*rows]), unusable)
+    return Table(path, "text", columns, others, (*notes, *more), np.array([*rows]), unusable)
 
 
 def _split(line: str, mark: str) -> list[str]:
@@ -172,8 +167,8 @@ def _split(line: str, mark: str) -> list[str]:
 
 def is_value(text: str) -> bool:
     """Return whether a text is a number, a time, or a word for a missing value."""
-    patterns = (*_NUMBERS.values(), _STAMP)
-    return text.lower() in _MISSING or any(pattern.fullmatch(text) for pattern in patterns)
+    found = any(pattern.fullmatch(text) for pattern in (*_NUMBERS.values(), _STAMP))
+    return found or text.lower() in _MISSING
 
 
 def _locate(lines: Mapping[int, str], marks: Iterable[str]) -> tuple[float, str, int, int]:
@@ -189,9 +184,11 @@ def _locate(lines: Mapping[int, str], marks: Iterable[str]) -> tuple[float, str,
             continue
         kind = max(usual, key=lambda kind: (usual[kind], len(kind)))
         width, alike = len(kind), {n: k for n, k in kinds.items() if len(k) == len(kind)}
-        first = next(n for n, k in alike.items() if all(map(ge, k, kind)))
-        values = sum(sum(k) for n, k in alike.items() if n >= first)
-        share = values / width / sum(n >= first for n in rows)
+        first = next(
+            n for n, k in alike.items() if all(a >= b for a, b in zip(k, kind, strict=True))
+        )
+        cells = width * sum(n >= first for n in rows)
+        share = sum(sum(k) for n, k in alike.items() if n >= first) / cells
         if width > 1 and not any(rows[n][-1] for n in alike if n >= first):
             width -= 1
         # one column may be several with another separator; blanks split wherever tabs do
@@ -204,7 +201,7 @@ def _without_words(lines: Mapping[int, str]) -> dict[int, str] | None:
     """Return lines that name each number as a table with names and units; None for others."""
     found = {n: _NAMED.findall(line) for n, line in lines.items()}
     labels = {n: tuple(name for name, *_ in parts) for n, parts in found.items()}
-    names, count = max(Counter(labels.values()).items(), key=itemgetter(1), default=((), 0))
+    ((names, count),) = Counter(labels.values()).most_common(1) or [((), 0)]
     if not names or 2 * count <= len(found):
         return None
     first = next(n for n in labels if labels[n] == names)
@@ -221,8 +218,7 @@ def _header(
 ) -> tuple[list[str], list[str], dict[str, list[str]]]:
     """Return names, units, and fields by the first one of the lines above, nearest first."""
     keys: dict[str, list[str]] = {}
-    names: list[str] = []
-    units: list[str] = []
+    names, units = list[str](), list[str]()
     for number, line in above:
         fields = _split(line, mark)
         keys.setdefault(fields[0], fields[1:width])
@@ -277,11 +273,8 @@ def _columns_of(
             continue  # separators at the line ends make columns with neither name nor value
         repeats = [*frame.columns[:k]].count(name) if name else 0
         name = f"{name} ({repeats + 1})" if repeats else name or str(k)
-        unit, values = units[k].strip("[]() -"), _stamps(texts, missing)
-        if values is None:
-            values = _numbers(texts, decimal)
-        else:
-            unit = "s"
+        stamps = _stamps(texts, missing)
+        values = _numbers(texts, decimal) if stamps is None else stamps
         bad = texts[np.isnan(values) & ~missing]
         first = "".join(f"line {n} holds {t[:60]!r}, not a number" for n, t in bad[:1].items())
         if len(bad) > _MOST_ODD * len(texts):
@@ -290,7 +283,7 @@ def _columns_of(
         elif not np.isfinite(values).any():
             others[name] = "no numbers"
         else:
-            columns[name] = Column(values, unit)
+            columns[name] = Column(values, units[k].strip("[]() -") if stamps is None else "s")
             notes += [f"{name}: {first}; such lines in all: {len(bad)}"] if len(bad) else []
     clocks = [name for name in columns if is_time(name)]
     length = None
@@ -314,8 +307,7 @@ def _numbers(texts: pd.Series, mark: str | None) -> np.ndarray:
 def _decimal_of(frame: pd.DataFrame, separator: str) -> str | None:
     """Return the one decimal mark of a table.
 
-    None if numbers contradict each other, or if all marks may group thousands, as in 980, 990,
-    1,000, and are not those that are usual with the separator.
+    None if numbers contradict each other, or all marks may group thousands, as in 990, 1,000.
     """
     cells = pd.Series(frame.to_numpy().ravel())
     points, commas = (
@@ -338,8 +330,8 @@ def _stamps(texts: pd.Series, missing: pd.Series) -> np.ndarray | None:
         given = "1970-01-01 " + given.str.replace(r"^(\d+:\d+[.,])", r"0:\1", regex=True)
     elif not re.match(r"\d{4}", given.iloc[0]):
         days_first = "/" not in given.iloc[0] or given.str.match(r"(1[3-9]|[23]\d)/").any()
-    form: dict[str, Any] = {"format": "mixed", "dayfirst": days_first}
-    found = pd.to_datetime(given, utc=True, errors="coerce", **form).reindex(texts.index)
-    seconds = ((found - pd.Timestamp(0, tz="UTC")) / pd.Timedelta(seconds=1)).to_numpy()
+    found = pd.to_datetime(given, utc=True, errors="coerce", format="mixed", dayfirst=days_first)
+    since = (found - pd.Timestamp(0, tz="UTC")) / pd.Timedelta(seconds=1)
+    seconds = since.reindex(texts.index).to_numpy()
     midnights = np.append(0, np.cumsum(np.diff(seconds) < -43200.0))
     return seconds + 86400.0 * midnights if clock else seconds

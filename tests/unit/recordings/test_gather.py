@@ -76,7 +76,7 @@ def test_cut_is_counted_from_the_first_sample():
         (
             {},
             {"force": {"column": "forces"}},
-            ["forces: no such column; did you mean force?"],
+            ["forces: no such column"],
         ),
         ({"angle": changed(T, 3, 2e9)}, {}, ["theta_deg: angle: sample 3"]),
     ],
