@@ -119,8 +119,7 @@ def capacity(
     chance = np.max([_memory(other, own, spaced) for other in moved], axis=0)
     memory = np.where(curve > np.maximum(chance, 0.0), curve, 0.0)
     sums = np.bincount([len(name) - 1 for name in names], shares, degree)
-    step_s = spacing / rate_hz
-    lags_s, area = np.arange(lags) * step_s, float(memory.sum()) * step_s
+    lags_s, area = np.arange(lags) * (spacing / rate_hz), float(memory.sum()) * (spacing / rate_hz)
     return Capacity(sums, targets, basis.shape[1], lags_s, memory, area)
 
 

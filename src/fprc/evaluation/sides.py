@@ -52,7 +52,6 @@ MEMORY_S, MEMORY_SHARE = 10.0, 0.25
 #: distance over twice the variance), after it went away by at least the other share. P_o repeats
 #: with it if it comes back within the other share: then it can only tell where in the motion it is.
 REPEATS, AWAY = 0.05, 0.5
-
 #: An error below this share of the target's standard deviation counts as this share.
 FLOOR = 1e-6
 #: Keeps the equations of collinear features solvable; a share of the weight of all samples.
@@ -93,7 +92,7 @@ class Recordings(NamedTuple):
         """Return training rows and rows of each block; the first seconds are in none of them."""
         purge, warm = (round(seconds * self.rate_hz) for seconds in (PURGE_S, WARM_UP_S))
         shortest = math.ceil((1.0 - _ROUNDING) * PURGES * purge)
-        parts = self.parts(np.arange(sum(self.lengths)))
+        parts = self.parts(np.arange(len(self.theta)))
         kept = [part[min(warm, len(part) // 2) :] for part in parts]
         rows = np.concatenate(kept)
         folds = split_blocks(list(map(len, kept)), BLOCKS, shortest, purge)
@@ -226,10 +225,8 @@ def block_errors(recordings: Recordings, models: Settings, seed: int) -> dict[st
 
 def models_at(models: Settings, ratio: float) -> dict[str, Any]:
     """Return the section ``models`` for another sample rate, see ``scaled``."""
-    return {
-        **models,
-        **{name: models[name] | scaled(models[name], ratio) for name in ("esn", "fprc")},
-    }
+    changed = {name: models[name] | scaled(models[name], ratio) for name in ("esn", "fprc")}
+    return {**models, **changed}
 
 
 def scaled(parameters: Settings, ratio: float) -> dict[str, Any]:

@@ -30,8 +30,7 @@ LITTLE = 0.5
 MOST_TIMES = 10.0
 #: The paper's models, and those that the claims compare FPRC with.
 MODELS = ("fprc", "fuzzy_linear", "esn", "fprc_lowpass", "ridge_p_o")
-#: FPRC against one model each: text and model by id, as in ``fprc.studies.beyond``; R marks
-#: claims on recordings only.
+#: FPRC against one model each, by id as in ``fprc.studies.beyond``; R: on recordings only.
 CLAIMS = {
     "B1": ("P_o beats low-passed theta", "fprc_lowpass"),
     "B4": ("the fuzzy readout beats a ridge on the same features", "ridge_p_o"),
@@ -46,11 +45,10 @@ MOST_OF_ESN = 150_000
 def answer_recordings(recordings: Recordings, models: Settings, seed: int) -> dict[str, Any]:
     """Compare the best models with and without P_o, and P_o with itself at other times.
 
-    Of one recording. ``models`` is the configuration's section, for 200 samples a second; ``seed``
-    is of rules and networks. Errors are geometric means over blocks, in the unit of the target;
-    ``shifts``, those with P_o of other times. ``new`` is the share of P_o that does not come back
-    when the motion repeats, ``needed_s`` the length that would decide, ``explained`` the share of
-    the variance that models without P_o explain.
+    Of one recording; ``models`` are settings for 200 samples a second. Errors are geometric means
+    over blocks; ``shifts``, those with P_o of other times. ``new`` is the share of P_o that does
+    not come back when the motion repeats, ``needed_s`` the length that would decide, ``explained``
+    the share of the variance that models without P_o explain.
     """
     thin = recordings.thinned()
     period, duration_s = sides.period_of(thin.theta), len(thin.theta) / thin.rate_hz
@@ -113,10 +111,9 @@ def decide(found: Mapping[str, Any], ratios: Sequence[float]) -> tuple[str, str,
             "rest: record one that does not repeat."
         )
     elif high < -margin:
-        trials = f"{len(shifts) - beaten} of {len(shifts)} trials"
         reason = (
-            f"P_o of another time does as well in {trials}: it tells the time, not what the "
-            "chamber remembers."
+            f"P_o of another time does as well in {len(shifts) - beaten} of {len(shifts)} trials: "
+            "it tells the time, not what the chamber remembers."
         )
     elif found["explained"] < LITTLE:
         share = 100.0 * found["explained"]

@@ -25,12 +25,8 @@ from fprc.recordings.importing import USUAL, Draft, ImportMap, Recording, read_m
 from fprc.recordings.names import factor_of, has, is_time, likely_channel, stated_unit
 from fprc.recordings.table import Column, Table, read_table
 
-#: Rate of a raw log unless its map gives one, Hz.
-RATE_HZ = 200.0
 #: Largest share of missing values of a column whose samples are left out, not interpolated.
 _MISSING = 0.1
-#: Pressure of the air, kPa.
-AIR_KPA = 101.325
 #: Range of plausible sample rates, Hz.
 LIKELY_HZ = (1.0, 50000.0)
 #: Plausible largest magnitude of a channel, by its unit: outside, another unit may be meant.
@@ -71,7 +67,7 @@ def import_or_draft(
     recording = importing.gather(table, mapping)
     quality, target = Settings().quality, mapping.target("measured")
     words, doubts, stops = judge(recording, mapping, table, quality, target)
-    mapping = mapping.changed(sample_rate_hz=mapping.sample_rate_hz or RATE_HZ)
+    mapping = mapping.changed(sample_rate_hz=mapping.sample_rate_hz or 200.0)  # the paper's
     samples = importing.resample(recording, mapping.sample_rate_hz)
     importing.write_log(out, recording, *samples, mapping)
     doubts = [f"doubtful: {line}" for line in (*doubts, *stops)]
@@ -83,8 +79,7 @@ def import_or_draft(
 def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
     """Return a map of a foreign file in YAML, its channels, units and clock guessed.
 
-    A channel that the workflow needs and no column's name identifies has the column ``?``.
-    Comments describe each column, and say what is doubtful.
+    What no column's name identifies is ``?``. Comments describe columns, and say what is doubtful.
     """
     columns, clocks = table.columns, clocks_of(table)
     best = _best(table, clocks)
@@ -171,7 +166,7 @@ def _spec(channel: str, name: str, column: Column) -> tuple[dict[str, Any], list
         spec["scale"] = multiple
         words.append(f"the name has a factor; delete scale if the numbers are in {spec['unit']}")
     about = f"{name} {column.label} {column.unit}"
-    air = float(f"{-AIR_KPA / (factor_of(spec['unit'], target) or 1.0):.6g}")
+    air = float(f"{-101.325 / (factor_of(spec['unit'], target) or 1.0):.6g}")  # of kPa
     if target == "kPa" and has(about, "absolute"):
         spec |= {"offset": air, "note": "read as absolute"}
         words.append("absolute: better the air's pressure of that day as offset")
@@ -210,23 +205,18 @@ def _line(key: str, value: Mapping[str, Any], words: list[str], others: Sequence
 def _in_words(column: Column) -> str:
     """Describe a column: its label, its samples, their range, and how many are not finite."""
     finite = column.values[np.isfinite(column.values)]
-    words = [f"{len(column.values)} samples"]
-    if column.label:
-        words.insert(0, column.label)
+    words = f"{len(column.values)} samples"
     if finite.size:
-        words.append(f"{finite.min():.4g} to {finite.max():.4g}")
+        words += f", {finite.min():.4g} to {finite.max():.4g}"
     if missing := len(column.values) - len(finite):
-        words.append(f"{missing} not finite")
-    return ", ".join(words)
+        words += f", {missing} not finite"
+    return f"{column.label}, {words}" if column.label else words
 
 
 def judge(
     recording: Recording, mapping: ImportMap, table: Table, limits: Quality, target: str
 ) -> tuple[list[str], list[str], list[str]]:
-    """Return rate and ranges, what is doubtful, and why no answer can be right, in words.
-
-    ``target`` is the P_exp that models would learn.
-    """
+    """Return rate and ranges, doubts, and why no answer for ``target`` can be right, in words."""
     time_s, channels = recording.time_s, recording.channels
     rate_hz = rate_of(time_s)
     words = [f"{len(time_s)} samples over {time_s[-1]:.6g} s at {rate_hz:.6g} Hz"]

@@ -179,11 +179,7 @@ class Recording(NamedTuple):
 
 @np.errstate(all="ignore")  # numbers that overflow are refused
 def gather(table: Table, mapping: ImportMap) -> Recording:
-    """Select, convert and cut the channels of a file.
-
-    LogError: a column is missing, lengths differ, time does not increase, a value is not finite or
-    too large, or nothing is left.
-    """
+    """Select, convert and cut the channels of a file; LogError says what cannot be used."""
     path, specs, time = table.path, mapping.columns, mapping.time
     picked = {name: table.pick(spec["column"]).values for name, spec in specs.items()}
     clocks = {n: table.pick(spec["time"]).values for n, spec in specs.items() if "time" in spec}

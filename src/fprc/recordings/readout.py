@@ -27,8 +27,7 @@ from fprc.recordings.importing import Recording, gather, is_imported, read_map, 
 from fprc.recordings.table import read_table
 from fprc.tables.text import markdown, three_digits
 
-#: Share of a recording that becomes the training log of the workflow unless the map gives
-#: test_from_s.
+#: Share of a recording that becomes the workflow's training log, without test_from_s in the map.
 _TRAINED = 2.0 / 3.0
 #: Fewest blocks that can be predicted: one is left to train when two are out.
 LEAST_BLOCKS = 3
@@ -66,9 +65,9 @@ def report_readout(
     theta, p_o, p_exp = (channels[name] for name in ("theta_deg", "p_o_kpa", TARGETS[target]))
     recordings = sides.Recordings(theta, p_o, p_exp, [len(time_s)], rate_hz)
     thin = recordings.thinned()
-    given_s, needed_s = len(theta) / rate_hz, sides.seconds_of(LEAST_BLOCKS)
-    if given_s < 0.9 * needed_s or len(thin.folds()) < LEAST_BLOCKS:
-        raise LogError(f"{source}: {given_s:.3g} s are too short; it takes {needed_s:g} s")
+    needed_s = sides.seconds_of(LEAST_BLOCKS)
+    if time_s[-1] < 0.9 * needed_s or len(thin.folds()) < LEAST_BLOCKS:
+        raise LogError(f"{source}: {time_s[-1]:.3g} s are too short; it takes {needed_s:g} s")
     border_s = float(f"{_TRAINED * time_s[-1]:.4g}")
     if mapping.test_from_s is not None:
         border_s = mapping.test_from_s - recording.since_s
@@ -124,8 +123,7 @@ def _page(source: str, report: Mapping[str, Any]) -> str:
         f"# Is P_o worth a second sensor in `{Path(source).name}`?",
         f"**{found['words']}**",
         *(f"- Doubtful: {line}" for line in report["doubts"]),
-        f"Map: `{report['map']}`. Data: {SOURCES[report['source']]}. Predicted is P_exp "
-        f"({report['target']}).",
+        f"Map: `{report['map']}`. Data: {SOURCES['import']}. Target: P_exp ({report['target']}).",
         "## What the answer rests on",
         f"- Ratio of the errors, with P_o over without: {found['ratio']:.3f} "
         f"({found['low']:.3f} to {found['high']:.3f}, 95 %). Worth a second sensor is what lies "
