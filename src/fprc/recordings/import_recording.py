@@ -166,7 +166,7 @@ def _spec(channel: str, name: str, column: Column) -> tuple[dict[str, Any], list
         spec["scale"] = multiple
         words.append(f"the name has a factor; delete scale if the numbers are in {spec['unit']}")
     about = f"{name} {column.label} {column.unit}"
-    air = float(f"{-101.325 / (factor_of(spec['unit'], target) or 1.0):.6g}")  # of kPa
+    air = float(f"{-101.325 / (factor_of(spec['unit'], target) or 1.0):.6g}")  # of the air
     if target == "kPa" and has(about, "absolute"):
         spec |= {"offset": air, "note": "read as absolute"}
         words.append("absolute: better the air's pressure of that day as offset")
