@@ -32,18 +32,17 @@ class Unit(NamedTuple):
     every_model: bool  #: whether ``contest`` judges all models, or those that a claim compares
 
 
-def unit_of(number: int, family: Mapping[str, Any], first_seed: int, ensemble: str) -> Unit:
+def unit_of(number: int, family: Mapping[str, Any], first_seed: int) -> Unit:
     """Return a unit of a family, with its rig and seed.
 
     A family has its ``name``, ``on_rig`` (arguments of ``RigSettings``), what it is ``fitted`` to,
-    and ``every_model``. The rigs of the family *ensemble* are those of a file that ``fprc calibrate
-    --ensemble`` wrote; what they share has its default.
+    ``every_model``, and ``members``: its rigs, as ``fprc calibrate --ensemble`` writes them, or
+    None if it has one. What members share has its default.
     """
     on_rig = RigSettings(**family["on_rig"])
-    if family["name"] == "ensemble":
-        known = read_json(ensemble)
+    if known := family["members"]:
         if number >= len(known["rigs"]):
-            raise FprcError(f"{ensemble}: has {len(known['rigs'])} rigs; reduce beyond.units")
+            raise FprcError(f"{family['name']} has {len(known['rigs'])} rigs; reduce beyond.units")
         values = dict(zip(known["parameters"], known["rigs"][number], strict=True))
         rig = Rig.model_validate(with_values(Rig().model_dump(mode="json"), values))
         on_rig = on_rig.changed(rig=rig.model_dump(mode="json"))
@@ -51,7 +50,7 @@ def unit_of(number: int, family: Mapping[str, Any], first_seed: int, ensemble: s
 
 
 def judge_family(
-    judged: str, ensemble: str, *, family: Mapping[str, Any], study: Mapping[str, Any], workers: int
+    judged: str, *, family: Mapping[str, Any], study: Mapping[str, Any], workers: int
 ) -> None:
     """Judge the first units of a family of rigs, each on one thread.
 
@@ -64,7 +63,7 @@ def judge_family(
     workers = max(1, min(workers, study["units"] // 4))
     with parallel_config("loky", inner_max_num_threads=1):
         cells = Parallel(n_jobs=workers)(
-            delayed(_judged)(unit_of(number, family, study["first_seed"], ensemble), study)
+            delayed(_judged)(unit_of(number, family, study["first_seed"]), study)
             for number in range(study["units"])
         )
     described = {key: family[key] for key in ("name", "fitted")}

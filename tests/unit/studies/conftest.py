@@ -11,6 +11,7 @@ def family(signals):
     return {
         "name": "dry",
         "every_model": True,
+        "members": None,
         "fitted": ["tables"],
         "on_rig": on_rig(settings)
         | {"signals": {name: signal.model_dump() for name, signal in signals.items()}},

@@ -12,18 +12,16 @@ SETTINGS = Settings().model_dump(mode="json")
 
 
 def test_each_unit_of_one_rig_is_a_seed(family):
-    units = [unit_of(number, family, 601, "") for number in (0, 1)]
+    units = [unit_of(number, family, 601) for number in (0, 1)]
     assert [unit.seed for unit in units] == [601, 602]
     assert units[0].on_rig.rig == SETTINGS["rig"]
 
 
-def test_each_unit_of_the_ensemble_is_a_rig_with_its_own_values(family, tmp_path):
-    path = tmp_path / "ensemble.json"
+def test_each_unit_of_the_ensemble_is_a_rig_with_its_own_values(family):
     paths = ["bending.friction_kpa", "bending.slip_weight.0", "bending.relaxation_time_s.1"]
-    path.write_text(json.dumps({"parameters": paths, "rigs": [[7.5, 0.4, 5.0], [2.5, 0.2, 6.0]]}))
-    family["name"] = "ensemble"
+    family["members"] = {"parameters": paths, "rigs": [[7.5, 0.4, 5.0], [2.5, 0.2, 6.0]]}
     family["on_rig"]["rig"] = {"of": "the configuration, which plays no part"}
-    first, second = (unit_of(number, family, 601, str(path)) for number in (0, 1))
+    first, second = (unit_of(number, family, 601) for number in (0, 1))
     bending = first.on_rig.rig["bending"]
     assert (bending["friction_kpa"], bending["relaxation_time_s"]) == (7.5, [0.25, 5.0])
     assert bending["slip_weight"] == pytest.approx([0.4, 0.3, 0.25, 0.05])  # they sum to 1
@@ -31,7 +29,7 @@ def test_each_unit_of_the_ensemble_is_a_rig_with_its_own_values(family, tmp_path
     assert second.on_rig.rig["bending"]["friction_kpa"] == 2.5
     assert (first.seed, second.seed) == (601, 602)
     with pytest.raises(FprcError, match="2 rigs"):
-        unit_of(2, family, 601, str(path))
+        unit_of(2, family, 601)
 
 
 def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(family, monkeypatch):
@@ -44,7 +42,7 @@ def test_all_parts_of_a_judgement_are_of_one_rig_and_one_seed(family, monkeypatc
     monkeypatch.setattr(families, "compare_models", compare)
     monkeypatch.setattr(families, "measure_control", measure)
     validation = {"models": SETTINGS["models"], "folds": 2, "split": "shuffled"}
-    unit = unit_of(4, family, 601, "")
+    unit = unit_of(4, family, 601)
     judged = judge_tables(unit, tracking=SETTINGS["tracking"], validation=validation)
     theta = float(
         simulate(RigSettings(**family["on_rig"]), 605)["sweep"].channels["theta_deg"].sum()
@@ -64,7 +62,7 @@ def test_every_unit_is_judged_and_one_that_fails_is_the_only_one_lost(
     monkeypatch.setattr("fprc.studies.learning.judge_online", judge)
     out = tmp_path / "judged.json"
     study = {"judge": "learning.judge_online", "how": {"factor": 3}, "first_seed": 601, "units": 3}
-    judge_family(str(out), "", family=family, study=study, workers=1)
+    judge_family(str(out), family=family, study=study, workers=1)
     report = json.loads(out.read_text())
     assert (report["name"], report["fitted"]) == ("dry", ["tables"])
     assert report["cells"] == [
