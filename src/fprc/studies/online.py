@@ -141,8 +141,8 @@ def draw_errors(table: pd.DataFrame, figure: Sequence[str]) -> None:
             level = runs.loc[(name, loop, "fuzzy_linear", learns), "mean_deg"]
             ax.axhline(level, color=style.SIGNALS["theta"], linestyle=dashes, linewidth=0.9,
                        label=f"Fuzzy-linear{words}")  # fmt: skip
-        ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", yscale="log",
-               title=f"{family_title(name)}, {LOOPS[loop]}")  # fmt: skip
+        ax.set(xlabel="Offset of $P_o$ [kPa]", ylabel="RMSE [deg]", yscale="log")
+        ax.set_title(f"{family_title(name)}, {LOOPS[loop]}", loc="center")
         ax.label_outer()
     axis = axes[0, 0].yaxis
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
