@@ -41,12 +41,15 @@ def run(
 ) -> dict[str, np.ndarray]:
     """Run ``law`` for a number of samples and return the recorded channels.
 
-    ``law(k, readings)`` returns the setpoints of both chambers in kPa; the two PI loops of the
-    section ``control`` convert them to valve voltages, of which ``neutral_v`` closes a valve. The
-    device is made safe at the end, however the run ends.
+    ``law(k, readings)`` returns the setpoints of both chambers in kPa; the two PI loops convert
+    them to valve voltages. The device is made safe at the end, however the run ends.
 
     Parameters
     ----------
+    control : Control
+        Sample rate, and gains of the PI loops.
+    neutral_v : float
+        Voltage that closes a valve.
     extra : tuple of str
         Names of the values that the law returns after the two setpoints.
     keep, stop : callable

@@ -58,10 +58,22 @@ def believe(belief: Any, theta_deg: float, fastest_deg: float) -> bool:
 
 
 def learn_step(
-    weights: Any, covariance: Any, prior: Any, regressors: Any, base_kpa: float, error_deg: float,
-    theta_deg: float, p_ff_kpa: float, p_fb_kpa: float, high: float, kpa_per_deg: float,
-    stop_deg: float, limit_kpa: float, mixing: float, gains: Any,
-) -> None:  # fmt: skip
+    weights: Any,
+    covariance: Any,
+    prior: Any,
+    regressors: Any,
+    base_kpa: float,
+    error_deg: float,
+    theta_deg: float,
+    p_ff_kpa: float,
+    p_fb_kpa: float,
+    high: float,
+    kpa_per_deg: float,
+    stop_deg: float,
+    limit_kpa: float,
+    mixing: float,
+    gains: Any,
+) -> None:
     """Make one step of recursive least squares, in place; see ``fprc.models.Online``.
 
     ``weights``, added to the trained ones, are what was learned. ``covariance`` and ``prior`` are
@@ -111,9 +123,17 @@ def learn_step(
 
 
 def pd_step(
-    memory: Any, error_deg: float, theta_deg: float, p_ff_kpa: float, incremental: bool, kp: float,
-    kd: float, period_s: float, low: float, high: float,
-) -> float:  # fmt: skip
+    memory: Any,
+    error_deg: float,
+    theta_deg: float,
+    p_ff_kpa: float,
+    incremental: bool,
+    kp: float,
+    kd: float,
+    period_s: float,
+    low: float,
+    high: float,
+) -> float:
     """Return P_fb of a sample, kPa, by the authors' incremental law or by a positional one.
 
     The paper does not say which form its PD controller has. The public code of the authors' next
@@ -128,8 +148,22 @@ def pd_step(
     Where P_d = P_ff + P_fb would be below ``low`` or above ``high``, kp e does not add to the sum
     unless it leads back, so that the sum does not wind up; the authors' code has no limits. An
     angle beyond ``FARTHEST_DEG`` is a fault of the sensor and changes nothing: as the first one of
-    a run it would leave the sum at a limit for good. ``memory``, changed in place, is [e, P_fb] of
-    the sample before; [NaN, 0] before the first one, where the derivative is zero.
+    a run it would leave the sum at a limit for good. ``fprc.control.tracking_law`` takes this step
+    at each sample.
+
+    Parameters
+    ----------
+    memory : list or ndarray of two floats
+        e and P_fb of the sample before, changed in place. Begin with ``[math.nan, 0.0]``: at the
+        first sample the derivative is zero.
+    error_deg, theta_deg, p_ff_kpa : float
+        e = theta_d - theta, theta and P_ff of this sample.
+    incremental : bool
+        Whether the law is the incremental one.
+    kp, kd, period_s : float
+        Gains in kPa/deg and kPa s/deg, and T, the time between samples.
+    low, high : float
+        Limits of P_d, kPa; only the incremental law needs them.
     """
     if abs(theta_deg) > FARTHEST_DEG:
         return memory[1]

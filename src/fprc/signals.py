@@ -128,7 +128,7 @@ def measure_runs(
     They are the RMSE of every run, by "reference/controller"; ``effort``, the rms of P_fb over that
     of P_ff; measures of ``sweep`` and ``loops``; and ``disturbance``, what the pushes, the first
     after ``quiet_s``, change of a run that is ``unpushed`` but has the same noise: the rms of
-    bending and P_o over their swing, and the ratio of the errors. No run has its settling time.
+    bending and P_o over their swing, and the ratio of the errors. All runs begin settled.
     """
     effort, loops = {}, {}
     for name in REFERENCES:
@@ -182,7 +182,8 @@ def measure_range(sweep: Channels) -> dict[str, float]:
 
     The dead zone is the median of the commanded P_exp at which the angle rises above
     ``_STRAIGHT_DEG``, over the span of the command. ``monotony`` is the mean rank correlation of
-    P_o with theta from turn to turn, without its sign, where noise is not all that moves.
+    P_o with theta from turn to turn, without its sign; where the actuator is straight only noise
+    moves, and no sample counts.
     """
     from scipy.stats import spearmanr  # takes half a second to import, like the one above
 

@@ -147,7 +147,7 @@ def _loops_removed(r: Results) -> Statements:
         yield Below(f"RMSE, FPRC+PD / PD, {name}", errors)
 
 
-#: Numbers of a loop, as readers see them, by their keys in ``signals.loop_changes``.
+#: Numbers of a loop, as readers see them, by their keys in ``signals.measure_hysteresis``.
 _OF_LOOP = {
     "swing": "swing",
     "width_quarter": "width / swing at a quarter of the angle",

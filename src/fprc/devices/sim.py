@@ -75,19 +75,41 @@ class SimulatedRig:
         self._valve_v[:] = main_v, reservoir_v
 
     def follow(
-        self, control: "Control", p_ff_kpa: np.ndarray, theta_d_deg: np.ndarray | None = None,
-        pressure_limit_kpa: float = math.inf, *, feedback: bool = False,
-        push_kpa: np.ndarray | None = None, online: "Online | None" = None,
+        self,
+        control: "Control",
+        p_ff_kpa: np.ndarray,
+        theta_d_deg: np.ndarray | None = None,
+        pressure_limit_kpa: float = math.inf,
+        *,
+        feedback: bool = False,
+        push_kpa: np.ndarray | None = None,
+        online: "Online | None" = None,
         regressors: np.ndarray | None = None,
-    ) -> dict[str, np.ndarray]:  # fmt: skip
+    ) -> dict[str, np.ndarray]:
         """Run the controllers from the current tick on, in compiled code.
 
         Returns what ``fprc.control.run`` returns with ``tracking_law``, given P_ff of every sample;
         without a reference, with ``hysteresis_law``: ``p_ff_kpa`` is P_exp, and P_i = K_in theta.
-        With a reference P_d is from 0 to ``pressure_limit_kpa``, and P_fb = 0 without ``feedback``.
-        ``push_kpa`` pushes the reservoir. ``online`` is the model of the feedforward, if it learns
-        as the run goes on: it is changed, and has ``regressors`` of shape (n_samples, n_weights).
-        ControlError: P_ff is not finite. FprcError: as ``wait_for``.
+
+        Parameters
+        ----------
+        p_ff_kpa, theta_d_deg, push_kpa : ndarrays of shape (n_samples,)
+            Feedforward, reference, and push on the reservoir, which is 0 by default.
+        pressure_limit_kpa : float, default=inf
+            Highest P_d of a run with a reference; the lowest is 0.
+        feedback : bool, default=False
+            Whether the PD controller acts; without it P_fb = 0.
+        online : Online, optional
+            The model of the feedforward, if it learns as the run goes on; it is changed.
+        regressors : ndarray of shape (n_samples, n_weights), optional
+            Those of ``online``.
+
+        Raises
+        ------
+        ControlError
+            P_ff is not finite.
+        FprcError
+            As ``wait_for``.
         """
         bad = np.flatnonzero(~np.isfinite(p_ff_kpa))
         if bad.size:

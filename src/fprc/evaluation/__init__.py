@@ -5,6 +5,12 @@ from fprc.evaluation.folds import settled_rmse, split_rows
 from fprc.evaluation.timing import time_models
 
 __all__ = [
-    "CrossValidated", "Prepared", "evaluate", "prepare", "rmse", "settled_rmse", "split_rows",
+    "CrossValidated",
+    "Prepared",
+    "evaluate",
+    "prepare",
+    "rmse",
+    "settled_rmse",
+    "split_rows",
     "time_models",
-]  # fmt: skip
+]

@@ -129,7 +129,8 @@ def _cross_validated(
         if isinstance(readout, RidgeReadout) and _is_partition(folds, len(y)):
             readouts = readout.fit_complements(blocks(), y, [validation for _, validation in folds])
         else:
-            rows = np.concatenate([block.copy() for block in blocks()])  # it is overwritten
+            # the next block may overwrite the one before
+            rows = np.concatenate([block.copy() for block in blocks()])
             readouts = [
                 _with_seed_of(clone(readout), i).fit(rows[train], y[train])
                 for i, (train, _) in enumerate(folds)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 from sklearn.metrics import make_scorer
 from sklearn.model_selection import KFold
 
@@ -68,7 +69,7 @@ def settled_rmse(settle: int) -> Callable[..., float]:
     its filters and states are still affected.
     """
 
-    def error(y: np.ndarray, predicted: np.ndarray) -> float:
-        return rms(predicted[settle:] - y[settle:])
+    def error(y: ArrayLike, predicted: np.ndarray) -> float:
+        return rms(predicted[settle:] - np.ravel(y)[settle:])
 
     return make_scorer(error, greater_is_better=False)

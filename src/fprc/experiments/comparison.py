@@ -35,11 +35,16 @@ class CrossValidation(Section):
 def compare_models(
     data: Mapping[str, Data], validation: CrossValidation
 ) -> tuple[dict[str, Any], dict[str, SequenceModel]]:
-    """Return the errors of Tables II and III with the weights of Fig. 9, and the sweep's models."""
-    both = [cross_validate_both(name, validation, data) for name in entries(validation.models)]
-    reports = [report for way in zip(*both, strict=True) for _, report, _ in way]
+    """Return the errors of Tables II and III with the weights of Fig. 9, and the sweep's models.
+
+    The models are by name.
+    """
+    both = {
+        name: cross_validate_both(name, validation, data) for name in entries(validation.models)
+    }
+    reports = [report for way in zip(*both.values(), strict=True) for _, report, _ in way]
     compared = {"models": reports, "weights": weight_shares(data["sweep"], validation)}
-    return compared, {of[0][1]["model"]: of[0][0].model for of in both}
+    return compared, {name: of[0][0].model for name, of in both.items()}
 
 
 def cross_validate_both(
@@ -47,7 +52,7 @@ def cross_validate_both(
 ) -> list[tuple[CrossValidated, dict[str, Any], np.ndarray]]:
     """Cross-validate and test one model for each of ``DIRECTIONS``, on features of the sweep.
 
-    Beside each stand its errors, and its output for the test log.
+    Beside each result stand the errors, and the output for the test log.
     """
     refuse_mixture(*(logs[key] for key in EXPERIMENTS))
     samples = {key: logs[key].samples(name, validation.models) for key in EXPERIMENTS}
@@ -98,9 +103,9 @@ def evaluate_grids(
     data: Mapping[str, Data], values: Mapping[str, Any], validation: CrossValidation,
     folds: int | None = None,
 ) -> dict[str, list[dict[str, Any]]]:  # fmt: skip
-    """Cross-validate, on the first ``folds``, and test each cell of each grid, where inputs are.
+    """Cross-validate and test each cell of each grid, for the models whose inputs are in the data.
 
-    One fold is enough for a mean over seeds.
+    Of the folds the first ``folds``, by default all; one is enough for a mean over seeds.
     """
     train, test = data["sweep"], data["complex"]
     models = models_for(validation.models, train, test)

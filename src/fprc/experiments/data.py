@@ -1,8 +1,11 @@
-"""Preprocessed logs, the input of the models: read or simulated; what a model knows of them."""
+"""Preprocessed logs, the input of the models.
+
+They are made of raw logs, or simulated; a trained model knows rate and units of its log.
+"""
 
 import logging
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -77,9 +80,14 @@ def read_data(path: str) -> Data:
 
 
 def preprocess(
-    data: Sequence[str], quality: Sequence[str], sweep: Sequence[str] = (),
-    complex: Sequence[str] = (), *, limits: Quality, **how: Any,
-) -> None:  # fmt: skip
+    data: Sequence[str],
+    quality: Sequence[str],
+    sweep: Sequence[str] = (),
+    complex: Sequence[str] = (),
+    *,
+    limits: Quality,
+    **how: Any,
+) -> None:
     """Write the models' channels of raw logs and the quality records, see ``read_recordings``.
 
     Nothing is filtered here: filter and taps are parts of the models, since the control loop
@@ -97,9 +105,14 @@ def preprocess(
 
 
 def read_recordings(
-    paths: Sequence[str], *, experiment: str | None, target: str, sample_rate_hz: float,
-    limits: Quality, inputs: Sequence[str] = ("theta_deg", "p_o_kpa"),
-) -> tuple[Data, list[dict[str, Any]]]:  # fmt: skip
+    paths: Sequence[str],
+    *,
+    experiment: str | None,
+    target: str,
+    sample_rate_hz: float,
+    limits: Quality,
+    inputs: Sequence[str] = ("theta_deg", "p_o_kpa"),
+) -> tuple[Data, list[dict[str, Any]]]:
     """Return the models' channels of raw logs, which become one log, and their quality records.
 
     ``experiment`` is that which is expected, or None; ``target`` and ``inputs`` are those of
@@ -122,7 +135,7 @@ def select_channels(
     """Return the channels and attributes of a raw log that the models need.
 
     The target is the P_exp to learn, ``command`` or ``measured``; an imported log may have only
-    one, which is used then. It is warned of ``inputs`` that hold another quantity.
+    one, which is used then. A warning names the ``inputs`` that hold another quantity.
     """
     if TARGETS[target] not in source.channels:
         log.warning("warning: no %s in %s; the other P_exp is used", TARGETS[target], source.path)
@@ -149,8 +162,7 @@ def join(logs: Sequence[Data], period_s: float) -> Data:
     first = logs[0]
     if len(logs) == 1:
         return first
-    kind = ("source", "target", "p_target_unit", "theta_unit", "p_o_unit", "channels")
-    refuse_mixture(*logs, names=kind)
+    refuse_mixture(*logs, names=_kind(first))
     begin, times = 0.0, []
     for data in logs:
         time_s = data.channels["time_s"]
@@ -164,6 +176,33 @@ def join(logs: Sequence[Data], period_s: float) -> Data:
     return Data(channels, {**first.attributes, "recordings": lengths}, ", ".join(lengths))
 
 
+def refuse_mixture(
+    first: Data, *others: Data, names: Container[str] = ("source", "unit of P_exp")
+) -> None:
+    """Refuse logs that are not of one kind: in all that ``_kind`` returns, or in these names."""
+    ours = _kind(first)
+    problems = [
+        f"{data.name}: {name} is {theirs}, in {first.name} {ours[name]}; use logs of one kind"
+        for data in others
+        for name, theirs in _kind(data).items()
+        if name in names and theirs != ours[name]
+    ]
+    if problems:
+        raise LogError("\n".join(problems))
+
+
+def _kind(data: Data) -> dict[str, Any]:
+    """Return what logs of one kind have in common, by the names that readers see."""
+    return {
+        "source": data.attributes.get("source"),
+        "target": data.attributes.get("target"),
+        "unit of P_exp": data.unit,
+        "unit of theta": data.attributes.get("theta_unit"),
+        "unit of P_o": data.attributes.get("p_o_unit"),
+        "list of channels": ", ".join(sorted(data.channels)),
+    }
+
+
 def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:
     """Return the models whose inputs are in every one of the logs."""
     return [
@@ -171,25 +210,6 @@ def models_for(models: Mapping[str, Any], *logs: Data) -> list[str]:
         for model, entry in entries(models).items()
         if all(name in data.channels for data in logs for name in entry.inputs)
     ]
-
-
-def refuse_mixture(
-    first: Data, *others: Data, names: Sequence[str] = ("source", "p_target_unit")
-) -> None:
-    """Refuse logs that differ in attributes, or, by the name ``channels``, in these."""
-
-    def of(data: Data, name: str) -> Any:
-        return sorted(data.channels) if name == "channels" else data.attributes.get(name)
-
-    problems = [
-        f"{data.name}: {name} is {of(data, name)}, in {first.name} {of(first, name)}; use logs of "
-        "one kind"
-        for data in others
-        for name in names
-        if of(data, name) != of(first, name)
-    ]
-    if problems:
-        raise LogError("\n".join(problems))
 
 
 class RigSettings(Section):
@@ -222,7 +242,10 @@ def acquire(
 
 
 def trained_on(model: Any, data: Data, name: str, models: Mapping[str, Any] | None = None) -> Any:
-    """Return a fitted model that knows rate and units of its data, and them if it can learn on."""
+    """Return a fitted model that knows the sample rate and the units of its data.
+
+    It remembers the data too if it can learn online.
+    """
     model.sample_rate_hz_ = 1.0 / data.period_s
     model.units_ = np.array(data.units(entry_of(name, models).inputs), dtype=object)
     if model.learns_online():

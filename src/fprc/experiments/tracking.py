@@ -102,7 +102,8 @@ class Track(NamedTuple):
     def precompute(self, model: SequenceModel, inputs: np.ndarray) -> dict[str, Any]:
         """Return P_ff of a model for a whole reference, as ``SimulatedRig.follow`` takes it.
 
-        If the model learns, that is as it was trained, beside the one that learns.
+        If the model learns in the run, P_ff is that of the model as it was trained; ``online`` is
+        the one that learns, with its ``regressors``.
         """
         X = inputs[:, : model.n_features_in_]
         if not self.control.feedforward.adapt:
@@ -184,9 +185,11 @@ def columns_for(name: str, inputs: np.ndarray) -> np.ndarray:
 
 
 def tracking_errors(
-    bench: Track, model: SequenceModel | None, loops: Mapping[str, float],
+    bench: Track,
+    model: SequenceModel | None,
+    loops: Mapping[str, float],
     inputs: Mapping[str, np.ndarray] | None = None,
-) -> dict[str, dict[str, float]]:  # fmt: skip
+) -> dict[str, dict[str, float]]:
     """Return the RMSE with P_ff of one model, or none, over each reference of Table IV, deg.
 
     ``loops`` has by name what multiplies the gains of the feedback, or 0 without feedback;

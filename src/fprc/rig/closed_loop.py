@@ -33,7 +33,8 @@ def close_loop(
     has, for each sample, feedforward pressure, reference angle (NaN: none, and the pressure of PAM
     A follows the measured angle), and push on the reservoir. ``regressors`` of the readout have no
     columns if nothing is learned; else ``learned`` and ``covariance`` change in place, see
-    ``learn_step``. ``rows``, of ``SAMPLE``, are filled, the first of number ``tick``.
+    ``learn_step``. ``rows``, of ``SAMPLE``, are filled, the first of number ``tick``. The other
+    arguments are those of ``advance``.
     """
     control = settings[0]
     low, high = control.p_exp_limits_kpa

@@ -17,9 +17,16 @@ from fprc.registry import build, controllers, outside_classes
 
 
 def judge(
-    sweep: str, complex: str, errors: Sequence[str], fitted: Sequence[str], fits: Sequence[str],
-    predictions: Sequence[str], *, name: str, validation: comparison.CrossValidation,
-) -> None:  # fmt: skip
+    sweep: str,
+    complex: str,
+    errors: Sequence[str],
+    fitted: Sequence[str],
+    fits: Sequence[str],
+    predictions: Sequence[str],
+    *,
+    name: str,
+    validation: comparison.CrossValidation,
+) -> None:
     """Cross-validate one model on each log and test its best fold on the other.
 
     Writes for each of ``DIRECTIONS`` the errors, the model of the best fold, and its
@@ -40,9 +47,13 @@ def judge(
 
 
 def grid(
-    sweep: str, complex: str, cells: str, *, values: Mapping[str, Sequence[int | float]],
+    sweep: str,
+    complex: str,
+    cells: str,
+    *,
+    values: Mapping[str, Sequence[int | float]],
     validation: comparison.CrossValidation,
-) -> None:  # fmt: skip
+) -> None:
     """Cross-validate and test every cell of every grid, on logs that have no further seeds."""
     data = {"sweep": read_data(sweep), "complex": read_data(complex)}
     source, unit = data["sweep"].attributes["source"], data["sweep"].unit
@@ -51,9 +62,16 @@ def grid(
 
 
 def measure_times(
-    sweep: str, complex: str, times: str, times_over_n_c: str, *, models: Mapping[str, Any],
-    n_c: Sequence[int], repeats: int, seed: int,
-) -> None:  # fmt: skip
+    sweep: str,
+    complex: str,
+    times: str,
+    times_over_n_c: str,
+    *,
+    models: Mapping[str, Any],
+    n_c: Sequence[int],
+    repeats: int,
+    seed: int,
+) -> None:
     """Time training and test of every model on this machine.
 
     FPRC and Fuzzy-linear also over the number of rules (Fig. 10c).
@@ -81,9 +99,15 @@ def measure_times(
 
 
 def replicate(
-    compared: str, cells: str, measures: str, *, on_rig: RigSettings,
-    validation: comparison.CrossValidation, values: Mapping[str, Any], tracking: Tracking,
-) -> None:  # fmt: skip
+    compared: str,
+    cells: str,
+    measures: str,
+    *,
+    on_rig: RigSettings,
+    validation: comparison.CrossValidation,
+    values: Mapping[str, Any],
+    tracking: Tracking,
+) -> None:
     """Repeat all but the execution times with the seed of ``validation``, of the rig's noise too.
 
     Writes Tables II and III and the weights of Fig. 9 (``compared``), the grids of Figs. 10 and 11

@@ -14,9 +14,13 @@ from fprc.registry import feedforward_of, outside_classes
 
 
 def record(
-    raw: Sequence[str], *, signals: Mapping[str, Signal], control: Control, rig: Mapping[str, Any],
+    raw: Sequence[str],
+    *,
+    signals: Mapping[str, Signal],
+    control: Control,
+    rig: Mapping[str, Any],
     seed: int,
-) -> None:  # fmt: skip
+) -> None:
     """Record hysteresis experiments (Sec. II-B), each with its signal into its file."""
     for path, (experiment, signal) in zip(raw, signals.items(), strict=True):
         channels = acquire(experiment, signal, control, rig, seed)
@@ -29,9 +33,15 @@ def record(
 
 
 def track(
-    models: Sequence[str], raw: Sequence[str], *, tracking: Tracking, control: Control,
-    rig: Mapping[str, Any], seed: int, others: Mapping[str, Any],
-) -> None:  # fmt: skip
+    models: Sequence[str],
+    raw: Sequence[str],
+    *,
+    tracking: Tracking,
+    control: Control,
+    rig: Mapping[str, Any],
+    seed: int,
+    others: Mapping[str, Any],
+) -> None:
     """Follow references with controllers (Sec. IV), and write one raw log per run.
 
     The names of the ``raw`` logs say which runs they are. ``models`` are those of the controllers,

@@ -1,4 +1,5 @@
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -103,3 +104,5 @@ def test_settling_samples_do_not_count():
     y[:5] += 100.0
     assert settled_rmse(5)(model, X, y) > -0.1
     assert settled_rmse(4)(model, X, y) < -1.0
+    column = pd.DataFrame({"p_exp": y})  # not a difference of every row with every other
+    assert settled_rmse(4)(model, X, column) == settled_rmse(4)(model, X, y)

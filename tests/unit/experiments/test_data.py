@@ -6,7 +6,7 @@ import pytest
 from fprc.errors import LogError
 from fprc.evaluation import evaluate
 from fprc.experiments.comparison import CrossValidation, compare_models, evaluate_grids
-from fprc.experiments.data import Data, join, read_data, select_channels
+from fprc.experiments.data import Data, join, read_data, refuse_mixture, select_channels
 from fprc.logs import Columns, write_columns
 from fprc.logs.quality import other_quantity
 from fprc.registry import build
@@ -59,8 +59,16 @@ def test_logs_that_do_not_go_together_are_refused_with_every_reason():
         join(logs, 0.005)
     lines = str(caught.value).splitlines()
     assert [line.split(" is ")[0] for line in lines] == [
-        "b.h5: source", "b.h5: target", "c.h5: channels"
+        "b.h5: source", "b.h5: target", "c.h5: list of channels"
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("changed", [{"source": "sim"}, {"p_target_unit": "bar"}])
+def test_training_and_test_log_have_one_source_and_one_unit(changed):
+    train = recording(60, p_target_unit="kPa")
+    refuse_mixture(train, recording(60), recording(60, without=["p_o_kpa"], target="command"))
+    with pytest.raises(LogError, match=r"b\.h5.*a\.h5"):
+        refuse_mixture(train, recording(60, name="b.h5", **changed))
 
 
 def test_missing_input_is_refused():
