@@ -1,4 +1,4 @@
-"""Hysteresis of a soft bending actuator.
+"""Hysteresis of a soft bending actuator, simulated.
 
 Task: predict P_exp (target) from the present and earlier samples of theta and P_o (data), which are
 in the order of time. The paper's models are trained on the sweep and tested on the complex signal,

@@ -46,7 +46,8 @@ def save_model(model: SequenceModel, path: Path | str, classes: Collection[type]
     Raises
     ------
     FprcError
-        The model would not be read again: see ``load_model`` and docs/deploy.md.
+        The model would not be read again: the class of a part is neither of this package nor in
+        ``classes``, or what it learned is neither finite numbers nor text.
     """
     check_is_fitted(model)
     arrays = dict[str, np.ndarray]()
