@@ -16,7 +16,6 @@ import pandas as pd
 from fprc.errors import LogError
 from fprc.given import open_given
 from fprc.logs.columns import open_hdf5, refuse_absent
-from fprc.recordings.names import is_time
 
 #: Attributes of HDF5 and fields of a struct that hold a unit, and a label, as Simulink writes them.
 _UNITS = ("units", "unit", "Units", "Unit")
@@ -133,14 +132,14 @@ def _split(name: str, part: Column | str) -> Parts:
 def _joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:
     """Return the sums of columns side by side: seconds and nanoseconds, or days and times, in s."""
     joined = {}
-    for (name, (coarse, *_)), (fine, (parts, *_)) in pairwise(columns.items()):
+    for (name, (coarse, *_)), (fine, (parts, unit, *_)) in pairwise(columns.items()):
         if len(coarse) != len(parts) or len(parts) < 2:
             continue
         seconds = re.search(r"(?<![a-z])secs?$", name) and re.search(r"n(ano)?secs?$", fine)
         whole = 0.0 <= parts.min() <= parts.max() < 1e9 and np.ptp(parts) > 1e6
         if seconds or (whole and 1e9 < coarse[0] < 5e9):
             total = coarse + 1e-9 * parts
-        elif coarse[0] > 1e8 and not (coarse % 86400.0).any() and is_time(fine):
+        elif unit == "s" and parts[0] < 1e8 < coarse[0] and not (coarse % 86400.0).any():
             total = coarse[0] + parts  # which goes on at midnight
         else:
             continue

@@ -111,7 +111,7 @@ def _table_of(path: Path, lines: dict[int, str], notes: list[str], **layout: Any
         lines, below, header_line = worded, worded, None
         _, mark, width, begin = _locate(below, "\t")
     if not width:
-        raise LogError(f"{path}: no samples: no plain numbers below csv.header_line")
+        raise LogError(f"{path}: no samples: no line of numbers, or csv.header_line is past them")
     begin = data_line or begin
     rows: dict[int, list[str]] = {}
     odd: dict[int, str] = {}
