@@ -8,7 +8,7 @@ import platform
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -45,7 +45,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
             "writable, or choose another"
         ) from error
     finally:
-        if temporary.exists():
+        with suppress(OSError):  # there is none, or what is wrong is being said
             temporary.unlink()
 
 

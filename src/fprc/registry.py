@@ -171,10 +171,12 @@ def build(name: str, models: Settings, seed: int, **changed: Any) -> "SequenceMo
 def load_class(name: str, models: Settings) -> Any:
     """Import what makes a model; ConfigError names the key of an outside class that is no model."""
     path = entry_of(name, models).cls
+    # with a colon, the error of a module that cannot be imported comes through
+    place = ":".join(path.rsplit(".", 1))
     if name not in models.get("others", {}):
-        return resolve_name(path)
+        return resolve_name(place)
     try:
-        loaded = resolve_name(path)
+        loaded = resolve_name(place)
         if not issubclass(loaded, import_module("fprc.models").SequenceModel) or isabstract(loaded):
             raise TypeError("is no model")
     except Exception as error:  # the user's module may raise any error

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fprc.cli import parser
+from fprc.commands.parser import parser
 from fprc.config import Settings
 
 ROOT = Path(__file__).parents[2]

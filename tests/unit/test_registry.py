@@ -58,10 +58,12 @@ def test_name_of_a_model_must_not_be_read_as_a_controller_or_as_ours(name):
 
 
 @pytest.mark.parametrize(
-    "estimator",
-    ["nowhere.Model", f"{__name__}.Gone", f"{__name__}.Unfinished", "sklearn.linear_model.Ridge"],
-)
-def test_estimator_that_is_no_model_is_refused_by_its_key(settings, estimator):
+    ("estimator", "why"),
+    [("nowhere.Model", "No module named"), ("sklearn.nowhere.Model", "No module named"),
+     (f"{__name__}.Gone", "Gone"), (f"{__name__}.Unfinished", "no model"),
+     ("sklearn.linear_model.Ridge", "no model")],
+)  # fmt: skip
+def test_estimator_that_is_no_model_is_refused_by_its_key(settings, estimator, why):
     settings["models"]["others"]["taps_a"]["estimator"] = estimator
-    with pytest.raises(ConfigError, match=r"models\.others\.taps_a\.estimator"):
+    with pytest.raises(ConfigError, match=rf"models\.others\.taps_a\.estimator .*{why}"):
         load_class("taps_a", settings["models"])

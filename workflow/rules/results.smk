@@ -229,7 +229,9 @@ for target, why in PLAN.unavailable.items():
             "exit 1"
 
 
-# Snakemake itself says only that no rule makes a mistyped target
-for word in set(sys.argv[1:]) - {"all", *TARGETS, *PLAN.unavailable}:
-    for near in get_close_matches(word, TARGETS, n=1, cutoff=0.75):
-        print(f"{word}: did you mean {near}?", file=sys.stderr)
+# Snakemake itself says only that no rule makes a mistyped target. Options, their settings and files
+# are no targets.
+for word in sys.argv[1:]:
+    if word.isalnum() and word not in ("all", *TARGETS, *PLAN.unavailable):
+        for near in get_close_matches(word, TARGETS, n=1, cutoff=0.75):
+            print(f"{word}: did you mean {near}?", file=sys.stderr)

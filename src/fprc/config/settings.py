@@ -141,17 +141,20 @@ def _is_single(value: Any) -> Any:
     return value
 
 
+def _are_known(inputs: tuple[str, ...]) -> tuple[str, ...]:
+    if inputs not in ((ANGLE,), (ANGLE, "p_o_kpa")):
+        raise ValueError(f"{list(inputs)} must be [{ANGLE}] or [{ANGLE}, p_o_kpa]")
+    return inputs
+
+
 class Other(Section):
     """A model from outside this package; docs/extending.md shows one."""
 
     estimator: str = Field(pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)+$", description="module.Class")
-    inputs: tuple[str, ...] = Field((ANGLE,), description="its inputs, in the order of its columns")
+    inputs: Annotated[tuple[str, ...], AfterValidator(_are_known)] = Field((ANGLE,),
+        description="its inputs, in the order of its columns")
     settings: dict[str, Annotated[Any, AfterValidator(_is_single)]] = Field({},
         description="parameters of its constructor")
-
-    def _problems(self) -> Iterator[str]:
-        if self.inputs not in ((ANGLE,), (ANGLE, "p_o_kpa")):
-            yield f"inputs = {list(self.inputs)} must be [{ANGLE}] or [{ANGLE}, p_o_kpa]"
 
 
 class Models(Section):

@@ -35,7 +35,8 @@ def run_stage(job: Any) -> None:
         # what loads OpenMP later reads this; its threads would wait for those of other jobs
         os.environ["OMP_NUM_THREADS"] = "1"
         # first: the limit applies to loaded libraries only
-        stage = validate_call(resolve_name(f"fprc.{job.params.stage}"))
+        module, _, function = job.params.stage.rpartition(".")
+        stage = validate_call(resolve_name(f"fprc.{module}:{function}"))
         with threadpool_limits(1):
             stage(**arguments)
     except FprcError as error:

@@ -5,7 +5,8 @@ from importlib import import_module
 
 import pytest
 
-from fprc.cli import COMMANDS, main, parser
+from fprc.cli import main
+from fprc.commands.parser import COMMANDS, parser
 
 
 @pytest.mark.parametrize(("command", "run"), [row[:2] for row in COMMANDS])

@@ -71,7 +71,7 @@ NAN, INFINITY = float("nan"), float("inf")
      ("control.feedforward.limit_kpa", 501.0, ""),
      ("models", 3, ""), ("models", None, ""), ("rig", ["dry"], ""),
      ("models.others.mine", {"estimator": 5, "inputs": ["theta_deg"]}, ".estimator"),
-     ("models.others.mine", {"estimator": "a.B", "inputs": ["p_o_kpa"]}, ""),
+     ("models.others.mine", {"estimator": "a.B", "inputs": ["p_o_kpa"]}, ".inputs"),
      ("models.others.mine", {"inputs": ["theta_deg"]}, ".estimator"),
      ("models.others.mine", {"estimator": "a.B", "settings": {"a": [1]}}, ".settings.a"),
      ("models.others.mine", {"estimator": "a.B", "settings": {"a": NAN}}, ".settings.a")],
@@ -100,6 +100,11 @@ def test_values_that_do_not_go_together_are_refused(key, value, named):
     assert named in refused(key, value)
 
 
+def test_unsafe_values_are_refused_beside_other_errors():
+    limits, theta = {"p_exp_kpa": [10.0, 400.0], "stale_s": 99.0}, {"gain": 0.05, "bus": 99}
+    assert len(refused("hardware", {"limits": limits, "theta": theta}).splitlines()) == 5
+
+
 def test_seeds_that_a_fit_saw_judge_no_claim():
     with pytest.raises(ConfigError, match="21"):
         check({"rig": "dry", "evaluation": {"replicate_seeds": [101, 21]}})
@@ -120,14 +125,14 @@ def test_squeeze_lags_by_its_damping_over_its_stiffness():
         ({"valves": {"neutral_v": 5.0, "vent_v": 5.0}}, "valves", "vent_v"),
         ({"valves": {"neutral_v": 4.5, "vent_v": 2.6}}, "valves", "vent_v"),
         # limits that leave out a vented chamber
-        ({"limits": {"p_exp_kpa": (0.0, 400.0)}}, "", "limits.p_exp_kpa"),
-        ({"limits": {"p_i_kpa": (-90.0, -10.0)}}, "", "limits.p_i_kpa"),
+        ({"limits": {"p_exp_kpa": (0.0, 400.0)}}, "limits.p_exp_kpa", "(0.0, 400.0)"),
+        ({"limits": {"p_i_kpa": (-90.0, -10.0)}}, "limits.p_i_kpa", "begin below 0"),
         # a sensor that would hide a fault
         ({"p_exp": {"zero_v": 0.0}}, "", "p_exp: with a broken cable"),
         ({"p_exp": {"gain_kpa_per_v": 100.0}}, "", "p_exp: at its full 5 V it reads 400"),
         ({"p_o": {"zero_v": 3.5}}, "", "p_o: at its full 5 V"),
         ({"p_exp": {"gain_kpa_per_v": 2.5}}, "p_exp.gain_kpa_per_v", ""),
-        ({"theta": {"gain": 0}}, "theta", "gain"),
+        ({"theta": {"gain": 0.05}}, "theta.gain", "0.05"),
         ({"phi": {"address": 0x12}}, "", "0x12"),
         # wiring and names
         ({"boards": {"main_output": 5, "heartbeat_output": 5}}, "boards", "output"),

@@ -25,7 +25,7 @@ def run(tmp_path, monkeypatch):
     """Run a function as the stage of a job; return the job's log."""
 
     def call(stage):
-        monkeypatch.setattr(runner, "resolve_name", {"fprc.loops.draw": stage}.__getitem__)
+        monkeypatch.setattr(runner, "resolve_name", {"fprc.loops:draw": stage}.__getitem__)
         params = SimpleNamespace(stage="loops.draw")
         params.items = {"stage": "loops.draw", "quiet_s": 12.0, "code": "0123"}.items
         log = tmp_path / "fig99.log"
