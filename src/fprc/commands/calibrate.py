@@ -26,11 +26,12 @@ def calibrate_from_files(
     """Fit the simulated rig to what the paper prints and claims."""
     settings = from_files(files).model_dump(mode="json")
     refuse_output(ensemble or out, ".json" if ensemble else ".yaml")
-    how = {"validation": validation(settings), "tracking": settings["tracking"]}
-    given = read_yaml(PUBLISHED), RigSettings(**on_rig(settings)), settings["calibration"]
     alone = parallel_config("loky", n_jobs=-1, inner_max_num_threads=1)
     with threadpool_limits(1), alone, Parallel() as pool:
-        fit = Fit(*given, pool, **how)
+        fit = Fit(
+            read_yaml(PUBLISHED), RigSettings(**on_rig(settings)), settings["calibration"], pool,
+            validation=validation(settings), tracking=settings["tracking"],
+        )  # fmt: skip
         if ensemble:
             note = "Written by `fprc calibrate` --ensemble"
             write_json(ensemble, {"note": note, **fit.ensemble(MEMBERS)})

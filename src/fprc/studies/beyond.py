@@ -193,8 +193,11 @@ def models_page(table: pd.DataFrame) -> pd.DataFrame:
     ranked = _with_text(table).set_index("model").loc[forward].reset_index()
     headings = {words[0].upper() + words[1:]: measure for measure, words in MEASURES.items()}
     page = wide(ranked, {"model": "Model"}, "measure", headings)
-    units = ranked.groupby("model", sort=False)["units"].unique().map(sorted)
-    words = [" to ".join(map(str, dict.fromkeys((of[0], of[-1])))) for of in units]
+    units = ranked.groupby("model", sort=False)["units"].agg(["min", "max"])
+    words = [
+        f"{least} to {most}" if least < most else f"{most}"
+        for least, most in units.itertuples(index=False)
+    ]
     return page.assign(Model=page["Model"].map(model_title), Units=words)
 
 

@@ -127,8 +127,9 @@ def draw_errors(table: pd.DataFrame, figure: Sequence[str]) -> None:
     table = table.assign(offset=pd.to_numeric(offsets)).dropna(subset="offset")
     runs = table.set_index(["family", "loop", "model", "learns"]).sort_index()
     names = table["family"].unique()[:3]
-    size, shared = (style.PAGE_IN, 3.6), {"sharex": True, "sharey": True, "squeeze": False}
-    fig, axes = style.figure(2, len(names), *size, **shared)
+    fig, axes = style.figure(
+        2, len(names), style.PAGE_IN, 3.6, sharex=True, sharey=True, squeeze=False
+    )
     looks = {False: (" as trained", "o", "0.55", ":"), True: (", learning", "s", "black", "--")}
     for ax, (loop, name) in zip(axes.flat, product(LOOPS, names), strict=True):
         for learns, (words, marker, colour, _) in looks.items():

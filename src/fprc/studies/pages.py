@@ -135,7 +135,9 @@ def _verdicts(judged: Mapping[str, Any]) -> str:
     parts = []
     for kind, what in KINDS.items():
         claims = [claim for claim in judged["claims"] if claim["rig"] == kind]
-        parts += [f"### {kind.capitalize()}: {what}\n"] if claims else []
+        if not claims:
+            continue
+        parts.append(f"### {kind.capitalize()}: {what}\n")
         for claim in claims:
             text, of = claim["claim"].replace("+-", "±"), claim["statements"]
             deciding = (found for found in of if found["verdict"] == claim["verdict"])
@@ -148,5 +150,5 @@ def _verdicts(judged: Mapping[str, Any]) -> str:
                 f"- **{claim['id']}, {claim['verdict']}.** {text[:1].upper()}{text[1:]}. "
                 f"*{found['text']}: {mean}{interval}, limit {found['limits']}{more}{rigs}.*"
             )
-        parts += [""] if claims else []
+        parts.append("")
     return "\n".join([*parts, judged["note"]])

@@ -10,6 +10,7 @@ correct them.
 import logging
 import math
 import textwrap
+import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
@@ -131,6 +132,7 @@ class Fit:
         plan = [(count, self.calibration["rounds"], _FEW) for count in counts[:-1]]
         plan.append((1, self.calibration["last_rounds"], self.calibration["full_seeds"]))
         total, done = sum(count * rounds for count, rounds, _ in plan), 0
+        begun = time.monotonic()
         losses, running = [math.inf] * len(points), [*range(len(points))]
         for count, rounds, full_seeds in plan:
             running = sorted(running, key=lambda k: losses[k])[:count]
@@ -142,8 +144,9 @@ class Fit:
                     before, losses[k], points[k] = self.round(begun_at, seed, full_seeds)
                     known.append((before, begun_at))
                     done += 1
-                    log.info("round %d of %d, search %d: misfit %.0f, then %.0f",
-                             done, total, k + 1, before, losses[k])  # fmt: skip
+                    left = (time.monotonic() - begun) / done * (total - done) / 60.0
+                    log.info("round %d of %d, search %d: misfit %.0f, then %.0f, %.0f min left",
+                             done, total, k + 1, before, losses[k], left)  # fmt: skip
         if full := self.full(points[k], full_seeds):
             known.append((self.loss(full), points[k]))
         return min(known, key=lambda pair: pair[0])[1]
@@ -181,6 +184,8 @@ class Fit:
                 "the best rig cannot be simulated with other noise; choose another calibration.seed"
             )
         shares, brief = dict(zip(self.ranges, found, strict=True)), in_brief(full, self.printed)
+        for key, share in brief.items():
+            log.info("%s: %.1f %% off print, at most %.0f", key, 100 * share, 100 * LIMITS[key])
         return parameter_file(name, self.rig_at(found), self.calibration, shares, brief)
 
     def ensemble(self, count: int) -> dict[str, Any]:
