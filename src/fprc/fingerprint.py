@@ -15,7 +15,7 @@ from fprc.registry import COMPETITORS, load_class
 
 #: Files and folders that make tables, figures, claims and pages of results.
 SHOWS = """claims config/published.yaml escape.py figures stages/draw.py
-    stages/report.py stages/tabulate.py stages/*.j2 stages/*.yaml studies/beyond.py
+    stages/report.py stages/tabulate.py stages/*.j2 studies/beyond.py
     studies/online.py studies/pages.py studies/verdicts.py tables""".split()
 #: Those of what no rule of the paper runs, or what only passes on files and settings.
 ELSEWHERE = """__init__.py __main__.py apparatus cli.py commands config datasets.py errors.py

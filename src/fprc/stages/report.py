@@ -21,11 +21,11 @@ from fprc.artifacts import commit_of, versions, write_text
 from fprc.claims.ledger import holding
 from fprc.config import Settings
 from fprc.escape import in_words, typeset
-from fprc.given import read_json, read_yaml
+from fprc.given import read_json
 from fprc.paper import SOURCES
 from fprc.plan import title_of_result
 
-#: Folder of the page's templates and of the figures' captions.
+#: Folder of the page's templates.
 _HERE = Path(__file__).parent
 
 #: Settings whose differences from the defaults are not announced.
@@ -39,19 +39,18 @@ def write_report(
     html: str,
     *,
     sources: Sequence[str],
-    captions: Mapping[str, str],
+    caption_of: Mapping[str, str],
     missing: Mapping[str, str],
     settings: Mapping[str, Any],
 ) -> None:
     """Write claims, tables, figures and settings to one self-contained page.
 
     ``ledger`` is empty if no claims were judged; tables are JSON, figures PNG. ``sources`` are
-    those of the figures' data; ``captions`` of rules replace those of ``captions.yaml``;
-    ``missing`` has the results that the data do not allow, with reasons.
+    those of the figures' data, ``caption_of`` has the captions by target, ``missing`` the results
+    that the data do not allow, with reasons.
     """
-    folder, known = Path(html).parent, read_yaml(_HERE / "captions.yaml")
-    captions = known | {target: caption for target, caption in captions.items() if caption}
-    shown = [_figure(*drawn, captions, folder) for drawn in zip(figures, sources, strict=True)]
+    folder = Path(html).parent
+    shown = [_figure(*drawn, caption_of, folder) for drawn in zip(figures, sources, strict=True)]
     pages = {Path(page).stem: _page(page, settings["fitted"]["to"], folder) for page in tables}
     # a table of one seed is folded up below the same one over seeds
     for name in [name for name in pages if f"{name}_seeds" in pages]:
@@ -136,21 +135,28 @@ def _page(path: str, fitted_to: Sequence[str], folder: Path) -> dict[str, Any]:
         "kind": "half fitted" if mixed else next(iter(kinds.values()), ""),
         "rows": kinds if mixed else {},
         "note": table["note"][:1].upper() + table["note"][1:],
+        "name": "",
         "one_seed": None,
         **_origin(path, folder, ".csv", ".tex"),
     }
 
 
-def _figure(picture: str, source: str, captions: Mapping[str, str], folder: Path) -> dict[str, Any]:
+def _figure(
+    picture: str, source: str, caption_of: Mapping[str, str], folder: Path
+) -> dict[str, Any]:
     origin = _origin(picture, folder, ".csv", ".pdf")
+    # sine_0p2 reads sine 0.2 Hz
+    name = re.sub(r"(\d)p(\d)", r"\1.\2 Hz", Path(picture).stem.partition("_")[2])
+    name = re.sub(r"\b(esn|fprc)\b", lambda match: match[0].upper(), name.replace("_", " "))
     with Image.open(picture) as image:
         size = image.size
     return {
         "anchor": origin["target"],
         "short": title_of_result(origin["target"]),
+        "name": f", {name}",
         "png": base64.b64encode(Path(picture).read_bytes()).decode(),
         "size": size,
-        "caption": captions[origin["target"]],
+        "caption": " ".join(caption_of.get(origin["target"], "").split()),
         "data": SOURCES.get(source, "drawing, no data"),
         **origin,
     }

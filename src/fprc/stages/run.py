@@ -15,7 +15,7 @@ log = logging.getLogger("fprc")
 
 #: Inputs, outputs and params of a rule that are not arguments of its stage. ``made_from`` are
 #: intermediate files: as inputs they prevent stale numbers after a failed job.
-_NOT_ARGUMENTS = ("stage", "code", "caption", "made_from")
+_NOT_ARGUMENTS = ("stage", "code", "captions", "made_from")
 
 
 def run_stage(job: Any) -> None:

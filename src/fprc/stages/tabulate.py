@@ -117,10 +117,10 @@ def tabulate_seeds(results: Results, seeds: Sequence[str], feedback: str) -> Non
     """Tables II, III and IV over further seeds; ``feedback`` in words."""
     reports = results.replicates
     two, three, four = np.array_split(seeds, 3)
-    about = (
-        f"mean and its 95 % interval over {len(reports)} further seeds.\n"
-        f"Data: {SOURCES[reports[0]['source']]}"
-    )
+    over = f"mean and its 95 % interval over {len(reports)} further seeds"
+    if len(reports) == 1:
+        over = "one further seed"
+    about = f"{over}.\nData: {SOURCES[reports[0]['source']]}"
     errors = [entry for report in reports for entry in report["models"]]
     for (trained_on, title), files in zip(_TITLES.items(), (two, three), strict=True):
         table = _comparison([entry for entry in errors if entry["trained_on"] == trained_on])

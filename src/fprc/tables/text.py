@@ -34,7 +34,7 @@ def spread(mean: float, std: float | None) -> str:
 
 def format_mean(row: Mapping[str, Any], name: str) -> str:
     """Format a mean with its interval if it has one, else with its standard deviation."""
-    if "low" in row:
+    if pd.notna(row.get("low")):  # a single value has none
         return within(row[name], row["low"], row["high"])
     return spread(row[name], row.get("std"))
 

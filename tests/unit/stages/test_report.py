@@ -15,7 +15,6 @@ import fprc
 from fprc.artifacts import write_json
 from fprc.config import Settings
 from fprc.escape import typeset
-from fprc.given import read_yaml
 from fprc.stages import report
 from fprc.stages.report import write_report
 from fprc.tables.text import write_table
@@ -93,7 +92,7 @@ class Project:
         target = self.folder / "report.html"
         write_report(
             self.ledger, self.tables, self.figures, str(target), sources=self.sources,
-            captions=self.captions, missing=self.missing, settings=self.settings,
+            caption_of=self.captions, missing=self.missing, settings=self.settings,
         )  # fmt: skip
         return target.read_text(encoding="utf-8")
 
@@ -214,7 +213,7 @@ def test_table_of_a_simulated_rig_says_whether_it_was_fitted_to(
 
 
 def test_tables_and_figures_are_shown_with_their_notes_captions_and_files(project):
-    project.captions = {"fig4": "", "fig6": "What a rule says."}
+    project.captions = {"fig4": "Loops of\n  P_o.", "fig6": "A drawing."}
     page = project.page()
     assert page.texts("h3") == ["Table IV. Tracking", "Table I. Settings"]
     assert "Pff alone." in page.texts("p", **{"class": "note"})
@@ -224,14 +223,13 @@ def test_tables_and_figures_are_shown_with_their_notes_captions_and_files(projec
     ]  # fmt: skip
     assert [figure["id"] for figure in page.all("figure")] == ["fig4", "fig6", "fig12"]
     captions = page.texts("figcaption")
-    known = read_yaml(Path(report.__file__).parent / "captions.yaml")
-    known["fig6"] = project.captions["fig6"]
-    assert captions[0].startswith(f"Fig. 4. {known['fig4'][:40]}")
-    for figure, image, picture in zip(
-        page.all("figure"), page.all("img"), project.figures, strict=True
-    ):
+    assert captions[0].startswith("Fig. 4. Loops of Po.")
+    shown = [*page.texts("ul", **{"class": "links"})[-1].split("Fig. ")[1:]]
+    assert shown == ["4, name ", "6, name ", "12, name"]
+    alternatives = ["Loops of P_o.", "A drawing.", ""]
+    for image, picture, text in zip(page.all("img"), project.figures, alternatives, strict=True):
         kind, _, data = image["src"].partition(",")
-        assert (kind, image["alt"]) == ("data:image/png;base64", known[figure["id"]])
+        assert (kind, image["alt"]) == ("data:image/png;base64", text)
         assert base64.b64decode(data, validate=True) == Path(picture).read_bytes()
     assert "simulated rig, not hardware" in captions[0]
     assert "drawing, no data" in captions[1]

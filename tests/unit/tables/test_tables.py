@@ -208,13 +208,14 @@ def test_tables_name_their_data_and_failed_checks(tables):
     half = {"log": "tuesday.h5", "checks": {"complete": cut}}
     checked = [{"recordings": [whole]}, {"recordings": [whole, half]}]
     of_models = tables.of_models(*REPORTS, quality=checked)
-    # one seed has no deviation
+    # one seed has neither deviation nor interval
     of_seeds = tables.over_seeds(REPLICATES[:1], CONTROLS[:1])
     for _, page, note in (*of_models, *of_seeds):
         assert "simulated rig, not hardware" in note
         assert "monday.h5" not in note
         shown = re.findall(r"\w+", f"{page.to_csv()} {note}".lower())
         assert not {"nan", "none"} & set(shown)
+        assert "( to )" not in page.to_csv()
     for _, _, note in of_models:
         assert "tuesday.h5: complete: the computer went off" in note
 
