@@ -1,7 +1,6 @@
 """Figures 4 and 5; 9, the weights of FPRC; the closed loops, Table IV and Figs. 12 to 17."""
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -165,11 +164,14 @@ def draw_loops(
         table = tracking.beside_print(tracking.errors(logs)[columns])
         write_table(table, tracking.page(table), note, *table4, title=tracking.TITLE)
     by_run = {(run.attributes["reference"], run.attributes["controller"]): run for run in logs}
-    shown = [by_run[run] for run in product(REFERENCES, ("fprc", "fprc_pd")) if run in by_run]
-    for number, reference in enumerate(REFERENCES, start=12):
-        if f"fig{number}" in figures:
-            pair = by_run[reference, "fprc"], by_run[reference, "fprc_pd"]
-            _draw_following(pair, shown, figures[f"fig{number}"])
+    pairs = {
+        f"fig{number}": [by_run[reference, loop] for loop in ("fprc", "fprc_pd")]
+        for number, reference in enumerate(REFERENCES, start=12)
+        if f"fig{number}" in figures
+    }
+    shown = [run for pair in pairs.values() for run in pair]
+    for name, pair in pairs.items():
+        _draw_following(pair, shown, figures[name])
     if "fig16" in figures:
         _draw_against_reference(by_run, figures["fig16"])
     if "fig17" in figures:

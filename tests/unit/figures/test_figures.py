@@ -242,12 +242,14 @@ def run_of(reference, controller, offset):
     return Columns(Path(f"{reference}_{controller}"), channels, SIMULATED | attributes)
 
 
-def test_figs_12_to_17_show_the_errors_and_signals_of_their_runs(figures, place, monkeypatch):
+# the runs of a figure that is not made widen no axes
+@pytest.mark.parametrize("last", [14, 15])
+def test_figs_12_to_17_show_the_errors_and_signals_of_their_runs(figures, place, monkeypatch, last):
     names = [(name, loop) for name in REFERENCES for loop in ("fprc", "fprc_pd")]
     names += [(name, "pd") for name in LOOPS] + [("disturbance", "fprc_pd")]
     logs = {name: run_of(*name, offset=1.0 + k) for k, name in enumerate(names)}
     monkeypatch.setattr(draw, "read_each", lambda read, paths: list(logs.values()))
-    numbers = (*range(12, 16), 17)
+    numbers = (*range(12, last + 1), 17)
     files = {f"fig{n}": [*PICTURES, place(f"fig{n}.csv")] for n in numbers} | {"fig16": PICTURES}
     limits = Settings().quality
     more = {"left_out": [], "limits": limits, "feedback": "", "quiet_s": 20.0}
@@ -265,7 +267,7 @@ def test_figs_12_to_17_show_the_errors_and_signals_of_their_runs(figures, place,
         for ax, number in zip(axes[:2, 0], rmse, strict=True):
             assert f"{number:.2f} deg" in ax.get_title(loc="right")
         # the ranges are those of all runs
-        limit = 1.05 * 8.0 * np.abs(cosine).max()
+        limit = 1.05 * 2 * (last - 11) * np.abs(cosine).max()
         assert axes[2, 0].get_ylim() == pytest.approx((-limit, limit))
         assert axes[4, 0].get_ylim() == pytest.approx((-1.05, 1.05), abs=0.01)
         closed = logs[REFERENCES[k], "fprc_pd"].channels
