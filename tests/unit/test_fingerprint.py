@@ -43,7 +43,7 @@ COMPUTING = {"shared", "studies", *MODELS}
     ("name", "expected"),
     [("models/esn.py", {"esn"}), ("models/fprc.py", {"fprc", "fuzzy_linear"}),
      ("models/competitors.py", set()), ("models/features.py", COMPUTING),
-     ("rig/mechanics.py", COMPUTING), ("stages/models.py", COMPUTING),
+     ("rig/mechanics.py", COMPUTING), ("signals.py", COMPUTING), ("stages/models.py", COMPUTING),
      ("stages/draw.py", {"shows"}), ("figures/style.py", {"shows"}),
      ("studies/family.py", {"studies"}),
      ("studies/beyond.py", {"shows"}), ("commands/files.py", set())],

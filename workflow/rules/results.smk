@@ -87,7 +87,7 @@ rule draw_loops:
         f"{RESULTS}/logs/draw_loops.log",
     params:
         stage="stages.draw.draw_loops",
-        code=SHOWS,
+        code=[computes(), SHOWS],  # logs that were recorded elsewhere are not made again
         left_out=[run for run in PLAN.every_run if run not in PLAN.contents],
         limits=SETTINGS["quality"],
         feedback=plan.feedback_in_words(SETTINGS),
