@@ -126,7 +126,7 @@ def test_every_file_that_cannot_be_read_is_named(write_log, tmp_path):
         there(tmp_path)
     first, second = str(caught.value).splitlines()
     assert first.startswith(f"{tmp_path / 'sweep.h5'}: not a log in HDF5")
-    assert second.startswith(f"{tmp_path / 'complex.h5'}: attribute notes: Invalid JSON")
+    assert second.startswith(f"{tmp_path / 'complex.h5'}: attribute notes: must hold a JSON")
 
 
 def test_logs_are_listed_in_the_order_of_the_plan(write_log, tmp_path):

@@ -33,12 +33,9 @@ def run(
 ) -> str:
     """Run one experiment and write its raw log."""
     settings = from_files(config).model_dump(mode="json")
-    references, laws = settings["tracking"]["references"], registry.controllers(settings["models"])
-    names = [*EXPERIMENTS, *(run_log(reference, law) for reference in references for law in laws)]
     if name == "list":
-        return "\n".join(names) + "\n"
-    if name not in names:
-        raise ConfigError(f"no experiment {name}; must be one of {', '.join(names)}")
+        return "\n".join(_names(settings)) + "\n"
+    _refuse_unknown(name, settings)
     folders = settings["folders"]
     trained = f"{folders['results']}/models/sweep_{registry.model_of_run(name)}.h5"
     model = model or (trained if Path(trained).exists() else "")
@@ -69,6 +66,16 @@ def record(
     guard({"what": "run", "settings": dict(settings), "run": run})
 
 
+def _names(settings: Mapping[str, Any]) -> list[str]:
+    references, laws = settings["tracking"]["references"], registry.controllers(settings["models"])
+    return [*EXPERIMENTS, *(run_log(reference, law) for reference in references for law in laws)]
+
+
+def _refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:
+    if name not in (known := _names(settings)):
+        raise ConfigError(f"no experiment {name}; must be one of {', '.join(known)}")
+
+
 class Experiment(NamedTuple):
     """Experiment on the real rig, and what its log has."""
 
@@ -82,10 +89,11 @@ class Experiment(NamedTuple):
 def plan(name: str, settings: Mapping[str, Any], model: str = "") -> Experiment:
     """Return the experiment of that name, with the model in a file if it needs one.
 
-    FprcError: its commands are beyond ``hardware.limits``, or its reference is impossible; the
-    model is missing, was changed, is another than the experiment's, or was trained at another rate
-    or in other units.
+    FprcError: there is no such experiment, its commands are beyond ``hardware.limits``, or its
+    reference is impossible; the model is missing, was changed, is another than the experiment's, or
+    was trained at another rate or in other units.
     """
+    _refuse_unknown(name, settings)
     control, extra, hint = Control(**settings["control"]), tuple[str, ...](), ""
     if name in EXPERIMENTS:
         signal = Signal(**settings["experiments"][name])

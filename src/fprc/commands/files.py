@@ -68,7 +68,7 @@ def repair(source: str, *, out: str) -> int:
         write_raw(out, channels, **attributes)
     except (TypeError, ValueError) as error:  # of what was forged
         raise LogError(f"{source}: what it says of the run fits no log ({error})") from error
-    reason = attributes.get("incomplete_reason", "nothing is lost")
-    print(f"{out}: {samples} samples from {source}; {reason}")
     whole = closed and not attributes["lost_samples"]
+    said = [f"{out}: {samples} samples from {source}", attributes.get("incomplete_reason", "")]
+    print("; ".join(filter(None, [*said, "nothing is lost" if whole else ""])))
     return 0 if whole else 3

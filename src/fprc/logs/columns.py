@@ -9,12 +9,12 @@ from typing import Annotated, Any, NamedTuple
 
 import h5py
 import numpy as np
-from pydantic import ConfigDict, Field, FiniteFloat, Json, Strict, TypeAdapter, ValidationError
+from pydantic import BeforeValidator, ConfigDict, Field, Strict, TypeAdapter, ValidationError
 
 from fprc.artifacts import replacing
 from fprc.channels import unit_of
 from fprc.errors import LogError
-from fprc.given import open_given
+from fprc.given import open_given, parse_object
 
 #: Largest magnitude of a sample, in any unit; its square does not overflow.
 LARGEST = 1e10
@@ -28,24 +28,36 @@ _IN_MEMORY: dict[str, Any] = {
     "meta_block_size": 1,
 }
 
+
+def _object(text: Any) -> dict[str, Any]:
+    try:
+        content = parse_object(text)
+        json.dumps(content, allow_nan=False)  # refuses NaN and infinity
+    except (ValueError, TypeError, RecursionError) as error:
+        raise ValueError(f"must hold a JSON object ({error!s:.200})") from error
+    return content
+
+
 #: Type of each known attribute. ``units`` belongs to a channel, all others to the file.
-_TEXT = Annotated[str, Strict(False)]  # of other programs also bytes
+_TEXT = Annotated[str, Strict(False)]  # also bytes
 _KINDS: dict[str, Any] = {
     **dict.fromkeys(("experiment", "source", "software", "started", "units"), _TEXT),
     **dict.fromkeys(("controller", "reference", "model", "model_file", "model_sha256"), _TEXT),
     **dict.fromkeys(("incomplete_reason", "imported_from", "imported_sha256"), _TEXT),
-    **dict.fromkeys(("settle_s", "imported_start_s"), FiniteFloat),
-    "sample_rate_hz": Annotated[FiniteFloat, Field(gt=0.0)],
+    **dict.fromkeys(("settle_s", "imported_start_s"), float),
+    "sample_rate_hz": Annotated[float, Field(gt=0.0)],
     **dict.fromkeys(("seed", "lost_samples"), int),
-    **dict.fromkeys(("rig", "recordings", "map"), Json[dict[str, Any]]),
-    "statistics": Json[dict[str, int | FiniteFloat | None]],
-    "notes": Json[dict[str, str]],
+    **dict.fromkeys(
+        ("rig", "statistics", "recordings", "map"),
+        Annotated[dict[str, Any], BeforeValidator(_object)],
+    ),
+    "notes": Annotated[dict[str, str], BeforeValidator(_object)],
     "complete": bool,
 }
 #: What parses them, and those of other programs, of which plain ones are kept.
-_STRICT = ConfigDict(strict=True)
+_STRICT = ConfigDict(strict=True, allow_inf_nan=False)
 _KNOWN = {name: TypeAdapter[Any](kind, config=_STRICT) for name, kind in _KINDS.items()}
-_OTHER = TypeAdapter[Any](_TEXT | bool | int | FiniteFloat, config=_STRICT)
+_OTHER = TypeAdapter[Any](_TEXT | bool | int | float, config=_STRICT)
 
 
 class Columns(NamedTuple):
@@ -142,16 +154,25 @@ def read_columns(
     return Columns(Path(path), channels, valid, present)
 
 
+def read_attributes(path: Path | str) -> dict[str, Any]:
+    """Return the attributes of a log that are as they must be; LogError as ``read_columns``."""
+    with _opened(Path(path)) as file:
+        return _attributes(file.attrs)[0]
+
+
 def _attributes(holder: h5py.AttributeManager) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the valid attributes of a file or dataset, and what is wrong with known ones."""
     valid, wrong = {}, {}
     for name in holder:
-        stored = np.squeeze(holder[name]).tolist()
         try:
+            stored = np.squeeze(holder[name]).tolist()
+            if isinstance(stored, str):
+                stored = stored.encode("utf-8", "surrogateescape")  # as it is in the file
             valid[name] = _KNOWN.get(name, _OTHER).validate_python(stored)
-        except ValidationError as error:
+        except (ValidationError, TypeError) as error:  # TypeError: numpy has no such type
             if name in _KNOWN:
-                wrong[name] = error.errors()[0]["msg"]
+                why = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
+                wrong[name] = why.removeprefix("Value error, ")
     return valid, wrong
 
 

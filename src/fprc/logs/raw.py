@@ -11,7 +11,7 @@ from fprc import __version__
 from fprc.channels import RAW_CHANNELS, TARGETS, needed_by
 from fprc.errors import LogError
 from fprc.escape import in_words
-from fprc.logs.columns import Columns, read_columns, write_columns
+from fprc.logs.columns import Columns, read_attributes, read_columns, write_columns
 from fprc.paper import SOURCES
 
 #: Prefix of the experiment names of closed-loop runs.
@@ -51,7 +51,12 @@ def read_raw(
         P_exp; a log of the real rig all channels but ``phi_deg``; a closed-loop run also
         ``TRACKING_CHANNELS`` and ``RUN_ATTRIBUTES``.
     """
-    attributes = read_columns(path, ()).attributes
+    attributes = read_attributes(path)
+    if attributes.keys().isdisjoint(RAW_ATTRIBUTES):
+        raise LogError(
+            f"{path}: is no raw log, see data/raw/README.md; `fprc import` makes one from a "
+            "recording of another program"
+        )
     if "p_target_unit" in attributes:
         raise LogError(
             f"{path}: is preprocessed; give the raw log of the same name, which `fprc readout` and "

@@ -34,6 +34,12 @@ def test_every_name_can_be_planned_and_only_the_disturbance_asks_to_push(setting
         assert bool(experiment.hint) is name.startswith("track_disturbance_")
 
 
+@pytest.mark.parametrize("name", ["sweep2", "track_sine_0p2_esn"])
+def test_experiment_that_is_none_is_refused(settings, fprc_file, name):
+    with pytest.raises(ConfigError, match="must be one of sweep, complex, track_"):
+        plan(name, settings, fprc_file)
+
+
 @pytest.mark.parametrize("sensor", ["p_exp_kpa", "p_i_kpa"])
 @pytest.mark.parametrize("name", ["sweep", "track_sine_0p2_pd"])
 def test_command_beyond_the_limit_of_its_reading_is_refused_before_the_rig_moves(

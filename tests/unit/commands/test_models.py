@@ -111,7 +111,7 @@ def test_logs_of_the_same_name_train_together(
         (["train", "LOG", "LOG", "--out", "m.h5"], "given twice"),
         (["train", "DATA", "--out", "m.h5"], "is preprocessed; give the raw log"),
         (["train", "LOG", "--model", "fpcr", "--out", "m.h5"], "use esn, fprc or fuzzy_linear"),
-        (["train", "MODEL", "--out", "m.h5"], "time_s: missing; the file has 'model'"),
+        (["train", "MODEL", "--out", "m.h5"], "is no raw log"),
         (["predict", "precious.h5", "LOG", "--out", "p.csv"], "precious.h5: holds no model"),
         (["predict", "LOG", "LOG", "--out", "p.csv"], "holds no model"),
         (["predict", "none.h5", "LOG", "--out", "p.txt"], "must end in .csv"),

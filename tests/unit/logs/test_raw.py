@@ -131,8 +131,9 @@ def test_problems_of_channels_and_attributes_are_reported_together(write_log):
     path = write_log()
     with h5py.File(path, "r+") as file:
         del file.attrs["seed"]
+        file.attrs["complete"] = "no"
         file["theta_deg"].attrs["units"] = "rad"
         del file["p_o_kpa"]
     message = problem(path)
-    for part in ("theta_deg: units", "p_o_kpa", "seed"):
+    for part in ("theta_deg: units", "p_o_kpa", "seed", "complete"):
         assert part in message
