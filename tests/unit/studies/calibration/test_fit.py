@@ -90,6 +90,29 @@ def test_ranges_that_no_rig_can_have_are_refused(settings, monkeypatch):
         Fit(PRINTED, **settings).rig_file("mine")
 
 
+@pytest.mark.parametrize(("last", "best"), [(None, 2.0), (9.0, 2.0), (1.0, 1.0)])
+def test_better_half_goes_on_and_what_full_models_find_best_is_returned(
+    settings, monkeypatch, caplog, last, best
+):
+    """A point is its own loss, which a round lowers by 1; one start is impossible."""
+
+    def search(self, point, seed, full_seeds):
+        return point[0], point[0] - 1.0, point - 1.0
+
+    monkeypatch.setattr(Fit, "round", search)
+    monkeypatch.setattr(Fit, "full", lambda *_: None if last is None else [last])
+    monkeypatch.setattr(Fit, "loss", lambda _, judged: judged[0])
+    calibration = settings["calibration"] | {"rounds": 1, "last_rounds": 2}
+    starts = [np.array([loss]) for loss in (9.0, np.inf, 5.0, 7.0)]
+    with caplog.at_level("INFO"):
+        found = Fit(PRINTED, **settings | {"calibration": calibration}).knockout(starts)
+    assert found == [best]
+    rounds = [record.args for record in caplog.records]
+    assert [of[:2] for of in rounds] == [(done, 8) for done in range(1, 9)]
+    assert [of[2] for of in rounds] == [1, 2, 3, 4, 3, 4, 3, 3]
+    assert rounds[-1][-1] == 0.0  # minutes left
+
+
 def test_file_holds_what_differs_from_the_defaults_and_what_was_fitted(tmp_path, monkeypatch):
     calibration = Settings().calibration.model_dump() | {"fit": ("tables", "C8")}
     paths, edges = calibration["free"], (0.0, 0.0199, 0.0201, 0.9799, 0.9801, 1.0)
