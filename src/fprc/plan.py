@@ -101,8 +101,10 @@ class Plan:
 
     def _why_not(self, logs: Sequence[str], channels: Sequence[str]) -> str:
         """Return why a result cannot be made from the logs; nothing if it can."""
-        lacking = [f"{log}.h5 in {self._raw}" for log in logs if log not in self.contents]
-        lacking = lacking or [
+        missing = [f"{log}.h5" for log in logs if log not in self.contents]
+        if missing:
+            return f"needs {in_words(missing)} in {self._raw}"
+        lacking = [
             f"{channel} in {log}.h5"
             for log in logs
             for channel in channels
