@@ -181,8 +181,10 @@ class Claim(NamedTuple):
     def status(self, fitted_to: Iterable[str]) -> str:
         """Return its kind: whether a fit to these terms decides it, in part, or not."""
         to = set(fitted_to)
-        if self.kind or to & set(self.fitted_by):
-            return self.kind or "fitted"
+        if self.kind:
+            return self.kind
+        if to & set(self.fitted_by):
+            return "fitted"
         return "half fitted" if to & set(self.half_fitted_by) else "predicted"
 
 
@@ -265,15 +267,16 @@ def _basis(claim: Claim, results: Results) -> str:
     """Return what the values of a claim are taken over."""
     if claim.over == "one run":
         return "main run"
-    of_grids, halved = claim.over != "seeds", claim.over.startswith("halves")
+    of_grids = claim.over != "seeds"
     seeds = len(results.grids if of_grids else results.controls)
     # see fprc.experiments.comparison.evaluate_grids
     folds = ", the first fold of each" if of_grids else ""
     if seeds == 1:
         return f"one seed{folds}"
-    chosen = f"; the step is chosen on the first {seeds // 2}" if halved else ""
-    judging = seeds - halved * (seeds // 2)
-    return f"mean and its 95 % interval over {judging} noise seeds of this rig{folds}{chosen}"
+    if claim.over.startswith("halves"):
+        folds += f"; the step is chosen on the first {seeds // 2}"
+        seeds -= seeds // 2
+    return f"mean and its 95 % interval over {seeds} noise seeds of this rig{folds}"
 
 
 def changed_verdicts(ledger: Sequence[Mapping[str, str]], declared: dict[str, str]) -> list[str]:
