@@ -95,7 +95,7 @@ COMMANDS: list[tuple[str, str, str, list[Argument]]] = [
     ]),
     ("import", "recordings.import_recording:import_or_draft", """Turn a recording into a raw log.
 
-        Says what is doubtful in it. docs/own-data.md describes the map.
+        Says what is doubtful in it, and draws it. docs/own-data.md describes the map.
 
           fprc import arm.csv --draft > arm.yaml
           fprc import arm.csv --map arm.yaml --out sweep.h5""", [

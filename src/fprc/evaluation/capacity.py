@@ -87,7 +87,7 @@ def capacity(
     finite = np.isfinite(states).all() and np.isfinite(inputs).all()
     if inputs.shape != (len(states),) or not finite:
         raise EvaluationError("the state and the input must be finite, and of the same length")
-    if len(inputs) < 2 * (lags * spacing + taps) + 10 * (shifts + 1):
+    if len(inputs) < _least(lags, spacing, taps, shifts):
         raise EvaluationError(f"{len(inputs)} samples are too few for {lags} lags; use fewer")
     inputs = (inputs - inputs.mean()) / (inputs.std() or 1.0)
     reach = max((lags - 1) * spacing, taps - 1)
@@ -127,8 +127,22 @@ def filtered_capacity(signal: np.ndarray, theta: np.ndarray, rate_hz: float) -> 
     """Return the capacity of a signal and three low-passes of it, for theta as the input."""
     epsilons = [1.0 - np.exp(-1.0 / (time_s * rate_hz)) for time_s in TIMES_S]
     state = LowpassBank([1.0, *epsilons]).fit_transform(signal[:, None])
-    spacing = max(1, round(SPACING_S * rate_hz))
+    spacing = _spacing(rate_hz)
     return capacity(state, theta, rate_hz=rate_hz, lags=LAGS, spacing=spacing, taps=TAPS)
+
+
+def least_samples(rate_hz: float) -> int:
+    """Return the fewest samples that ``filtered_capacity`` takes."""
+    return _least(LAGS, _spacing(rate_hz), TAPS, 19)
+
+
+def _spacing(rate_hz: float) -> int:
+    """Return the samples from one lag of ``filtered_capacity`` to the next."""
+    return max(1, round(SPACING_S * rate_hz))
+
+
+def _least(lags: int, spacing: int, taps: int, shifts: int) -> int:
+    return 2 * (lags * spacing + taps) + 10 * (shifts + 1)
 
 
 def _products(lags: int, degree: int, most: int) -> Iterator[tuple[int, ...]]:

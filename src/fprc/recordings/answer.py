@@ -224,7 +224,9 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     lines = []
     for row in rows:
         line = f"{row['claim'][:1].upper()}{row['claim'][1:]} ({row['id']}): {row['words']}."
-        if row["mean"] is not None:
+        if row["mean"] is not None and row["units"] < LEAST_UNITS:
+            line += f" Fewer than {LEAST_UNITS} blocks decide nothing."
+        elif row["mean"] is not None:
             ratio = "{mean:#.3g} ({low:#.3g} to {high:#.3g})".format_map(row)
             line += f" FPRC's error is {ratio} times that of {title_of(CLAIMS[row['id']][1])}."
         lines.append(line)

@@ -68,10 +68,8 @@ def guess_clock(name: str, column: Column) -> Clock | None:
     Its steps are even, or it is near a straight line, or its name says so; it counts no samples.
     """
     stamps, words = column.values[np.isfinite(column.values)], f"{name} {column.label}"
-    named, stated = (
-        is_time(words),
-        parse_unit(column.unit) or unit_in(name) or unit_in(words, TIMES),
-    )
+    named = is_time(words)
+    stated = parse_unit(column.unit) or unit_in(name) or unit_in(words, TIMES)
     if len(stamps) < max(3, 0.9 * len(column.values)) or (stated and stated.quantity != "s"):
         return None
     steps, span = np.diff(stamps), float(stamps[-1] - stamps[0])

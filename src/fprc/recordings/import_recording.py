@@ -5,11 +5,14 @@ The limits below were written down before they were run on any recording.
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from fprc import escape
 from fprc.artifacts import refuse_output
 from fprc.channels import CHANNELS, TARGETS, unit_of
 from fprc.config import Settings
@@ -25,6 +28,7 @@ from fprc.recordings.importing import USUAL, Draft, ImportMap, Recording, read_m
 from fprc.recordings.names import factor_of, has, is_time, likely_channel, stated_unit
 from fprc.recordings.table import Column, Table, read_table
 
+_quoted = partial(json.dumps, ensure_ascii=False)
 #: Largest share of missing values of a column whose samples are left out, not interpolated.
 _MISSING = 0.1
 #: Range of plausible sample rates, Hz.
@@ -62,7 +66,9 @@ def import_or_draft(
     mapping = read_map(map_)
     if mapping.experiment is None:
         raise ConfigError(f"{map_}: experiment is missing; give sweep or complex")
+    picture = Path(out).with_suffix(".png")
     refuse_output(out, ".h5", ours=importing.is_imported)
+    refuse_output(picture, ".png", ours=lambda old: importing.is_imported(out))
     table = read_table(source, **mapping.csv.model_dump())
     recording = importing.gather(table, mapping)
     quality, target = Settings().quality, mapping.target("measured")
@@ -70,10 +76,24 @@ def import_or_draft(
     mapping = mapping.changed(sample_rate_hz=mapping.sample_rate_hz or 200.0)  # the paper's
     samples = importing.resample(recording, mapping.sample_rate_hz)
     importing.write_log(out, recording, *samples, mapping)
+    draw(recording, mapping.notes, picture)
     doubts = [f"doubtful: {line}" for line in (*doubts, *stops)]
     lines = [*words, *doubts, *table.notes, *recording.notes]
     print("\n  ".join([f"{source}:", *lines]))
-    print(f"{out}: {len(samples[0])} samples at {mapping.sample_rate_hz:g} Hz")
+    print(f"{out}: {len(samples[0])} samples at {mapping.sample_rate_hz:g} Hz, drawn in {picture}")
+
+
+def draw(recording: Recording, notes: Mapping[str, str], png: Path) -> None:
+    """Draw every channel over time, as it was recorded."""
+    from fprc.figures import style  # slow to import, and a draft needs none
+
+    frame = pd.DataFrame(recording.channels, recording.time_s)
+    titles = [escape.figure(f"{name} {notes.get(name, '')}"[:100]) for name in frame]
+    height_in = 0.4 + 0.85 * len(titles)
+    fig, axes = style.figure(len(titles), 1, style.PAGE_IN, height_in, sharex=True)
+    frame.plot(subplots=True, ax=axes, title=titles, legend=False, color="0.3", linewidth=0.6)
+    axes[-1].set(xlabel="Time [s]", xlim=recording.time_s[[0, -1]])
+    style.save(fig, {"source": "import"}, str(png))
 
 
 def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
@@ -123,7 +143,8 @@ def draft_map(table: Table, layout: Mapping[str, Any] | None = None) -> str:
         words.append(f"lines that are no samples: {count}: {'; '.join(table.unusable[:3])}")
     for name, gone in missing.items():
         if name in used - apart and gone.sum() > count:
-            words.append(f"{gone.sum()} values of {_quoted(name)}")
+            first = table.sample(int(gone.argmax()))
+            words.append(f"{gone.sum()} values of {_quoted(name)}, the first at {first}")
     if words:
         lines.append(f"skip_unusable: true  # leaves out {'; '.join(words)}")
     lines += [f"# {_quoted(n)}: {_in_words(c)}" for n, c in columns.items() if n not in used]
@@ -192,14 +213,10 @@ def _time_line(name: str | None, clocks: Mapping[str, Clock], table: Table) -> s
     return _line("time", spec, words, others)
 
 
-def _quoted(name: str) -> str:
-    return json.dumps(name, ensure_ascii=False)
-
-
 def _line(key: str, value: Mapping[str, Any], words: list[str], others: Sequence[str] = ()) -> str:
     if others:
         words = [*words, f"or {in_words(map(_quoted, others), 'or')}?"]
-    return f"{key}: {json.dumps(value, ensure_ascii=False)}  # {'; '.join(words)}"
+    return f"{key}: {_quoted(value)}  # {'; '.join(words)}"
 
 
 def _in_words(column: Column) -> str:
@@ -230,10 +247,10 @@ def judge(
     needed = {"theta_deg": "theta", TARGETS[target]: "P_exp", "p_o_kpa": "P_o"}
     for name, spec in mapping.columns.items():
         column, quantity, unit = spec["column"], unit_of(name), spec["unit"]
-        given, factor, values = table.pick(column), factor_of(unit, quantity) or 1.0, channels[name]
+        of, factor, values = table.columns[column], factor_of(unit, quantity) or 1.0, channels[name]
         ends = f"{values.min():.4g} to {values.max():.4g}"
         words.append(f"{name} from {column}: {ends} {'' if unit == '1' else quantity}".rstrip())
-        stated = stated_unit(column, given.label, given.unit)
+        stated = stated_unit(column, of.label, of.unit)
         # a scale, or a note, says that the map is meant as it is
         meant = spec["scale"] != 1.0 or spec["note"] or unit == "1"
         others = other_units(name, unit, values / factor)
@@ -243,12 +260,12 @@ def judge(
         elif others and spec["scale"] == 1.0:
             doubts.append(f"{name}: its size is unusual; is {column} in {in_words(others, 'or')}?")
         if (outside := checks["range"]["samples"].get(name, 0)) > MOST_OUTSIDE * len(values):
-            stops.append(f"{name}: {outside} samples are out of range: correct unit or offset")
+            stops.append(f"{name}: {outside} samples out of range: correct unit, scale or offset")
         if name not in needed:
             continue
         word, span, least = needed[name], float(np.ptp(values)), LEAST_SPAN[quantity]
         if runs(values)[1].max() >= STUCK * len(values):
-            stops.append(f"{word} stands still for half of the recording: check the sensor")
+            stops.append(f"{word} stands still for half of the recording: check it, or cut it off")
         # P_o may span little
         elif word != "P_o" and unit != "1" and span < least:
             less = f"{word} spans {span:.3g} {quantity}, less than {least:g}"
@@ -282,8 +299,8 @@ def unfit(recording: Recording, target: str) -> list[str]:
     for word, name in {"theta": "theta_deg", "P_exp": TARGETS[target], "P_o": "p_o_kpa"}.items():
         even[word] = np.interp(grid_s, time_s, recording.channels[name])
     for (one, other), most in COPIES.items():
-        late = pd.DataFrame({k: even[other].shift(k) for k in range(-lag, lag + 1)})
-        if (late.corrwith(even[one]) ** 2).max() > most:
+        alike = pd.Series([even[one].corr(even[other].shift(k)) ** 2 for k in range(-lag, lag + 1)])
+        if alike.max() > most:
             stops.append(f"{one} and {other} are one signal, by a straight line: check the columns")
     X, p_exp = even[["theta"]].to_numpy(), even["P_exp"].to_numpy()
     epsilons = [1.0 - np.exp(-1.0 / (s * hz)) for s in (0.15, 0.5, 1.7)]

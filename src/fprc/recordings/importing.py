@@ -181,13 +181,14 @@ class Recording(NamedTuple):
 def gather(table: Table, mapping: ImportMap) -> Recording:
     """Select, convert and cut the channels of a file; LogError says what cannot be used."""
     path, specs, time = table.path, mapping.columns, mapping.time
-    picked = {name: table.pick(spec["column"]).values for name, spec in specs.items()}
-    clocks = {n: table.pick(spec["time"]).values for n, spec in specs.items() if "time" in spec}
+    asked = {name: spec["column"] for name, spec in specs.items()}
+    asked |= {f"{name}.time": spec["time"] for name, spec in specs.items() if "time" in spec}
+    asked |= {"time": time.column} if time.column else {}
+    picked = table.pick(asked)
+    clocks = {name: picked[f"{name}.time"] for name in specs if f"{name}.time" in asked}
     shared = [name for name in specs if name not in clocks]
-    count = max((len(picked[name]) for name in shared), default=0)
-    stamps = np.arange(count) / (time.rate_hz or 1.0)
-    if time.column:
-        stamps = table.pick(time.column).values
+    count = max(len(picked[name]) for name in shared or specs)
+    stamps = picked.get("time", np.arange(count) / (time.rate_hz or 1.0))
     if any(len(picked[name]) != len(stamps) for name in shared):
         raise LogError(f"{path}: unequal numbers of samples; give each channel's clock, its `time`")
     for name, clock in clocks.items():
@@ -225,7 +226,7 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
         k = int(late[0])
         raise LogError(
             f"{path}: time: {table.sample(numbers[k])} at {stamps[k]:.16g} does not come after "
-            f"{stamps[k - 1]:.16g}; in all: {late.size}; give time.repeated or time.rate_hz"
+            f"{stamps[k - 1]:.16g}; in all: {late.size}; repair, or give time.repeated or rate_hz"
         )
     # subtract before converting, or stamps counted from 1970 would lose digits
     since_s = (stamps - stamps[:1]) * SECONDS[time.unit]
@@ -235,7 +236,9 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
     # a channel's own clock may begin later or end earlier
     kept &= np.isfinite(rows[1 + len(shared) :]).all(axis=0)
     if kept.sum() < 2:
-        raise LogError(f"{path}: {kept.sum()} samples lie between start_s and end_s; correct them")
+        raise LogError(
+            f"{path}: {kept.sum()} samples lie from start_s to end_s; correct these or a clock"
+        )
     numbers, since_s = numbers[kept], since_s[kept]
     picked = dict(zip(names, rows[1:, kept], strict=True))
     channels = {}
@@ -247,7 +250,8 @@ def gather(table: Table, mapping: ImportMap) -> Recording:
             first = f"{table.sample(numbers[bad[0]])} is {given[bad[0]]:g}"
             raise LogError(
                 f"{path}: {name}: {spec['column']}: {first}; not finite or above {LARGEST:g}: "
-                f"{bad.size}; cut them off by start_s and end_s, or give `skip_unusable: true`"
+                f"{bad.size}; correct the unit, cut them off by start_s and end_s, or give "
+                "`skip_unusable: true`"
             )
     first_s = float(since_s[0])
     time_s, start_s = since_s - first_s, float(stamps[0] * SECONDS[time.unit]) + first_s

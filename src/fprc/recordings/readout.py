@@ -9,22 +9,22 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from fprc import escape
 from fprc.artifacts import refuse_output, sha256, write_json, write_text
 from fprc.channels import TARGETS
 from fprc.config import check, from_files
 from fprc.errors import ConfigError, LogError
 from fprc.evaluation import sides
-from fprc.figures import style
+from fprc.evaluation.capacity import least_samples
 from fprc.given import read_json
 from fprc.logs.quality import noted_unit
 from fprc.paper import SOURCES
 from fprc.plan import paper_models
 from fprc.recordings import answer
 from fprc.recordings.clock import rate_of
-from fprc.recordings.import_recording import judge, unfit
-from fprc.recordings.importing import Recording, gather, is_imported, read_map, resample, write_log
+from fprc.recordings.import_recording import draw, judge, unfit
+from fprc.recordings.importing import gather, is_imported, read_map, resample, write_log
 from fprc.recordings.table import read_table
+from fprc.registry import title_of
 from fprc.tables.text import markdown, three_digits
 
 #: Share of a recording that becomes the workflow's training log, without test_from_s in the map.
@@ -50,13 +50,14 @@ def report_readout(
     page, answered = folder / "report.md", folder / "readout/answer.json"
     table, digest = read_table(source, **mapping.csv.model_dump()), sha256(source)
     again = answered.exists() and read_json(answered).get("sha256") == digest
-    refuse_output(page, ".md", ours=lambda old: again)
+    for path in (page, answered):
+        refuse_output(path, path.suffix, ours=lambda old: again)
     raw = {name: folder / f"raw/{name}.h5" for name in ("sweep", "complex")}
     for log in raw.values():
         refuse_output(log, ".h5", ours=is_imported)
     recording, target = gather(table, mapping), mapping.target(settings["evaluation"]["target"])
     words, doubts, stops = judge(recording, mapping, table, given.quality, target)
-    if stops := stops or unfit(recording, target):
+    if stops:
         raise LogError("\n".join(f"{source}: {line}" for line in stops))
     # its own, at least 1 Hz as in a map, at most the configuration's
     control_hz, own_hz = settings["control"]["sample_rate_hz"], max(1.0, rate_of(recording.time_s))
@@ -65,9 +66,14 @@ def report_readout(
     theta, p_o, p_exp = (channels[name] for name in ("theta_deg", "p_o_kpa", TARGETS[target]))
     recordings = sides.Recordings(theta, p_o, p_exp, [len(time_s)], rate_hz)
     thin = recordings.thinned()
-    needed_s = sides.seconds_of(LEAST_BLOCKS)
-    if time_s[-1] < 0.9 * needed_s or len(thin.folds()) < LEAST_BLOCKS:
-        raise LogError(f"{source}: {time_s[-1]:.3g} s are too short; it takes {needed_s:g} s")
+    least, needed_s = least_samples(thin.rate_hz), sides.seconds_of(LEAST_BLOCKS)
+    long_enough = time_s[-1] >= 0.9 * needed_s and len(thin.theta) >= least
+    if not long_enough or len(thin.folds()) < LEAST_BLOCKS:
+        needed_s = max(needed_s, least / thin.rate_hz)
+        short = f"{time_s[-1]:.3g} s at {rate_hz:.3g} Hz are too short"
+        raise LogError(f"{source}: {short}; it takes {needed_s:.3g} s")
+    if stops := unfit(recording, target):
+        raise LogError("\n".join(f"{source}: {line}" for line in stops))
     border_s = float(f"{_TRAINED * time_s[-1]:.4g}")
     if mapping.test_from_s is not None:
         border_s = mapping.test_from_s - recording.since_s
@@ -79,7 +85,7 @@ def report_readout(
             part = mapping.changed(experiment=name, sample_rate_hz=rate_hz)
             rest = {channel: values[rows] for channel, values in channels.items()}
             write_log(raw[name], recording, time_s[rows], rest, part)
-        _draw(recording, mapping.notes, str(folder / "raw/recording.png"))
+        draw(recording, mapping.notes, folder / "raw/recording.png")
         unit = noted_unit(TARGETS[target], {"notes": mapping.notes})
         models = sides.models_at(paper_models(settings), sides.PAPER_HZ / control_hz)
         seed = settings["seed"]
@@ -115,6 +121,7 @@ def _page(source: str, report: Mapping[str, Any]) -> str:
         }
         for family, error in found["with"]["families"].items()
     )
+    left_out = ", ".join(title_of(name) for name in answer.MODELS if name not in report["models"])
     note = (
         f"Geometric mean of the RMSE over {blocks} blocks of {np.mean(found['block_s']):.3g} s, "
         "each predicted by models that the others trained and chose, without 2 s on each side."
@@ -139,6 +146,7 @@ def _page(source: str, report: Mapping[str, Any]) -> str:
         "Settings are the paper's, unless `--config` gave others; those that count samples are "
         f"scaled to {report['rate_hz']:g} Hz. Taps keep their number.",
         *(f"- {line}" for line in answer.sentences(report["claims"])),
+        *([f"Left out, for too few samples or (ESN) too many: {left_out}."] if left_out else []),
         "Each ratio is the geometric mean over blocks; below 1 it favours FPRC. The chance that "
         "any of these verdicts is wrong is kept at 5 % (Holm).",
         "Every number: [readout/answer.json](readout/answer.json).",
@@ -148,14 +156,3 @@ def _page(source: str, report: Mapping[str, Any]) -> str:
         "![it](raw/recording.png)",
     ]
     return "\n\n".join(lines) + "\n"
-
-
-def _draw(recording: Recording, notes: Mapping[str, str], png: str) -> None:
-    """Draw every channel over time, as it was recorded."""
-    frame = pd.DataFrame(recording.channels, recording.time_s)
-    titles = [escape.figure(f"{name} {notes.get(name, '')}"[:100]) for name in frame]
-    count = len(titles)
-    fig, axes = style.figure(count, 1, style.PAGE_IN, 0.4 + 0.85 * count, sharex=True)
-    frame.plot(subplots=True, ax=axes, title=titles, legend=False, color="0.3", linewidth=0.6)
-    axes[-1].set(xlabel="Time [s]", xlim=recording.time_s[[0, -1]])
-    style.save(fig, {"source": "import"}, png)

@@ -3,7 +3,7 @@
 import json
 import re
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -52,14 +52,14 @@ class Table(NamedTuple):
         line = "" if self.lines is None else f" (line {self.lines[number]})"
         return f"sample {number}{line}"
 
-    def pick(self, name: str) -> Column:
-        """Return the column that a map names; LogError if there is none."""
-        if name not in self.columns:
-            why = self.others.get(name, "no such column")
-            raise LogError(
-                f"{self.path}: {name}: {why}; `fprc import {self.path} --draft` shows all"
-            )
-        return self.columns[name]
+    def pick(self, asked: Mapping[str, str]) -> dict[str, np.ndarray]:
+        """Return the columns that a map names, by its keys; LogError lists those that are none."""
+        missing = [f"{key}: {name}: {self.others.get(name, 'no such column')}"
+                   for key, name in asked.items() if name not in self.columns]  # fmt: skip
+        if missing:
+            lines = "; ".join(missing)
+            raise LogError(f"{self.path}: {lines}; `fprc import {self.path} --draft` shows all")
+        return {key: self.columns[name].values for key, name in asked.items()}
 
 
 def read_table(path: Path | str, **layout: Any) -> Table:
@@ -126,7 +126,8 @@ def _split(name: str, part: Column | str) -> Parts:
         array = array.astype(np.float64, copy=False)
         for k, values in enumerate(np.atleast_2d(array.T if upright else array)):
             place = f"[:, {k}]" if upright else f"[{k}, :]"
-            yield f"{name}{place}" if array.ndim == 2 else name, part._replace(values=values)
+            column = part._replace(values=values) if np.isfinite(values).any() else "no numbers"
+            yield f"{name}{place}" if array.ndim == 2 else name, column
 
 
 def _joined_clocks(columns: dict[str, Column]) -> dict[str, Column]:

@@ -75,8 +75,8 @@ def test_cut_is_counted_from_the_first_sample():
         ),
         (
             {},
-            {"force": {"column": "forces"}},
-            ["forces: no such column"],
+            {"force": {"column": "forces"}, "time": {"column": "clock"}},
+            ["p_exp_kpa: forces: no such column; time: clock: no such"],
         ),
         ({"angle": changed(T, 3, 2e9)}, {}, ["theta_deg: angle: sample 3"]),
     ],
@@ -115,6 +115,13 @@ def test_channel_with_its_own_clock_is_interpolated_where_it_has_samples():
     assert recording.time_s == pytest.approx(np.arange(39) / 100.0)
     assert recording.start_s == pytest.approx(0.05)
     assert recording.channels["p_exp_kpa"] == pytest.approx(np.arange(39.0))
+
+
+def test_all_channels_may_have_clocks_of_their_own():
+    clocks = {name: {"time": "t"} for name in ("angle", "force")}
+    recording = gather(table(), asked({"column": None, "rate_hz": 100.0}, **clocks))
+    assert recording.time_s == pytest.approx(T)
+    assert recording.channels["theta_deg"] == pytest.approx(np.sin(T))
 
 
 def test_scale_and_offset_come_before_the_unit():

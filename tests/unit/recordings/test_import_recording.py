@@ -52,11 +52,12 @@ def test_log_goes_out_as_csv_and_comes_back_the_same(bring, recorded):
     assert log.attributes["source"] == "import"
 
 
-def test_file_that_no_import_wrote_is_kept(bring, tmp_path):
-    (tmp_path / "sweep.h5").write_text("mine")
-    with pytest.raises(FprcError, match=r"sweep\.h5: exists and was not made by this command"):
+@pytest.mark.parametrize("name", ["sweep.h5", "sweep.png"])
+def test_file_that_no_import_wrote_is_kept(bring, tmp_path, name):
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(FprcError, match=f"{name}: exists and was not made by this command"):
         bring()
-    assert (tmp_path / "sweep.h5").read_text() == "mine"
+    assert [(path.name, path.read_text()) for path in tmp_path.glob("sweep*")] == [(name, "mine")]
 
 
 def test_import_needs_to_know_which_log_it_writes(bring):
@@ -65,12 +66,13 @@ def test_import_needs_to_know_which_log_it_writes(bring):
 
 
 @pytest.mark.parametrize("name", [r"$\frac{$", "=1, a\x1b[2J", "日本"])
-def test_column_of_any_name_is_imported(tmp_path, name):
+def test_column_of_any_name_is_imported_and_drawn(tmp_path, name):
     table = pd.DataFrame({"t": np.arange(20) / 200.0, name: np.arange(20.0), "p": np.ones(20)})
     table.to_csv(tmp_path / "log.csv", index=False)
     theta = {"column": name, "unit": "deg", "note": f"from {name}"}
     raw = imported(tmp_path, {"theta_deg": theta, "p_exp_kpa": {"column": "p", "unit": "kPa"}})
     assert read_raw(raw, **RATE).channels["theta_deg"].tolist() == list(range(20))
+    assert sorted(path.name for path in tmp_path.glob("sweep*")) == ["sweep.h5", "sweep.png"]
 
 
 def imported(folder, channels, **more):

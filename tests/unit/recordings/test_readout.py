@@ -144,10 +144,16 @@ def test_files_of_others_are_refused_and_kept(recording, tmp_path):
     write_columns(raw, {"theta_deg": np.zeros(3)}, {})
     assert run(tmp_path, map_file) == 1
     assert read_columns(raw, ()).attributes == {}
+    raw.unlink()
+    answered = tmp_path / "out/readout/answer.json"
+    answered.parent.mkdir()
+    answered.write_text('{"mine": 1}')
+    assert run(tmp_path, map_file) == 1
+    assert answered.read_text() == '{"mine": 1}'
 
 
 @pytest.mark.usefixtures("stopped")
-@pytest.mark.parametrize("wrong", ["copy", "noise", "short", "no P_o", "border"])
+@pytest.mark.parametrize("wrong", ["copy", "noise", "short", "slow", "jump", "no P_o", "border"])
 def test_what_cannot_be_right_stops_before_anything_is_written(recording, tmp_path, wrong):
     table, channels, more = pd.read_csv(tmp_path / "log.csv"), dict(CHANNELS), {}
     if wrong == "copy":
@@ -156,6 +162,11 @@ def test_what_cannot_be_right_stops_before_anything_is_written(recording, tmp_pa
         table["force"] = np.random.default_rng(0).standard_normal(3000)
     elif wrong == "short":
         table = table[:1000]
+    elif wrong == "slow":  # too few samples for the memory
+        table["t"] *= 50.0
+        table = table[:200]
+    elif wrong == "jump":  # a clock that takes too much memory
+        table["t"] += 1e7 * (table["t"] > 30.0)
     elif wrong == "border":
         more = {"test_from_s": 61}
     else:

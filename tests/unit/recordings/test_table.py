@@ -79,7 +79,7 @@ def test_what_is_no_column_of_matlab_leaves_the_rest_and_is_told(read, matlab_fi
     assert {"cells{1}", "run.a", "video", "rate"} <= set(table.others)
     for name in ("run.q", "run(3).y", "run.a"):
         with pytest.raises(LogError, match=re.escape(name)):
-            table.pick(name)
+            table.pick({"theta_deg": name})
 
 
 def test_timeseries_of_matlab_are_numbers_or_one_line_says_how_to_save_them(tmp_path):
