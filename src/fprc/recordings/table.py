@@ -17,9 +17,10 @@ from fprc.errors import LogError
 from fprc.given import open_given
 from fprc.logs.columns import open_hdf5, refuse_absent
 
-#: Attributes of HDF5 and fields of a struct that hold a unit, and a label, as Simulink writes them.
+#: Attributes of HDF5 and fields of a struct that hold a unit, a label, and names of columns.
 _UNITS = ("units", "unit", "Units", "Unit")
 _LABELS = ("long_name", "label", "Label", "Name", "name", "title", "description")
+_NAMES = ("columns", "names", "column_names", "labels", "fields")
 #: Most numbers taken of one message of ROS; a longer one is an image or a cloud of points.
 _MOST_NUMBERS = 200
 
@@ -30,6 +31,7 @@ class Column(NamedTuple):
     values: np.ndarray  #: shape (n_samples,)
     unit: str = ""  #: as the file states it, outside of the column's name
     label: str = ""  #: what the file calls it besides its name
+    names: Sequence[Any] = ()  #: arrays that may name the columns of a matrix
 
 
 #: Names of parts, each with its array, or with the reason why it cannot be a channel.
@@ -107,7 +109,7 @@ def _split(name: str, part: Column | str) -> Parts:
     """Yield the columns in a part of a file, or why it cannot be a channel.
 
     Dates become seconds since 1970. Dimensions of length 1 are dropped. The longer dimension of a
-    matrix is time; its columns are ``name[:, 0]``, its rows ``name[0, :]``.
+    matrix is time; its columns are ``name[:, 0]``, its rows ``name[0, :]``, or by name ``name.x``.
     """
     if isinstance(part, str):
         yield name, part
@@ -124,8 +126,11 @@ def _split(name: str, part: Column | str) -> Parts:
             array = since / np.timedelta64(1, "s")
         upright = array.shape[0] >= array.shape[-1]
         array = array.astype(np.float64, copy=False)
+        named = [np.ravel(n) for n in part.names if np.size(n) == min(array.shape)]
         for k, values in enumerate(np.atleast_2d(array.T if upright else array)):
             place = f"[:, {k}]" if upright else f"[{k}, :]"
+            if named and (text := _text({"": named[0][k]}, [""])):
+                place = f".{text}"
             column = part._replace(values=values) if np.isfinite(values).any() else "no numbers"
             yield f"{name}{place}" if array.ndim == 2 else name, column
 
@@ -208,16 +213,18 @@ def read_hdf5(path: Path) -> Parts:
             except (LogError, OSError, RuntimeError) as error:  # other datasets may be readable
                 yield name, f"cannot be read ({error})"
                 continue
-            yield name, Column(values, _text(dataset.attrs, _UNITS), _text(dataset.attrs, _LABELS))
+            about = dataset.attrs
+            names_of = [about[key] for key in _NAMES if key in about]
+            yield name, Column(values, _text(about, _UNITS), _text(about, _LABELS), names_of)
 
 
 def read_numpy(path: Path) -> Parts:
-    """Read an .npz or .npy file."""
+    """Read an .npz or .npy file; an array of texts names the columns of a matrix."""
     content: Any = np.load(path)
     if isinstance(content, np.ndarray):
-        fields = content.dtype.names
-        content = {field: content[field] for field in fields} if fields else {"data": content}
-    return ((name, Column(array)) for name, array in content.items())
+        content = {f: content[f] for f in content.dtype.names or ()} or {"data": content}
+    texts = [array for array in content.values() if array.dtype.kind in "SU"]
+    return ((name, Column(array, names=texts)) for name, array in content.items())
 
 
 def read_tdms(path: Path) -> Parts:

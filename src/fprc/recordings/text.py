@@ -111,7 +111,7 @@ def _table_of(path: Path, lines: dict[int, str], notes: list[str], **layout: Any
         lines, below, header_line = worded, worded, None
         _, mark, width, begin = _locate(below, "\t")
     if not width:
-        raise LogError(f"{path}: no samples: no line of numbers, or csv.header_line is past them")
+        raise LogError(f"{path}: no samples: no line of numbers below csv.header_line or data_line")
     begin = data_line or begin
     rows: dict[int, list[str]] = {}
     odd: dict[int, str] = {}
@@ -167,8 +167,7 @@ def _split(line: str, mark: str) -> list[str]:
 
 def is_value(text: str) -> bool:
     """Return whether a text is a number, a time, or a word for a missing value."""
-    found = any(pattern.fullmatch(text) for pattern in (*_NUMBERS.values(), _STAMP))
-    return found or text.lower() in _MISSING
+    return any(p.fullmatch(text) for p in (*_NUMBERS.values(), _STAMP)) or text.lower() in _MISSING
 
 
 def _locate(lines: Mapping[int, str], marks: Iterable[str]) -> tuple[float, str, int, int]:
@@ -177,20 +176,17 @@ def _locate(lines: Mapping[int, str], marks: Iterable[str]) -> tuple[float, str,
     for mark in marks:
         rows = {n: fields for n, line in head.items() if any(fields := _split(line, mark))}
         kinds = {n: tuple(map(is_value, fields)) for n, fields in rows.items()}
-        usual = Counter(
-            kind for n, kind in kinds.items() if sum(map(bool, rows[n])) >= 2 * kind.count(False)
-        )
-        if not usual:
+        seen = Counter(k for n, k in kinds.items() if 2 * k.count(False) <= sum(map(bool, rows[n])))
+        if not seen:
             continue
-        kind = max(usual, key=lambda kind: (usual[kind], len(kind)))
-        width, alike = len(kind), {n: k for n, k in kinds.items() if len(k) == len(kind)}
-        first = next(
-            n for n, k in alike.items() if all(a >= b for a, b in zip(k, kind, strict=True))
-        )
-        cells = width * sum(n >= first for n in rows)
-        share = sum(sum(k) for n, k in alike.items() if n >= first) / cells
-        if width > 1 and not any(rows[n][-1] for n in alike if n >= first):
-            width -= 1
+        commonest = max(seen, key=lambda kind: (seen[kind], len(kind)))
+        width = len(commonest)
+        values = {n: np.array(kind) for n, kind in kinds.items() if len(kind) == width}
+        first = next(n for n, kind in values.items() if (kind >= np.array(commonest)).all())
+        below = [n for n in rows if n >= first]
+        share = sum(values[n].sum() for n in below if n in values) / (width * len(below))
+        if width > 1 and not any(rows[n][-1] for n in below if n in values):
+            width -= 1  # separators end the lines
         # one column may be several with another separator; blanks split wherever tabs do
         best = max(best, (width > 1, share, mark != " ", width, mark, first))
     _, share, _, width, mark, first = best
@@ -251,12 +247,12 @@ def _names_in(line: str, mark: str, width: int, *, asked: bool) -> list[str]:
         re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", plain),  # blanks outside of brackets
     ):
         names = [name.strip() for name in found]
-        if asked or (len(names) == width + 1 and names[-1].lower() in ("", "comment")):
-            names = names[:width]
+        if len(names) == width + 1 and names[-1].lower() in ("", "comment"):
+            names.pop()
         some = [name for name in names if name]
         if len(names) == width <= 2 * len(some) and (asked or not any(map(is_value, some))):
             return names
-    return []
+    return [*_split(line, mark), *[""] * width][:width] if asked else []
 
 
 def _columns_of(
@@ -269,14 +265,12 @@ def _columns_of(
     decimal = decimal or _decimal_of(frame, separator)
     for k, (name, texts) in enumerate(frame.items()):
         missing = texts.str.lower().isin(_MISSING)
-        if not name and missing.all():
-            continue  # separators at the line ends make columns with neither name nor value
         repeats = [*frame.columns[:k]].count(name) if name else 0
         name = f"{name} ({repeats + 1})" if repeats else name or str(k)
         stamps = _stamps(texts, missing)
         values = _numbers(texts, decimal) if stamps is None else stamps
         bad = texts[np.isnan(values) & ~missing]
-        first = "".join(f"line {n} holds {t[:60]!r}, not a number" for n, t in bad[:1].items())
+        first = f"line {bad.index[0]} holds {bad.iloc[0][:60]!r}, not a number" if len(bad) else ""
         if len(bad) > _MOST_ODD * len(texts):
             doubt = "" if decimal else ", or its mark may group thousands: set csv.decimal"
             others[name] = f"{first}{doubt}"

@@ -156,6 +156,11 @@ def test_decimal_mark_is_that_of_the_file_or_refused(table, case):
         np.testing.assert_array_equal(found.columns["p"].values, np.array(expected, float))
 
 
+def test_header_line_that_is_asked_for_keeps_names_with_blanks(table):
+    found = table("Time s  Bend angle  P out\n" + "0.1 2 3\n" * 5, header_line=1)
+    assert list(found.columns) == ["Time s", "Bend angle", "P out"]
+
+
 @pytest.mark.parametrize("last", ["2,12", "2,", "2", '2,"1', ""])
 def test_last_line_without_a_line_end_is_left_out_with_a_note(table, last):
     found = table(f"t,x\n0,1\n1,2\n{last}")
