@@ -252,7 +252,7 @@ def _names_in(line: str, mark: str, width: int, *, asked: bool) -> list[str]:
         some = [name for name in names if name]
         if len(names) == width <= 2 * len(some) and (asked or not any(map(is_value, some))):
             return names
-    return [*_split(line, mark), *[""] * width][:width] if asked else []
+    return fields[:width] if asked and len(fields := _split(line, mark)) > width else []
 
 
 def _columns_of(

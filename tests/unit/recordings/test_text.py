@@ -159,6 +159,8 @@ def test_decimal_mark_is_that_of_the_file_or_refused(table, case):
 def test_header_line_that_is_asked_for_keeps_names_with_blanks(table):
     found = table("Time s  Bend angle  P out\n" + "0.1 2 3\n" * 5, header_line=1)
     assert list(found.columns) == ["Time s", "Bend angle", "P out"]
+    short = table('"t" "p"\n' + '"1" 0.5 2.5\n' * 5, header_line=1)
+    assert list(short.columns) == ["0", "1", "2"]  # R's row numbers have no name
 
 
 @pytest.mark.parametrize("last", ["2,12", "2,", "2", '2,"1', ""])
