@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from fprc import escape
-from fprc.artifacts import replacing, sha256
+from fprc.artifacts import sha256
 from fprc.channels import TARGETS, unit_of
 from fprc.config.load import explained
 from fprc.config.section import Section
@@ -311,21 +311,20 @@ def write_log(
     notes, source = mapping.notes, recording.path
     if recording.notes:
         notes["time_s"] = "; ".join(recording.notes)
-    with replacing(raw) as log:
-        write_raw(
-            log,
-            {"time_s": time_s - time_s[0], **channels},
-            experiment=mapping.experiment,
-            source="import",
-            sample_rate_hz=mapping.sample_rate_hz,
-            seed=0,
-            rig={},
-            imported_from=escape.visible(source.name),
-            imported_sha256=sha256(str(source)),
-            imported_start_s=recording.start_s + float(time_s[0]),
-            map=json.dumps(mapping.model_dump(exclude_none=True)),
-            notes=json.dumps(notes),
-        )
+    write_raw(
+        raw,
+        {"time_s": time_s - time_s[0], **channels},
+        experiment=mapping.experiment,
+        source="import",
+        sample_rate_hz=mapping.sample_rate_hz,
+        seed=0,
+        rig={},
+        imported_from=escape.visible(source.name),
+        imported_sha256=sha256(str(source)),
+        imported_start_s=recording.start_s + float(time_s[0]),
+        map=json.dumps(mapping.model_dump(exclude_none=True)),
+        notes=json.dumps(notes),
+    )
 
 
 def is_imported(old: Path | str) -> bool:

@@ -213,8 +213,9 @@ def read_hdf5(path: Path) -> Parts:
             except (LogError, OSError, RuntimeError) as error:  # other datasets may be readable
                 yield name, f"cannot be read ({error})"
                 continue
-            about = dataset.attrs
+            about, items = dataset.attrs, f"{name.removesuffix('values')}items"  # of pandas
             names_of = [about[key] for key in _NAMES if key in about]
+            names_of += [file[items][()]] if items in file else []
             yield name, Column(values, _text(about, _UNITS), _text(about, _LABELS), names_of)
 
 

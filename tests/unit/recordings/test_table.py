@@ -145,18 +145,19 @@ def test_what_is_no_column_of_hdf5_leaves_the_others(tmp_path):
 
 
 def test_names_beside_a_matrix_are_those_of_its_columns(tmp_path):
-    """As an attribute, and as an array of texts; others name nothing."""
+    """As an attribute, as an array of texts, and as pandas writes them; others name nothing."""
     matrix, names = np.arange(12.0).reshape(4, 3), ["t", "Winkel °", "p"]
     with h5py.File(tmp_path / "log.h5", "w") as file:
         file["run"], file["few"] = matrix, matrix
         file["run"].attrs["columns"], file["few"].attrs["names"] = names, names[:2]
+        file["df/block0_values"], file["df/block0_items"] = matrix, [n.encode() for n in names]
     phase = np.array(list("abcd"))
     np.savez(tmp_path / "log.npz", phase=phase, names=np.array(names), up=matrix, flat=matrix.T)
     named = {f".{name}": matrix[:, k].tolist() for k, name in enumerate(names)}
     found = columns(read_table(tmp_path / "log.h5")) | columns(read_table(tmp_path / "log.npz"))
     for k, values in enumerate(named.values()):
         assert found.pop(f"few[:, {k}]") == values
-    places = ("run", "up", "flat")
+    places = ("run", "df/block0_values", "up", "flat")
     assert found == {f"{place}{n}": values for place in places for n, values in named.items()}
 
 
